@@ -12,7 +12,7 @@ mod run_folder;
 mod solids;
 mod tables;
 #[cfg(test)]
-mod testing;
+pub(crate) mod testing;
 mod vtk;
 
 pub use apparatus::{Carrier, StandingPiece, standing};

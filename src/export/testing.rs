@@ -10,8 +10,8 @@ use crate::specimen::FunnelState;
 /// Speed of every grain along z, in m/s.
 pub(super) const SPEED: f64 = 0.5;
 
-/// Thirty grams of two sieve fractions.
-fn scenario() -> Scenario {
+/// A laboratory, and thirty grams of two sieve fractions.
+pub(crate) fn laboratory() -> (Setup, Arc<GrainSet>) {
     let value = json!({
         "name": "made up",
         "grains": {
@@ -23,17 +23,17 @@ fn scenario() -> Scenario {
         },
         "stages": [{ "stage": "fill_funnel" }, { "stage": "pour", "falling_height_mm": 0 }],
     });
-    serde_json::from_value(value).expect("a scenario")
+    let scenario: Scenario = serde_json::from_value(value).expect("a scenario");
+    let GrainsSpec::Sieved(sieved) = &scenario.grains else { panic!("grains by sieve") };
+    let grains = Arc::new(grains::generate(sieved, 1).expect("grains"));
+    (Setup::new(&scenario).expect("a laboratory"), grains)
 }
 
 /// Stages with so many frames each, `step` s apart: grains rise with [`SPEED`]
 /// on a table that moves along x, the second of them is gone, a funnel without
 /// lid stands in the first stage, and the plate lies from the second on.
 pub(super) fn moments(frames: &[usize], step: f64) -> Moments {
-    let scenario = scenario();
-    let GrainsSpec::Sieved(sieved) = &scenario.grains else { panic!("grains by sieve") };
-    let grains = Arc::new(grains::generate(sieved, 1).expect("grains"));
-    let setup = Setup::new(&scenario).expect("a laboratory");
+    let (setup, grains) = laboratory();
     let mut time = 0.0;
     let mut stages = Vec::new();
     for (number, &count) in frames.iter().enumerate() {
@@ -47,7 +47,7 @@ pub(super) fn moments(frames: &[usize], step: f64) -> Moments {
         stages.push(StageMoments { name: format!("stage_{number}"), frames, begin, end });
     }
     let parts = parts(&setup, &grains, None).expect("an apparatus");
-    Moments { scenario: scenario.name, setup, grains, parts, stages }
+    Moments { scenario: "made up".to_owned(), setup, grains, parts, stages }
 }
 
 /// Displacement of the table in m.

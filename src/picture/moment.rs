@@ -76,52 +76,27 @@ pub fn moments(run: &Playback, at: At) -> Moments<'_> {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use std::sync::Arc;
-
     use super::*;
-    use crate::export::PlayedStage;
-    use crate::geometry::Pose;
-    use crate::grains::{GrainSet, generate};
-    use crate::protocol::Setup;
-    use crate::record::Frame;
-    use crate::scenario::{GrainsSpec, Scenario};
+    use crate::export::{PlayedStage, testing::laboratory};
 
     /// A few grains that sink by 1 mm a frame: a stage with frames, one without.
     pub fn canned() -> Playback {
-        let scenario: Scenario = serde_json::from_str(
-            r#"{"name": "canned", "grains": {"total_mass_g": 30, "density_kg_per_m3": 2673.9,
-            "sieve_table": [{"passing_mm": 16, "retained_mm": 12.5, "mass_percent": 40},
-            {"passing_mm": 12.5, "retained_mm": 10, "mass_percent": 60}]},
-            "stages": [{"stage": "fill_funnel"}, {"stage": "pour", "falling_height_mm": 0}]}"#,
-        )
-        .expect("a scenario");
-        let GrainsSpec::Sieved(sieved) = &scenario.grains else { panic!("sieved grains") };
-        let grains: Arc<GrainSet> = Arc::new(generate(sieved, 1).expect("grains"));
+        let (setup, grains) = laboratory();
         let frame = |time: f64, z: f64| {
             let place = |n: usize| {
                 let (column, row) = ((n % 4) as f64, (n / 4) as f64);
                 Some(Pose::translation(0.018 * (column - 1.5), 0.018 * (row - 1.5), z))
             };
             let grains = (0..grains.grains.len()).map(place).collect();
-            Frame {
-                time,
-                cylinder: true,
-                funnel: None,
-                base: None,
-                table_x: 0.0,
-                top_plate: None,
-                grains,
-                pieces: Vec::new(),
-            }
+            Frame { time, cylinder: true, grains, ..Frame::default() }
         };
         let frames = (0..4).map(|n| frame(0.08 * f64::from(n), 0.02 - 1e-3 * f64::from(n)));
         let stage = |name: &str, frames, kept| PlayedStage { name: name.to_owned(), frames, kept };
-        let setup = Setup::new(&scenario).expect("a laboratory");
         let stages = vec![
             stage("fill_funnel", frames.collect(), true),
             stage("pour", vec![frame(1.0, 0.01)], false),
         ];
-        Playback { scenario: scenario.name, setup, grains, stages }
+        Playback { scenario: "canned".to_owned(), setup, grains, stages }
     }
 
     #[test]

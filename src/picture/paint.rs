@@ -178,16 +178,7 @@ mod tests {
     fn frame(time: f64, table_x: f64, xs: &[Option<f64>]) -> Frame {
         let pose = |x: &Option<f64>| x.map(|x| Pose::translation(x, 0.0, 0.0));
         let grains = xs.iter().map(pose).collect();
-        Frame {
-            time,
-            cylinder: true,
-            funnel: None,
-            base: None,
-            table_x,
-            top_plate: None,
-            grains,
-            pieces: Vec::new(),
-        }
+        Frame { time, cylinder: true, table_x, grains, ..Frame::default() }
     }
 
     #[test]

@@ -375,12 +375,8 @@ mod tests {
             outcome: "void_ratio".into(),
             runs,
             left_out,
-            means: Vec::new(),
             slope,
-            slope_half_width: None,
-            slope_p: None,
-            page_p: None,
-            configurations_needed: None,
+            ..SweepEffect::default()
         };
         let line = |of: &Sweep, start: &str| {
             let page = page(of, vec![]).markdown();
