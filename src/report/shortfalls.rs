@@ -1,11 +1,13 @@
 //! What falls short, said from the data.
 
-use super::{
-    ReportInput, Standard,
-    quality::{CreepShare, vibration_s},
-};
+use super::{ReportInput, Standard};
 use crate::{
-    paper::{StudyView, Verdict, constants::FALLING_HEIGHTS_MM, text::compact, text::number},
+    paper::{
+        StudyView, Verdict,
+        constants::FALLING_HEIGHTS_MM,
+        text::{compact, number},
+        uncertainty::settlements,
+    },
     record::{RunKind, RunRecord, left_out_in_words},
 };
 
@@ -126,18 +128,20 @@ fn creep(study: &StudyView, standard: &Standard) -> Vec<String> {
 }
 
 fn creep_beside_settlement(study: &StudyView) -> Option<String> {
-    let shares: Vec<(&RunRecord, CreepShare)> =
-        study.runs.iter().filter_map(|r| Some((r, CreepShare::of(r, vibration_s(r)?)?))).collect();
-    let (run, share) =
-        shares.iter().max_by(|a, b| a.1.percent().abs().total_cmp(&b.1.percent().abs()))?;
-    let mm = number(share.creep_mm, 3);
+    let shares = settlements(study).into_iter().filter_map(|run| {
+        let (creep_mm, plate_mm) = (run.creep_over_vibration_mm?, run.plate_mm?);
+        let is_known = creep_mm.is_finite() && plate_mm.is_finite();
+        is_known.then(|| (100.0 * creep_mm / plate_mm, creep_mm, plate_mm, run.run))
+    });
+    let (percent, creep_mm, plate_mm, run) =
+        shares.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
     Some(format!(
-        "How much of the settlement could be creep: at most {mm} mm of {} mm, {} %, in {} (creep \
+        "How much of the settlement could be creep: at most {} mm of {} mm, {} %, in {run} (creep \
          of the resting specimen times the length of the vibration). Creep under vibration may be \
          larger than at rest; no rest test shows that.",
-        number(share.settlement_mm, 2),
-        number(share.percent(), 2),
-        run.name,
+        number(creep_mm, 3),
+        number(plate_mm, 2),
+        number(percent, 2),
     ))
 }
 

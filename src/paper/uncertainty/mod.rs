@@ -237,7 +237,7 @@ pub fn uncertainty(all: &StudyView) -> Uncertainty {
     Uncertainty {
         confidence: CONFIDENCE,
         trend: trend(study),
-        settlements: MODES.iter().flat_map(|(kind, _)| all.of_kind(*kind)).map(settled).collect(),
+        settlements: settlements(all),
         placements: placements::scatter(all, study, CONFIDENCE),
         laboratory,
         quantities,
@@ -248,6 +248,11 @@ const MODES: [(RunKind, &str); 2] = [
     (RunKind::VibrationContinuous, "continuous"),
     (RunKind::VibrationIntermittent, "intermittent"),
 ];
+
+/// Settlement of every vibrated run, beside what its specimen creeps by itself.
+pub(crate) fn settlements(study: &StudyView) -> Vec<SettledRun> {
+    MODES.iter().flat_map(|(kind, _)| study.of_kind(*kind)).map(settled).collect()
+}
 
 fn settled(run: &RunRecord) -> SettledRun {
     let s = &run.summary;
