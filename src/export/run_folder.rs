@@ -184,6 +184,17 @@ fn locate(
     Ok((number, name, state, file))
 }
 
+/// What a folder is that has no manifest.
+fn without_manifest(folder: &Path) -> &'static str {
+    match () {
+        () if folder.join("unfinished.json").is_file() => {
+            "its run is not finished; run the same command again to resume"
+        }
+        () if folder.join("runs").is_dir() => "it holds several runs; name one in its `runs`",
+        () => "it is no folder of a run: it has no manifest.json",
+    }
+}
+
 impl Manifest {
     /// That of a run folder, and its file. Its scenario is one that can be run:
     /// whoever reads it builds its laboratory.
@@ -194,6 +205,9 @@ impl Manifest {
             return Err(FileError::unread(folder, &error));
         }
         let path = folder.join("manifest.json");
+        if folder.is_dir() && !path.exists() {
+            return Err(FileError::new("read", folder, without_manifest(folder)));
+        }
         let manifest: Self = read_json(&path)?;
         if let Err(found) = scenario::check(&manifest.scenario) {
             let faults: Vec<String> = found.faults().iter().map(ToString::to_string).collect();

@@ -1,6 +1,7 @@
 //! Stages of a laboratory of pieces: deposit, move, press, remove.
 
 use super::*;
+use crate::plain::three_decimals;
 use crate::scenario::DepositKind;
 use crate::specimen::TurnState;
 use crate::units::from_kpa;
@@ -239,7 +240,13 @@ impl Laboratory<'_> {
                 ..before
             });
         }
-        self.until_settled(specimen, *time_limit_s, "pressing")
+        let mut outcome = self.until_settled(specimen, *time_limit_s, "pressing")?;
+        if outcome.until.as_ref().is_none_or(|found| !found.reached) {
+            let pieces = self.setup.pieces.iter().zip(&outcome.specimen.state.pieces);
+            let told = pieces.filter_map(|(piece, state)| lacking(&piece.name, state.press?));
+            outcome.warnings.extend(told);
+        }
+        Ok(outcome)
     }
 
     /// Lets pieces move freely from now on.
@@ -306,6 +313,17 @@ impl Laboratory<'_> {
         let number = |name: &String| self.setup.pieces.iter().position(|p| &p.name == name);
         names.iter().map(number).collect()
     }
+}
+
+/// What a pressed piece lacks of its load.
+fn lacking(name: &str, press: PressState) -> Option<String> {
+    let bears = press.arrived || press.target_n == 0.0;
+    let unit = if press.turns.is_some() { "N m" } else { "N" };
+    let [force, target] = [press.force_n, press.target_n].map(three_decimals);
+    (!(press.is_reached() && bears)).then(|| match press.is_reached() {
+        true => format!("`{name}` is pressed with {target} {unit}, but nothing carries it yet"),
+        false => format!("`{name}` is pressed with {force} {unit} of the {target} asked for"),
+    })
 }
 
 /// The end of a stage, with a warning where it was to be another.

@@ -127,6 +127,22 @@ fn the_floor_bears_the_pressed_stress_and_the_weight_of_the_grains() {
     assert_eq!(moved.xy(), Vector::zeros().xy(), "law: and nowhere else");
 }
 
+/// Law: a load that the time limit cuts off is told with what there is of it, one that stands is not.
+#[test]
+fn a_load_that_is_not_reached_is_told() {
+    let _turn = crate::world::shared_turn();
+    let mut short = press(10.0);
+    short["time_limit_s"] = serde_json::json!(0.3);
+    short["ramp_s"] = serde_json::json!(3);
+    let told = go(None, filled(), None, short).0.warnings.join("; ");
+    assert!(
+        told.contains("`lid` is pressed with ") && told.contains("of the 24.01 asked"),
+        "{told}"
+    );
+    let whole = go(None, filled(), None, press(10.0)).0.warnings;
+    assert!(whole.is_empty(), "law: the whole load is on it, {whole:?}");
+}
+
 #[test]
 fn a_lid_that_nothing_carries_is_an_error_that_names_both_pieces() {
     let _turn = crate::world::shared_turn();

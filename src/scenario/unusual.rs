@@ -265,8 +265,17 @@ fn check_opening(field: &str, across: f64, least: f64, jams: &str, faults: &mut 
 
 /// Openings of pieces that jam, and containers that run over.
 fn unusual_pieces(scenario: &Scenario, grading: &Grading, faults: &mut Faults) {
-    let least = JAMS_BELOW * to_mm(grading.sizes.median);
+    let median = to_mm(grading.sizes.median);
+    let least = JAMS_BELOW * median;
     for (i, piece) in scenario.pieces.iter().enumerate() {
+        let reach = piece.shape.mesh.as_ref().map_or(f64::INFINITY, MeshPieceSpec::reach_mm);
+        faults.add_if(
+            reach < median,
+            &format!("pieces[{i}].shape.mesh"),
+            format!("corners within {} mm of its origin", short(reach)),
+            format!("more than the median grain size, {} mm", short(median)),
+            "the mesh is smaller than a grain; of a file in metres `scale_to_mm` is 1000",
+        );
         let Some(hopper) = &piece.shape.hopper else { continue };
         let field = format!("pieces[{i}].shape.hopper.opening_diameter_mm");
         let jams = "the hopper may jam: its opening is";

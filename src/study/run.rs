@@ -187,8 +187,13 @@ pub fn make_grains(scenario: &Scenario) -> Result<GrainSet, StudyError> {
             grains::generate(sieved, scenario.seed).map_err(StudyError::grains)
         }
         GrainsSpec::File(file) => {
-            let json = read_json(Path::new(&file.file))?;
-            grains::from_json(&json).map_err(StudyError::grains)
+            let path = Path::new(&file.file);
+            let named = |e: FileError| FileError {
+                reason: format!("{} (grains.file of `{}` names it)", e.reason, scenario.name),
+                ..e
+            };
+            let json = read_json(path).map_err(named)?;
+            Ok(grains::from_json(&json).map_err(|e| named(FileError::unfit(path, e)))?)
         }
         GrainsSpec::Meshes(meshes) => Ok(grains::from_meshes(meshes, scenario.seed)?),
     }

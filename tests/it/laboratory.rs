@@ -93,6 +93,24 @@ fn faults_name_the_field_and_what_is_allowed() {
         ("/stages/0/area_mm", json!([0, 80]), "stages[0].area_mm", "above 0"),
         ("/stages/1/travel_mm", json!(0), "stages[1].travel_mm", "out of range"),
         (
+            "/stages/1",
+            json!({ "stage": "move", "pieces": ["lid"], "velocity_mm_per_s": [0, 0, 20], "travel_mm": 10, "ramp_s": 0.6 }),
+            "stages[1].ramp_s",
+            "at most 0.5 s",
+        ),
+        (
+            "/stages/1",
+            json!({ "stage": "press", "loads": [{ "piece": "lid", "force_n": 1 }], "ramp_s": 2, "time_limit_s": 1 }),
+            "stages[1].ramp_s",
+            "at most 1 s",
+        ),
+        (
+            "/stages/0",
+            json!({ "stage": "deposit", "at_mm": [0, 0, 90], "area_mm": [80, 80], "rate_g_per_s": 50, "sizes_mm": [8, 9] }),
+            "stages[0].sizes_mm",
+            "[8, 10]",
+        ),
+        (
             "/stages/1/velocity_mm_per_s",
             json!([0, 0, 0]),
             "stages[1].velocity_mm_per_s",
@@ -115,7 +133,7 @@ fn faults_name_the_field_and_what_is_allowed() {
         (
             "/stages/1",
             json!({ "stage": "move", "velocity_mm_per_s": [0, 0, 5000000], "duration_s": 1 }),
-            "engine.rate_hz",
+            "stages[1]",
             "a piece at its fastest",
         ),
         (

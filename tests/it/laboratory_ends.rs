@@ -124,6 +124,20 @@ fn conditions_are_checked_with_what_they_need() {
         let moved = until(json!({ "piece": piece, "moved_mm": 1 }));
         assert_eq!(faults_in(folder, &moved).is_empty(), fits, "law: {piece} moves");
     }
+    // The lid goes down by 100 mm/s for 2 s, of which it takes 0.02 s to grow and die away.
+    for (condition, fits) in [
+        (json!({ "piece": "lid", "moved_mm": 198 }), true),
+        (json!({ "piece": "lid", "moved_mm": 198.1 }), false),
+        (json!({ "piece": "lid", "moved_mm": 140, "direction": [0, 1, -1] }), true),
+        (json!({ "piece": "lid", "moved_mm": 141, "direction": [0, 1, -1] }), false),
+        (json!({ "piece": "lid", "moved_mm": 1, "direction": [0, 0, 1] }), false),
+    ] {
+        let value = until(condition.clone());
+        match fits {
+            true => assert_eq!(faults_in(folder, &value), [], "law: reached: {condition}"),
+            false => expect(folder, &value, "stages[1].until.moved_mm", "does not carry"),
+        }
+    }
     // Several: each is checked where it stands.
     let good = json!({ "piece": "lid", "moved_mm": 1 });
     let bad = json!({ "piece": "door", "moved_mm": 1 });
@@ -211,7 +225,7 @@ fn a_recorded_motion_moves_pieces_and_is_checked_beforehand() {
     };
     assert_eq!(rows.len(), 3);
     fs::write(folder.join("fast.csv"), "time_s,x_mm\n0,0\n0.001,9000\n").expect("csv");
-    expect(folder, &recorded("fast.csv"), "engine.rate_hz", "a piece at its fastest");
+    expect(folder, &recorded("fast.csv"), "stages[1]", "a piece at its fastest");
     fs::write(folder.join("still.csv"), "time_s,x_mm\n0,1\n1,1\n").expect("csv");
     expect(folder, &recorded("still.csv"), "stages[1].motion_rows", "nothing would move");
     fs::write(folder.join("back.csv"), "time_s,x_mm\n0,1\n0,2\n").expect("csv");
@@ -274,6 +288,14 @@ fn a_mesh_is_a_piece_of_its_convex_parts_and_shows_in_pictures() {
     let loaded = load_scenario(&scenario, &[]).unwrap_or_else(|e| panic!("{e}")).scenario;
     let mesh = loaded.pieces[0].shape.mesh.as_ref().expect("a mesh");
     assert_eq!((mesh.file.as_ref(), mesh.parts().len()), (None, 2), "law: parts, and no file");
+    let told = |of: &pluvia::scenario::Scenario| {
+        pluvia::scenario::warnings(of).iter().any(|w| w.to_string().contains("in metres"))
+    };
+    assert!(!told(&loaded), "law: 245 mm from corner to corner are no grain's");
+    let mut in_metres = of("blocks.obj");
+    in_metres["pieces"][0]["shape"]["mesh"]["scale_to_mm"] = json!(1);
+    let small = load_scenario(&write(folder, &in_metres), &[]).unwrap_or_else(|e| panic!("{e}"));
+    assert!(told(&small.scenario), "law: 2.4 mm are less than a grain");
     let setup = pluvia::protocol::Setup::new(&loaded).expect("a laboratory");
     let volume = setup.pieces[0].volume() * 1e9;
     assert!((volume - 4e6).abs() < 1e-3, "law: two of 100 × 100 × 200 mm, got {volume} mm³");

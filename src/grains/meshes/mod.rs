@@ -84,10 +84,10 @@ pub fn from_meshes(spec: &MeshGrains, seed: u64) -> Result<GrainSet, ScenarioErr
         && let Some((file, reason)) = unreadable.first()
     {
         let others = unreadable.len() - 1;
-        let more = if others > 0 { format!(" (and {others} more files)") } else { String::new() };
+        let more = if others > 0 { format!(", and {others} more") } else { String::new() };
         return Err(ScenarioErrors::Unreadable {
             file: file.clone(),
-            reason: format!("{reason}{more}"),
+            reason: format!("{reason} (grains.meshes names it{more})"),
         });
     }
     faults.extend(unreadable.into_iter().map(|(file, reason)| Fault {

@@ -197,10 +197,14 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     warnings
 }
 
-/// A number for people: four significant digits, no trailing zeros.
+/// A number for people: four significant digits, no trailing zeros; with an exponent where it is
+/// longer than twelve digits.
 pub(super) fn short(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
+    }
+    if value.abs() >= 1e12 {
+        return format!("{value:.3e}");
     }
     let digits = (3 - value.abs().log10().floor() as i32).clamp(0, 12) as usize;
     without_zeros(&format!("{value:.digits$}")).to_owned()
@@ -245,6 +249,7 @@ mod tests {
             (277.0, "277"),
             (0.001_234_56, "0.001235"),
             (123_456.0, "123456"),
+            (1.234_56e300, "1.235e300"),
         ] {
             assert_eq!(short(value), expected, "law: four significant digits of {value}");
         }

@@ -96,6 +96,16 @@ fn check_move(spec: &StageSpec, faults: &mut Faults) {
         Some(_) => ("time_limit_s", time_limit_s),
         None => ("duration_s", duration_s),
     };
+    let speed = match (&velocity_mm_per_s, &rotation) {
+        (Some(velocity), _) => velocity.iter().map(|v| v * v).sum::<f64>().sqrt(),
+        (_, Some(turn)) => turn.deg_per_s.abs(),
+        _ => 0.0,
+    };
+    if let Some(time) = travel.map(|travel| travel / speed).filter(|time| ramp_s > *time) {
+        let allowed = format!("at most {} s, `{name}` over the speed", short(time));
+        let why = "the motion would not have grown when it dies away";
+        return faults.add("ramp_s", ramp_s, allowed, why);
+    }
     let Some(duration) = length_s else { return };
     if 2.0 * ramp_s > duration {
         let allowed = format!("at most {} s, half of the duration", short(duration / 2.0));

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::geometry::ConvexPolyhedron;
-use crate::scenario::{DepositKind, MeshPieceSpec, ShapeSpec};
+use crate::scenario::{DepositKind, MeshPieceSpec, ShapeSpec, SieveFraction};
 use crate::units::to_g;
 
 /// Stages of the built-in apparatus.
@@ -22,7 +22,16 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
         let mut faults = faults.at(format!("stages[{i}]"));
         match spec {
             StageSpec::Deposit { .. } => check_deposit(parts, spec, &mut faults),
-            StageSpec::Press { loads, .. } => loads::check(parts, loads, &mut faults),
+            StageSpec::Press { loads, ramp_s, time_limit_s, until, .. } => {
+                loads::check(parts, loads, &mut faults);
+                faults.add_if(
+                    until.is_none() && ramp_s > time_limit_s,
+                    "ramp_s",
+                    ramp_s,
+                    format!("at most {} s, `time_limit_s`", short(*time_limit_s)),
+                    "the stage would end before the load is whole",
+                );
+            }
             StageSpec::Release { pieces, .. } => loads::check_release(parts, pieces, &mut faults),
             _ => {}
         }
@@ -190,10 +199,17 @@ fn check_deposit(parts: &Parts, spec: &StageSpec, faults: &mut Faults) {
             format!("{} g at {} g/s take longer", short(mass), short(rate)),
         );
     }
-    if let Some([low, high]) = sizes_mm.filter(|[low, high]| !(*low >= 0.0 && low < high)) {
-        let (found, allowed) = (format!("[{low}, {high}]"), "two openings, the finer first");
-        faults.add("sizes_mm", found, allowed, "no grain is of that size");
+    let Some([low, high]) = sizes_mm else { return };
+    let (found, why) = (format!("[{low}, {high}]"), "no grain is of that size");
+    if !(low >= 0.0 && low < high) {
+        return faults.add("sizes_mm", found, "two openings, the finer first", why);
     }
+    let table = parts.sieved.as_ref().map_or(&[][..], |sieved| &sieved.sieve_table);
+    let fits = |f: &SieveFraction| f.retained_mm >= low && f.passing_mm <= high;
+    let between: Vec<String> =
+        table.iter().map(|f| format!("[{}, {}]", f.retained_mm, f.passing_mm)).collect();
+    let allowed = format!("openings around one of the fractions {}", between.join(", "));
+    faults.add_if(!table.is_empty() && !table.iter().any(fits), "sizes_mm", found, allowed, why);
 }
 
 const TWICE: &str = "the piece is named twice";

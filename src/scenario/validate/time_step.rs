@@ -17,6 +17,9 @@ const STEPS_A_CYCLE: f64 = 40.0;
 
 const RATE: &str = "engine.rate_hz";
 
+/// The highest step rate in Hz that the schema allows.
+const HIGHEST_RATE: f64 = 100_000.0;
+
 pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     check_threshold(parts, faults);
     if !parts.engine.as_ref().is_some_and(|e| e.allow_coarse_steps) {
@@ -51,34 +54,45 @@ fn find_coarse_steps(parts: &Parts, faults: &mut Faults) {
     let Some(engine) = parts.engine.as_ref().filter(|engine| engine.rate_hz > 0.0) else { return };
     let rate = engine.rate_hz;
     find_coarse_frames(parts, faults);
-    let too_slow = |at_least: f64, what: String, faults: &mut Faults| {
-        let message = format!("a time step that cannot resolve the motion: {what}");
+    // `what` says how the motion is resolved at a rate in Hz.
+    let too_slow = |at_least: f64, stage, what: &dyn Fn(f64) -> String, faults: &mut Faults| {
+        if at_least > HIGHEST_RATE {
+            let why = format!("a motion that no step rate resolves: {}", what(HIGHEST_RATE));
+            let allowed = format!("a motion that {HIGHEST_RATE} Hz can resolve");
+            return faults.add(&format!("stages[{stage}]"), "", allowed, why);
+        }
+        let message = format!("a time step that cannot resolve the motion: {}", what(rate));
         faults.add(RATE, rate, format!("at least {} Hz", at_least.ceil()), message);
     };
-    for (_, stage) in parts.specs() {
+    for (i, stage) in parts.specs() {
         let frequency = stage.motion().map_or(0.0, |motion| cycles_a_second(&motion));
         let frequency = frequency.max(cycles_of_pieces(stage));
-        if rate < STEPS_A_CYCLE * frequency {
-            let steps = short(rate / frequency);
-            let what = format!(
+        let what = |rate| {
+            let (frequency, steps) = (short(frequency), short(rate / frequency));
+            format!(
                 "a vibration of {frequency} Hz has {steps} steps a cycle, it needs {STEPS_A_CYCLE}"
-            );
-            too_slow(STEPS_A_CYCLE * frequency, what, faults);
+            )
+        };
+        if rate < STEPS_A_CYCLE * frequency {
+            too_slow(STEPS_A_CYCLE * frequency, i, &what, faults);
         }
     }
     let fastest = motions(parts).into_iter().max_by(|a, b| a.speed.total_cmp(&b.speed));
-    let Some(Fast { speed, what }) = fastest else { return };
+    let Some(Fast { stage, speed, what }) = fastest else { return };
     let mut step = speed / rate;
     let foreseen = engine.is_native();
     let (sizes, than) = if foreseen { (2.0, "twice ") } else { (1.0, "") };
     if let Some(size) = parts.finest_mm()
         && step > sizes * from_mm(size)
     {
-        let way = short(to_mm(step));
-        let what = format!(
-            "{what} moves {way} mm in a step, more than {than}the smallest grain's size, {size} mm"
-        );
-        too_slow(speed / (sizes * from_mm(size)), what, faults);
+        let what = |rate| {
+            let way = short(to_mm(speed / rate));
+            format!(
+                "{what} moves {way} mm in a step, more than {than}the smallest grain's size, \
+                 {size} mm"
+            )
+        };
+        too_slow(speed / (sizes * from_mm(size)), stage, &what, faults);
         // The walls are judged at the rate that is asked for.
         step = from_mm(size);
     }
@@ -161,6 +175,8 @@ fn walls(parts: &Parts) -> Vec<(String, f64)> {
 
 /// A fast motion.
 struct Fast {
+    /// Number of its stage.
+    stage: usize,
     /// m/s
     speed: f64,
     what: String,
@@ -169,62 +185,66 @@ struct Fast {
 /// The fastest motion of each stage that can be told beforehand.
 fn motions(parts: &Parts) -> Vec<Fast> {
     // The first grains to fall in a stage meet what is at the bottom with v = √(2gh).
-    let fall = |height_mm: f64, what: &str| {
+    let fall = |stage: usize, height_mm: f64, what: &str| {
         let gravity = parts.gravity.filter(|g| *g > 0.0)?;
         let speed = (2.0 * gravity * from_mm(height_mm)).sqrt();
         let what = format!("a grain that fell {} mm {what}", short(height_mm));
-        speed.is_finite().then_some(Fast { speed, what })
+        speed.is_finite().then_some(Fast { stage, speed, what })
     };
-    let motion = |stage: &StageSpec| match stage {
+    let motion = |i: usize, spec: &StageSpec| match spec {
         StageSpec::FillFunnel { .. } => {
             let funnel = parts.funnel.as_ref()?;
             let radii = (funnel.top_diameter_mm - funnel.opening_diameter_mm) / 2.0;
-            fall(radii / from_deg(funnel.half_angle_deg).tan(), "from the funnel's top to its lid")
+            fall(
+                i,
+                radii / from_deg(funnel.half_angle_deg).tan(),
+                "from the funnel's top to its lid",
+            )
         }
         StageSpec::SlowPluviation { drop_height_mm, .. } => {
-            fall(*drop_height_mm, "from the spout to the pile")
+            fall(i, *drop_height_mm, "from the spout to the pile")
         }
         // Grains leave the funnel's mouth nearly at rest.
         StageSpec::Pour { falling_height_mm, .. } => {
             let height = falling_height_mm + parts.cylinder.as_ref()?.height_mm;
-            fall(height, "from the funnel to the cylinder's floor")
+            fall(i, height, "from the funnel to the cylinder's floor")
         }
         StageSpec::Vibrate { .. } => {
-            let motion = stage.motion()?;
+            let motion = spec.motion()?;
             let speed = motion.peak_speed();
             let what = "the shaking table at its fastest".to_owned();
             // What is set from frame to frame covers that way in a step of whatever length.
             let moves = speed.is_finite() && motion.frames_per_s.is_none();
-            moves.then_some(Fast { speed, what })
+            moves.then_some(Fast { stage: i, speed, what })
         }
         StageSpec::Deposit { at_mm, .. } => {
             let lowest = lowest_mm(parts.pieces().map(|(_, piece)| piece))?;
-            fall((at_mm[2] - lowest).max(0.0), "from the deposit to the lowest piece")
+            fall(i, (at_mm[2] - lowest).max(0.0), "from the deposit to the lowest piece")
         }
         StageSpec::Move { .. } => {
-            let motion = stage.piece_motion()?;
+            let motion = spec.piece_motion()?;
             let farthest = parts.pieces().map(|(_, piece)| {
                 let origin = Point::from(piece.at_mm.map(from_mm));
                 motion.from_axis(&origin) + from_mm(piece.shape.reach_mm())
             });
             let speed = motion.peak_speed(farthest.fold(0.0, f64::max));
             let what = "a piece at its fastest".to_owned();
-            speed.is_finite().then_some(Fast { speed, what })
+            speed.is_finite().then_some(Fast { stage: i, speed, what })
         }
         StageSpec::Release { pieces, .. } => {
             let lowest = lowest_mm(parts.pieces().map(|(_, piece)| piece))?;
             let named = parts.pieces().filter(|(_, piece)| pieces.contains(&piece.name));
             let highest = named.map(|(_, piece)| piece.at_mm[2]).fold(lowest, f64::max);
             let what = "a piece that is let go and falls to the lowest".to_owned();
-            Some(Fast { what, ..fall(highest - lowest, "")? })
+            Some(Fast { what, ..fall(i, highest - lowest, "")? })
         }
         StageSpec::Press { approach_mm_per_s, .. } => {
             let what = "a piece that is pressed on".to_owned();
-            Some(Fast { speed: from_mm(*approach_mm_per_s), what })
+            Some(Fast { stage: i, speed: from_mm(*approach_mm_per_s), what })
         }
         _ => None,
     };
-    parts.specs().filter_map(|(_, spec)| motion(spec)).collect()
+    parts.specs().filter_map(|(i, spec)| motion(i, spec)).collect()
 }
 
 fn check_threshold(parts: &Parts, faults: &mut Faults) {

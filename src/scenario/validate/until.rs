@@ -15,6 +15,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
             check_condition(condition, &mut faults);
             check_names(parts, condition, &mut faults);
             check_way(parts, spec, condition, &pressed, &mut faults);
+            check_reach(spec, condition, &mut faults);
         }
     }
 }
@@ -141,5 +142,45 @@ fn check_way(
         Value::from(name.as_str()),
         "a piece that is pressed or free, or moved by this stage",
         "the piece does not move",
+    );
+}
+
+/// How far a motion carries the pieces that it moves until its limit, at full speed but for the
+/// time in which it grows and dies away.
+fn check_reach(spec: &StageSpec, until: &ConditionSpec, faults: &mut Faults) {
+    let StageSpec::Move { pieces, velocity_mm_per_s, rotation, sine, time_limit_s, ramp_s, .. } =
+        spec
+    else {
+        return;
+    };
+    let (Some(piece), Some(limit)) = (&until.piece, time_limit_s) else { return };
+    if !(pieces.contains(piece) && sine.is_none() && limit > ramp_s) {
+        return;
+    }
+    let towards = |velocity: &[f64; 3]| match until.direction {
+        Some(to) => {
+            let length = to.iter().map(|x| x * x).sum::<f64>().sqrt();
+            to.iter().zip(velocity).map(|(x, v)| x * v).sum::<f64>() / length
+        }
+        None => velocity.iter().map(|v| v * v).sum::<f64>().sqrt(),
+    };
+    let (field, wanted, speed, unit) = match (until.moved_mm, until.turned_deg) {
+        (Some(mm), None) => match velocity_mm_per_s {
+            Some(velocity) => ("moved_mm", mm, towards(velocity), "mm"),
+            None => return,
+        },
+        (None, Some(deg)) => match rotation {
+            Some(turn) => ("turned_deg", deg, turn.deg_per_s.abs(), "degrees"),
+            None => return,
+        },
+        _ => return,
+    };
+    let reach = speed * (limit - ramp_s);
+    faults.add_if(
+        wanted > reach * (1.0 + 1e-9),
+        field,
+        wanted,
+        format!("at most {} {unit}, or a longer `time_limit_s`", short(reach.max(0.0))),
+        "the motion does not carry the piece so far",
     );
 }

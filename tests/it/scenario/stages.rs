@@ -73,6 +73,16 @@ fn a_time_step_that_cannot_resolve_the_motion_is_refused() {
         "engine.rate_hz",
         &["15 Hz has 32 steps a cycle", "at least 600 Hz"],
     );
+    // Where no step rate would do, the motion is at fault: 0.5 m at 1000 Hz, 100 000 steps a second.
+    expect_one(
+        |s| {
+            with_stages(&["fill_funnel", "pour", "vibrate"])(s);
+            s["stages"][2]["frequency_hz"] = json!(1000);
+            s["stages"][2]["amplitude_mm"] = json!(500);
+        },
+        "stages[2]",
+        &["no step rate resolves", "moves 31.42 mm in a step", "100000 Hz can resolve"],
+    );
     // 6 Hz and 200 mm: 7.54 m/s, faster than the fall.
     expect_one(
         |s| {
