@@ -129,7 +129,6 @@ pub fn stage_at_rest(folder: &Path) -> Result<Option<&'static str>, ExportError>
     Ok(manifest.rest_test.is_some().then_some(REST_TEST))
 }
 
-/// The laboratory that a manifest describes.
 pub(super) fn setup_of(manifest: &Manifest, path: &Path) -> Result<Setup, ExportError> {
     Setup::new(&manifest.scenario)
         .map_err(|reason| ExportError::Apparatus { manifest: path.to_owned(), reason })
@@ -155,7 +154,6 @@ pub(super) fn fit(frames: &[Frame], path: &Path, grains: &GrainSet) -> Result<()
     reason.map_or(Ok(()), |reason| Err(FileError::unfit(path, reason)))
 }
 
-/// The grains of a run.
 pub(super) fn grains_of(folder: &Path, manifest: &Manifest) -> Result<GrainSet, FileError> {
     let path = run_file(folder, "grains.json");
     let json = manifest.read(&path)?;

@@ -6,7 +6,6 @@ use crate::measure::{pairs_within, touching_gap};
 use crate::record::to_csv;
 use crate::units::{to_g, to_mm, to_mm3};
 
-/// One grain.
 #[derive(Debug, Serialize)]
 struct GrainRow {
     grain: String,
@@ -29,7 +28,6 @@ struct GrainRow {
     angular_velocity_z_rad_per_s: f64,
 }
 
-/// One loaded contact.
 #[derive(Debug, Default, Serialize)]
 struct ContactRow {
     first: String,
@@ -45,7 +43,6 @@ struct ContactRow {
     force_z_n: f64,
 }
 
-/// Two grains that touch.
 #[derive(Debug, Default, Serialize)]
 struct PairRow {
     first: String,

@@ -71,9 +71,6 @@ impl Shot {
 
 /// Grains with their colours and the apparatus at a moment, and what is to be said
 /// of it. `upper` ends a continuous scale of colours.
-///
-/// # Errors
-/// As [`picture`].
 pub(super) fn stage_scene(
     run: &Playback,
     at: At,

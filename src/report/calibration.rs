@@ -248,7 +248,6 @@ const HOW_TO_READ: &str = "Every value is run in the same configurations, each a
      are (docs/accuracy.md). The interval covers random arrangement only, not the effects of a \
      time step, an engine or a model.";
 
-/// The page.
 fn page(of: &Calibration, figure: Figure) -> Page {
     let title =
         format!("Calibration: {} by {}", target_in_words(&of.target), of.unknown_in_words());

@@ -282,9 +282,6 @@ const SHOWN: [Shown; 4] = [
 ];
 
 /// Heights, energy and, where vibrated, settlement.
-///
-/// # Errors
-/// [`ReportError::Figure`].
 fn figures(of: &CompareRecord) -> Result<Vec<Figure>, ReportError> {
     SHOWN.iter().filter_map(|shown| overlaid(of, shown).transpose()).collect()
 }

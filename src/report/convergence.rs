@@ -209,7 +209,6 @@ fn table(of: &Convergence) -> Table {
     }))
 }
 
-/// The page.
 fn page(of: &Convergence, figures: Vec<Figure>) -> Page {
     let specimen = specimen(&of.scenario, of.grains, of.quick);
     let (left_out, with_result) = of.left_out();

@@ -163,10 +163,6 @@ fn one(case: &LawCase, figure: Figure) -> [Block; 4] {
 /// Points of a curve that are drawn and tabulated.
 const MOST_POINTS: usize = 1500;
 
-/// The figure of one case.
-///
-/// # Errors
-/// [`ReportError::Figure`].
 fn figure(case: &LawCase) -> Result<Figure, ReportError> {
     // Errors over scales of length: both over many decades.
     let axis = |name: &str, value: fn(&(f64, f64)) -> f64| {

@@ -26,7 +26,6 @@ pub(super) enum Block {
     Heading(String),
     /// Sentences one below the other.
     List(Vec<String>),
-    /// A table.
     Table(Table),
     /// A figure with its caption.
     Figure(Figure),
@@ -93,7 +92,6 @@ struct Section {
     blocks: Vec<Block>,
 }
 
-/// A page.
 #[derive(Debug, Clone)]
 pub(super) struct Page {
     title: String,
@@ -137,7 +135,6 @@ impl Page {
         Self { has_contents: true, ..self }
     }
 
-    /// As Markdown.
     pub(super) fn markdown(&self) -> String {
         let mut parts = vec![format!("# {}", in_markdown(&self.title))];
         parts.extend(self.head.iter().map(Block::markdown));
@@ -176,9 +173,6 @@ impl Page {
 
     /// Writes its figures into `figures/` of a folder, and the page itself under each name, in
     /// the form that the name's ending asks for.
-    ///
-    /// # Errors
-    /// [`ReportError`] naming the file or the figure.
     pub(super) fn write(&self, out: &Path, names: &[&str]) -> Result<(), ReportError> {
         for block in self.sections.iter().flat_map(|section| &section.blocks) {
             if let Block::Figure(figure) = block {

@@ -164,7 +164,6 @@ fn table(of: &Sensitivity) -> Table {
     }))
 }
 
-/// The page.
 fn page(of: &Sensitivity, figure: Figure) -> Page {
     let intro = format!(
         "{}, {} configuration{}. Each parameter is varied by itself, all others at their defaults. \

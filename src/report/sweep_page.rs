@@ -20,7 +20,6 @@ const HOW_TO_READ: &str = "Every point is run in the same configurations, each a
      Configurations needed: the number that would show a slope of this size among this scatter with \
      a probability of 80 %.";
 
-/// The page.
 pub(super) fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
     let failed = of.failed().count();
     let done = of.runs.len() - failed;

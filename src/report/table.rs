@@ -172,7 +172,6 @@ enum Row {
     Part(String),
 }
 
-/// A table.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Table {
     header: Vec<Cell>,
@@ -236,9 +235,6 @@ impl Table {
     }
 
     /// Writes a CSV file.
-    ///
-    /// # Errors
-    /// [`FileError`] naming the file.
     pub(super) fn write(&self, path: &Path) -> Result<(), FileError> {
         write_csv(path, self.csv())
     }
@@ -252,7 +248,6 @@ impl Table {
         first.is_some_and(|cell| cell.is_number)
     }
 
-    /// As Markdown.
     pub(super) fn markdown(&self) -> String {
         let line = |cells: &[Cell]| {
             let cells: Vec<String> =

@@ -9,7 +9,6 @@ use std::{
 
 use tempfile::TempDir;
 
-/// Name of the file.
 const NAME: &str = "pluvia-view.html";
 
 /// A page on the disk that leads to an address; it is removed when this is dropped.

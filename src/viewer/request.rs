@@ -14,7 +14,6 @@ pub(super) const LONGEST_HEAD: usize = 16 * 1024;
 /// Most header fields of a request; a browser sends about 20.
 const MOST_FIELDS: usize = 100;
 
-/// An answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Answer<'a> {
     /// Status code and its words.

@@ -13,10 +13,6 @@ use crate::report::{
 /// Points of the curve of the identity.
 const PIECES: usize = 60;
 
-/// The figure of a calibration.
-///
-/// # Errors
-/// [`ReportError::Figure`].
 pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, ReportError> {
     let (low, high) = (of.between.low, of.between.high);
     let measured = of.runs.iter().filter_map(|r| Some((r.value, r.counted()?)));

@@ -16,10 +16,6 @@ use crate::{
 /// Height given to a setting, in SVG units.
 const ROW: u32 = 66;
 
-/// The figures of a convergence study.
-///
-/// # Errors
-/// [`ReportError::Figure`].
 pub(in crate::report) fn of_convergence(of: &Convergence) -> Result<Vec<Figure>, ReportError> {
     let mut figures = Vec::new();
     if !lines(of).is_empty() {

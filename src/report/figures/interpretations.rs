@@ -24,9 +24,6 @@ const MIND: &str =
 const DISTINCT: usize = 6;
 
 /// Figure 7 and the settlements, a line an interpretation.
-///
-/// # Errors
-/// [`ReportError::Figure`].
 pub(in crate::report) fn of_interpretations(
     columns: &[InterpretationColumn],
 ) -> Result<Vec<Figure>, ReportError> {

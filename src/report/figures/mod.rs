@@ -101,9 +101,6 @@ impl Figure {
 }
 
 /// The figures of a study, in the order of the paper.
-///
-/// # Errors
-/// [`ReportError::Figure`].
 pub(super) fn of_study(study: &StudyView, standard: &Standard) -> Result<Vec<Figure>, ReportError> {
     let mut figures = vec![
         grains::sizes(study)?,

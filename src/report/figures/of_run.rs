@@ -12,9 +12,6 @@ use crate::{
 };
 
 /// `heights`, `energy` and, where the run was vibrated, `settlement`.
-///
-/// # Errors
-/// [`ReportError::Figure`].
 pub(in crate::report) fn of_run(run: &RunRecord) -> Result<Vec<Figure>, ReportError> {
     let mut figures = vec![heights(run)?, energy(run)?];
     figures.extend(settlement::of_run(run)?);

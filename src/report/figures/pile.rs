@@ -45,9 +45,6 @@ type Failure = DrawingAreaErrorKind<std::io::Error>;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// `pile` and `angle-by-azimuth`.
-///
-/// # Errors
-/// [`ReportError::Figure`].
 pub(in crate::report) fn of_pile(
     specimen: &Specimen,
     pile: &AngleOfRepose,

@@ -25,10 +25,6 @@ const BAR: u32 = 26;
 /// it is drawn below the middle of its line, and its change.
 type End = (&'static str, usize, f64, fn(&Effect) -> Option<Estimate>);
 
-/// The figure of a sensitivity study.
-///
-/// # Errors
-/// [`ReportError::Figure`].
 pub(in crate::report) fn of_sensitivity(of: &Sensitivity) -> Result<Figure, ReportError> {
     let mut table =
         Table::new(["outcome", "parameter", "end", "value", "change_mm", "standard_error_mm"]);

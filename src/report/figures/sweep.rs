@@ -20,9 +20,6 @@ const PANEL: u32 = 560;
 const MOST_PAIRS: usize = 10;
 
 /// The figures of a sweep: one a factor, one a pair of factors.
-///
-/// # Errors
-/// [`ReportError::Figure`].
 pub(in crate::report) fn of_sweep(of: &Sweep) -> Result<Vec<Figure>, ReportError> {
     let mut figures = Vec::new();
     for (n, factor) in of.factors.iter().enumerate() {

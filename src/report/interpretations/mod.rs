@@ -64,7 +64,6 @@ impl InterpretationColumn {
         self.runs.iter().filter(move |r| r.kind == kind && has_grains(r))
     }
 
-    /// How many runs meet the accuracy standard.
     pub(super) fn meeting_standard(&self) -> usize {
         self.runs.iter().filter(|r| r.summary.meets_standard).count()
     }

@@ -62,7 +62,6 @@ fn how_read(columns: &[InterpretationColumn]) -> String {
     )
 }
 
-/// The page.
 pub(super) fn page(
     columns: &[InterpretationColumn],
     rows: &[InterpretationRow],

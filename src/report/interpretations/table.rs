@@ -121,7 +121,6 @@ const TRUST: &str = "Credibility";
 const VOID_RATIO: &str = "void ratio after pouring";
 const CLAIMS: &str = "The paper's statements";
 
-/// Every row of the table.
 pub(super) fn rows(columns: &[InterpretationColumn]) -> Vec<InterpretationRow> {
     let mut table = Rows { columns, part: OUTCOME, rows: Vec::new() };
     table.words("runs made", |c| format!("{} of {}", c.runs.len(), c.planned_runs));
