@@ -31,8 +31,9 @@ const MODULES: [&str; 13] = [
     include_str!("../../assets/viewer/main.js"),
 ];
 
-/// Nothing but what the site itself serves; no frame, form or plug-in.
-const SITE_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; \
+/// What the page may load (the value of `Content-Security-Policy`): nothing but what the site
+/// itself serves; no frame, form or plug-in.
+pub(super) const SITE_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; \
                            connect-src 'self'; img-src data:; base-uri 'none'; \
                            form-action 'none'; frame-ancestors 'none'";
 
@@ -76,11 +77,6 @@ impl Site {
     /// The file at a path; none at any other than the four there are.
     pub(super) fn get(&self, path: &str) -> Option<&Resource> {
         self.resources.get(path)
-    }
-
-    /// What the page may load (the value of `Content-Security-Policy`).
-    pub(super) fn policy() -> &'static str {
-        SITE_POLICY
     }
 }
 

@@ -6,7 +6,7 @@ use httparse::{EMPTY_HEADER, Request, Status};
 
 use rand::{TryRng, rngs::SysRng};
 
-use super::page::{Resource, Site};
+use super::page::{Resource, SITE_POLICY, Site};
 
 /// Longest head of a request in bytes; a browser's have about 1000.
 pub(super) const LONGEST_HEAD: usize = 16 * 1024;
@@ -41,11 +41,10 @@ impl Answer<'_> {
         let allow = if code == 405 { "Allow: GET, HEAD\r\n" } else { "" };
         let head = format!(
             "HTTP/1.1 {code} {words}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\n{allow}\
-             Content-Security-Policy: {policy}\r\nX-Content-Type-Options: nosniff\r\n\
+             Content-Security-Policy: {SITE_POLICY}\r\nX-Content-Type-Options: nosniff\r\n\
              Cross-Origin-Resource-Policy: same-origin\r\nReferrer-Policy: no-referrer\r\n\
              Cache-Control: no-store\r\nConnection: close\r\n\r\n",
             length = content.len(),
-            policy = Site::policy(),
         );
         let mut bytes = head.into_bytes();
         if !self.head_only {
@@ -61,10 +60,7 @@ impl Answer<'_> {
 pub(super) struct Token(String);
 
 impl Token {
-    /// A new one, of random numbers of the system.
-    ///
-    /// # Errors
-    /// When it gives none.
+    /// A new one, of random numbers of the system, which may give none.
     pub fn new() -> io::Result<Self> {
         let mut bytes = [0_u8; 16];
         SysRng.try_fill_bytes(&mut bytes).map_err(io::Error::other)?;
@@ -97,51 +93,46 @@ pub(super) struct Door {
 }
 
 impl Door {
-    /// As [`answer`].
+    /// The answer to what has arrived of a request; none when more must be read.
+    ///
+    /// A request must name this machine as its host: a page of another site that
+    /// had its own name resolved to the loopback address (DNS rebinding) names itself.
+    /// And it must know the token, which other users of this machine do not.
     pub fn answer(&self, received: &[u8]) -> Option<Answer<'_>> {
-        answer(self, received)
-    }
-}
-
-/// The answer to what has arrived of a request; none when more must be read.
-///
-/// A request must name this machine as its host: a page of another site that
-/// had its own name resolved to the loopback address (DNS rebinding) names itself.
-/// And it must know the token, which other users of this machine do not.
-fn answer<'a>(door: &'a Door, received: &[u8]) -> Option<Answer<'a>> {
-    let mut fields = [EMPTY_HEADER; MOST_FIELDS];
-    let mut request = Request::new(&mut fields);
-    match request.parse(received) {
-        Ok(Status::Complete(_)) => {}
-        Ok(Status::Partial) if received.len() < LONGEST_HEAD => return None,
-        Ok(Status::Partial) | Err(httparse::Error::TooManyHeaders) => {
-            return Some(Answer::refusal(431, "Request Header Fields Too Large"));
+        let mut fields = [EMPTY_HEADER; MOST_FIELDS];
+        let mut request = Request::new(&mut fields);
+        match request.parse(received) {
+            Ok(Status::Complete(_)) => {}
+            Ok(Status::Partial) if received.len() < LONGEST_HEAD => return None,
+            Ok(Status::Partial) | Err(httparse::Error::TooManyHeaders) => {
+                return Some(Answer::refusal(431, "Request Header Fields Too Large"));
+            }
+            Err(httparse::Error::Version) => {
+                return Some(Answer::refusal(505, "HTTP Version Not Supported"));
+            }
+            Err(_) => return Some(Answer::refusal(400, "Bad Request")),
         }
-        Err(httparse::Error::Version) => {
-            return Some(Answer::refusal(505, "HTTP Version Not Supported"));
+        let mut hosts = request.headers.iter().filter(|f| f.name.eq_ignore_ascii_case("host"));
+        let Some(host) = hosts.next().filter(|_| hosts.next().is_none()) else {
+            return Some(Answer::refusal(400, "Bad Request"));
+        };
+        if !is_this_machine(host.value, self.port) {
+            return Some(Answer::refusal(403, "Forbidden"));
         }
-        Err(_) => return Some(Answer::refusal(400, "Bad Request")),
+        let head_only = match request.method {
+            Some("GET") => false,
+            Some("HEAD") => true,
+            _ => return Some(Answer::refusal(405, "Method Not Allowed")),
+        };
+        let target = request.path.unwrap_or_default();
+        let path = target.split_once('?').map_or(target, |(path, _)| path);
+        let Some(path) = self.token.after(path) else {
+            return Some(Answer::refusal(403, "Forbidden"));
+        };
+        let resource = self.site.get(path);
+        let status = if resource.is_some() { (200, "OK") } else { (404, "Not Found") };
+        Some(Answer { status, resource, head_only })
     }
-    let mut hosts = request.headers.iter().filter(|f| f.name.eq_ignore_ascii_case("host"));
-    let Some(host) = hosts.next().filter(|_| hosts.next().is_none()) else {
-        return Some(Answer::refusal(400, "Bad Request"));
-    };
-    if !is_this_machine(host.value, door.port) {
-        return Some(Answer::refusal(403, "Forbidden"));
-    }
-    let head_only = match request.method {
-        Some("GET") => false,
-        Some("HEAD") => true,
-        _ => return Some(Answer::refusal(405, "Method Not Allowed")),
-    };
-    let target = request.path.unwrap_or_default();
-    let path = target.split_once('?').map_or(target, |(path, _)| path);
-    let Some(path) = door.token.after(path) else {
-        return Some(Answer::refusal(403, "Forbidden"));
-    };
-    let resource = door.site.get(path);
-    let status = if resource.is_some() { (200, "OK") } else { (404, "Not Found") };
-    Some(Answer { status, resource, head_only })
 }
 
 fn is_this_machine(host: &[u8], port: u16) -> bool {
