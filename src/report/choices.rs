@@ -157,10 +157,14 @@ fn grains(grains: &GrainsSpec) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn scenario(stages: &str) -> Scenario {
+    /// Stages of a specimen under its plate.
+    pub const VIBRATED: &str = r#"{"stage": "place_top_plate"}, {"stage": "vibrate",
+        "frequency_hz": 3, "amplitude_mm": 25, "duration_s": 5, "periods": 4, "rest_s": 1}"#;
+
+    pub fn scenario(stages: &str) -> Scenario {
         let text = format!(
             r#"{{"name": "s", "grains": {{"total_mass_g": 2343, "density_kg_per_m3": 2673.9,
             "sieve_table": [{{"passing_mm": 10, "retained_mm": 8, "mass_percent": 100}}]}},
@@ -191,11 +195,8 @@ mod tests {
     /// Law: every text of `choices.json` is that of a choice, and every choice has one.
     #[test]
     fn every_choice_is_explained() {
-        let mut s = scenario(
-            r#"{"stage": "place_top_plate"}, {"stage": "vibrate", "frequency_hz": 3,
-            "amplitude_mm": 25, "duration_s": 5, "periods": 4, "rest_s": 1},
-            {"stage": "slow_pluviation", "base_diameter_mm": 300}"#,
-        );
+        let pile = r#"{"stage": "slow_pluviation", "base_diameter_mm": 300}"#;
+        let mut s = scenario(&format!("{VIBRATED}, {pile}"));
         let mut all = Vec::new();
         for (backend, solver) in [
             (Backend::Bullet, ContactSolver::Native),
@@ -221,10 +222,7 @@ mod tests {
     /// keeps those of an earlier solver.
     #[test]
     fn no_result_is_quoted() {
-        let mut s = scenario(
-            r#"{"stage": "place_top_plate"}, {"stage": "vibrate", "frequency_hz": 3,
-            "amplitude_mm": 25, "duration_s": 5, "periods": 4, "rest_s": 1}"#,
-        );
+        let mut s = scenario(VIBRATED);
         let stock = |s: &mut Scenario| s.engine.contact_solver = ContactSolver::Stock;
         let rapier = |s: &mut Scenario| s.engine.backend = Backend::Rapier;
         let quotes = |text: &str| {

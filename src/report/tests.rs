@@ -4,13 +4,16 @@ use std::{collections::BTreeMap, fs, path::Path};
 
 use serde_json::json;
 
-use super::*;
+use super::{
+    choices::tests::{VIBRATED, scenario},
+    *,
+};
 use crate::{
     paper::{StudyView, canned, claims, scorecard},
     record::RunRecord,
 };
 
-const STANDARD: Standard =
+pub(super) const STANDARD: Standard =
     Standard { overlap_mean_percent: 0.5, overlap_p99_percent: 3.0, creep_um_per_s: 5.0 };
 
 /// Hands the report's input of a study to a function.
@@ -46,27 +49,25 @@ fn write_report(out: &Path, study: StudyView, choices: &[Choice]) -> String {
     fs::read_to_string(out.join("report.html")).expect("the page")
 }
 
-/// The page and its figures, without files.
+/// The page with plain spaces, and its figures, without files.
 fn make_report(study: StudyView, choices: &[Choice]) -> (String, Vec<Figure>) {
     with_input(study, choices, |input| {
         let headline = figures::headline(&input.study, input.beside).expect("a figure");
         let figures = figures::of_study(&input.study, &input.standard).expect("figures");
         let page = html::page(input, headline.clone(), figures.clone());
-        (page.html(), [vec![headline], figures].concat())
+        (page.html().replace('\u{a0}', " "), [vec![headline], figures].concat())
     })
 }
 
+#[track_caller]
+fn assert_says(page: &str, all: &[&str]) {
+    for said in all {
+        assert!(page.contains(said), "law: the page says `{said}`");
+    }
+}
+
 fn a_choice() -> Vec<Choice> {
-    let scenario = serde_json::from_str(
-        r#"{"name": "s", "grains": {"total_mass_g": 2343, "density_kg_per_m3": 2673.9,
-        "sieve_table": [{"passing_mm": 16, "retained_mm": 12.5, "mass_percent": 15},
-        {"passing_mm": 12.5, "retained_mm": 10, "mass_percent": 51.95},
-        {"passing_mm": 10, "retained_mm": 8, "mass_percent": 33.05}]},
-        "stages": [{"stage": "place_top_plate"}, {"stage": "vibrate", "frequency_hz": 3,
-        "amplitude_mm": 25, "duration_s": 5, "periods": 4, "rest_s": 1}]}"#,
-    )
-    .expect("a scenario");
-    choices(&scenario)
+    choices(&scenario(VIBRATED))
 }
 
 #[test]
@@ -99,26 +100,23 @@ fn a_whole_study_is_shown_whole() {
     }
     let page = page.replace('\u{a0}', " ");
     // Configuration 3 creeps by 45 µm/s: 1.035 mm of 20 mm in the 23 s of four periods.
-    for said in [
+    let all = [
         "6 of 18 runs creep",
         "45.0 µm/s",
         "at most 1.035 mm of 20.00 mm, 5.1",
         "in vibration-intermittent-c3 (creep",
         "What falls short",
         "not_stated",
-    ] {
-        assert!(page.contains(said), "the page does not say \"{said}\"");
-    }
+    ];
+    assert_says(&page, &all);
 }
 
 /// Law: the page says of each run whether it is valid, and its numbers are of those that are.
 #[test]
 fn the_page_says_which_runs_do_not_count() {
-    let plain = |page: String| page.replace('\u{a0}', " ");
     let runs = canned::runs();
     let (page, _) = make_report(canned::study(&runs), &[]);
-    let page = plain(page);
-    for said in [
+    let all = [
         "6 of 18 runs with a result are left out of means",
         "✗ not valid",
         "✓ valid",
@@ -129,20 +127,17 @@ fn the_page_says_which_runs_do_not_count() {
         "2 of 2 configurations",
         "(left out: 1)",
         "Left out: vibration-continuous-c3.",
-    ] {
-        assert!(page.contains(said), "law: the page says `{said}`");
-    }
+    ];
+    assert_says(&page, &all);
     let valid = canned::valid_runs();
     let (page, _) = make_report(canned::study(&valid), &[]);
-    let page = plain(page);
-    for said in [
+    let all = [
         "All 18 runs are valid and count in means",
         "settlement of the plate after 20 s of vibration (18.0 mm [13.0 … 23.0]; the paper's 14 to 19.61 mm)",
         "3 of 3 configurations",
         "– not comparable: 0",
-    ] {
-        assert!(page.contains(said), "law: the page says `{said}`");
-    }
+    ];
+    assert_says(&page, &all);
     for unsaid in ["✗ not valid", "left out of means", "no valid run", "Left out"] {
         assert!(!page.contains(unsaid), "law: nothing is left out, but there is `{unsaid}`");
     }
@@ -193,16 +188,14 @@ fn a_jammed_run_is_marked_and_left_out() {
     jammed.summary.grains.missing = Some(302);
     jammed.summary.grains.left_in_funnel = 302;
     let (page, _) = make_report(canned::study(&runs), &[]);
-    let page = page.replace('\u{a0}', " ");
-    for said in [
+    let all = [
         "✗ left out of means",
         "302 of 1456 grains are missing in the specimen",
         "1 of 18 runs with a result is left out of means",
         "17.0 mm [4.3 … 29.7]",
         "(left out: 1)",
-    ] {
-        assert!(page.contains(said), "law: the page says `{said}`");
-    }
+    ];
+    assert_says(&page, &all);
 }
 
 #[test]

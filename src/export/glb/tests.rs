@@ -51,16 +51,9 @@ fn a_still_file_is_the_end_of_the_last_stage() {
         let primitive = node.mesh().expect("a mesh").primitives().next().expect("triangles");
         assert_eq!(primitive.material().index(), Some(grain.fraction), "law: by sieve fraction");
         let reader = primitive.reader(|_| file.blob.as_deref());
-        let points: Vec<Vector> = reader
-            .read_positions()
-            .expect("positions")
-            .map(|p| Vector::from(p.map(f64::from)))
-            .collect();
-        let normals: Vec<Vector> = reader
-            .read_normals()
-            .expect("normals")
-            .map(|p| Vector::from(p.map(f64::from)))
-            .collect();
+        let vector = |p: [f32; 3]| Vector::from(p.map(f64::from));
+        let points: Vec<Vector> = reader.read_positions().expect("positions").map(vector).collect();
+        let normals: Vec<Vector> = reader.read_normals().expect("normals").map(vector).collect();
         let corners: Vec<usize> =
             reader.read_indices().expect("corners").into_u32().map(|n| n as usize).collect();
         for t in corners.chunks_exact(3) {

@@ -2,9 +2,7 @@
 
 use super::*;
 use crate::paper::{canned, claims};
-
-const STANDARD: Standard =
-    Standard { overlap_mean_percent: 0.5, overlap_p99_percent: 3.0, creep_um_per_s: 5.0 };
+use crate::report::tests::STANDARD;
 
 /// An interpretation of canned runs, changed.
 pub(super) fn column(name: &str, change: impl Fn(&mut Vec<RunRecord>)) -> InterpretationColumn {
@@ -51,13 +49,15 @@ fn columns() -> Vec<InterpretationColumn> {
     vec![column("plain", |_| {}), higher, failed, emptied]
 }
 
+fn row<'a>(rows: &'a [InterpretationRow], quantity: &str) -> &'a InterpretationRow {
+    rows.iter().find(|r| r.quantity == quantity).unwrap_or_else(|| panic!("{quantity}"))
+}
+
 #[test]
 fn cells_are_means_and_ranges_of_the_runs() {
     let columns = columns();
     let rows = table::rows(&columns);
-    let row = |quantity: &str| {
-        rows.iter().find(|r| r.quantity == quantity).unwrap_or_else(|| panic!("{quantity}"))
-    };
+    let row = |quantity: &str| row(&rows, quantity);
     let from_ten = row("from 10 cm");
     // Canned: 163 + 0.9 c - 0.4 a cm, c from 1 to 3.
     let expected = 163.0 + 2.0 * canned::CONFIGURATION_STEP_MM + 10.0 * canned::SLOPE_MM_PER_CM;
@@ -144,9 +144,7 @@ fn what_is_not_valid_is_marked_and_never_mixed() {
     };
     let columns = [spoilt("good", &[]), spoilt("mixed", &[3]), spoilt("stock", &[1, 2, 3])];
     let rows = table::rows(&columns);
-    let row = |quantity: &str| {
-        rows.iter().find(|r| r.quantity == quantity).unwrap_or_else(|| panic!("{quantity}"))
-    };
+    let row = |quantity: &str| row(&rows, quantity);
     // 163 + 0.9 c mm from 0 cm, c from 1 to 3; 50 mm more where it is not valid.
     let heights = row("from 0 cm");
     for (cell, expected, left_out, not_valid) in [
