@@ -1,5 +1,7 @@
 //! One axis: its range, its ticks, and where a value falls on it.
 
+use crate::paper::Interval;
+
 /// An axis of a plot: it reaches to all that is drawn, unless it is divided already.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Axis {
@@ -208,10 +210,7 @@ fn log_number(tick: f64) -> String {
 
 /// Smallest and largest of the finite values.
 fn extent(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
-    values
-        .into_iter()
-        .filter(|v| v.is_finite())
-        .fold(None, |seen, v| Some(seen.map_or((v, v), |(a, b): (f64, f64)| (a.min(v), b.max(v)))))
+    Interval::of(values).map(|i| (i.low, i.high))
 }
 
 /// The smallest of 1, 2, 5 times a power of ten that is not below `step`.

@@ -5,7 +5,7 @@
 
 mod pen;
 
-pub(super) use pen::font;
+pub(super) use pen::{Area, Failure, font, whole};
 
 use plotters::style::RGBColor;
 

@@ -1,13 +1,16 @@
 //! Result against the unknown: every run, means, the line, and what was found.
 
 use super::Figure;
-use crate::report::{
-    Calibration, ReportError,
-    axis::Axis,
-    calibration::{target_in_words, with_unit},
-    plot::{Look, Plot},
-    style::Marker,
-    table::table,
+use crate::{
+    paper::{Interval, text::compact},
+    report::{
+        Calibration, ReportError,
+        axis::Axis,
+        calibration::{target_in_words, with_unit},
+        plot::{Look, Plot},
+        style::Marker,
+        table::table,
+    },
 };
 
 /// Points of the curve of the identity.
@@ -28,8 +31,7 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
     };
     let x = Axis::linear(capital(of.unknown_in_words())).holding([low, high]);
     let mut plot = Plot::new(x, Axis::linear(name_of_result(of)));
-    let wanted = crate::paper::text::compact(of.wanted);
-    plot.mark_level(format!("Wanted: {}", with_unit(&wanted, &of.unit)), of.wanted);
+    plot.mark_level(format!("Wanted: {}", with_unit(&compact(of.wanted), &of.unit)), of.wanted);
     plot.add_some("Angle of friction, atan μ", Look::law(2), identity);
     plot.add_some("Single runs", Look::rings(), points);
     plot.add_some("Left out", Look::rings().marker(Marker::Cross), left_out);
@@ -87,9 +89,7 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
 /// How far results reach, for the size of strokes.
 fn plot_height(of: &Calibration) -> f64 {
     let results = of.runs.iter().filter_map(|r| r.result).chain([of.wanted]);
-    let (low, high) = results
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), r| (low.min(r), high.max(r)));
-    high - low
+    Interval::of(results).map_or(0.0, |reach| reach.high - reach.low)
 }
 
 /// Name of the vertical axis: the field, and its unit where the name does not

@@ -4,7 +4,7 @@
 use super::Figure;
 use crate::{
     grains::{GrainShape, ShapeRatio},
-    paper::{StudyView, gradation_in_words, text::number},
+    paper::{Interval, StudyView, gradation_in_words, text::number},
     report::{
         ReportError,
         axis::{Axis, Scale},
@@ -24,11 +24,8 @@ const MOST_OPENINGS: usize = 12;
 /// numbered at the openings between.
 fn size_axis(sizes: impl Iterator<Item = f64>) -> Axis {
     let name = "Grain size (mm)";
-    let (low, high) =
-        sizes.fold((f64::INFINITY, 0.0_f64), |(low, high), s| (low.min(s), high.max(s)));
-    if !(low > 0.0 && low < high) {
-        return Axis::logarithmic(name);
-    }
+    let range = Interval::of(sizes).filter(|range| range.low > 0.0 && range.low < range.high);
+    let Some(Interval { low, high }) = range else { return Axis::logarithmic(name) };
     let first = low.log10().floor() as i32;
     let openings: Vec<f64> =
         (first..=first + 2).flat_map(|decade| OPENINGS.map(|o| o * 10f64.powi(decade))).collect();

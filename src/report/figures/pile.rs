@@ -1,7 +1,6 @@
 //! A pile of grains: its side view with the fitted flanks, and its slope by azimuth.
 
 use plotters::{
-    coord::Shift,
     prelude::*,
     style::text_anchor::{HPos, VPos},
 };
@@ -15,7 +14,7 @@ use crate::{
         ReportError,
         axis::Axis,
         dash::dashes,
-        plot::{Look, Plot, font},
+        plot::{Area, Failure, Look, Plot, font, whole},
         silhouette::{Facet, facets},
         style::{self, INK},
         table::{Table, row},
@@ -40,9 +39,6 @@ const GRAIN: [f64; 3] = [222.0, 212.0, 194.0];
 const FIXED: [f64; 3] = [168.0, 174.0, 180.0];
 /// Share of the light that a face turned away from it still has.
 const SHADE: f64 = 0.42;
-
-type Failure = DrawingAreaErrorKind<std::io::Error>;
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// `pile` and `angle-by-azimuth`.
 pub(in crate::report) fn of_pile(
@@ -232,10 +228,6 @@ impl<'a> Picture<'a> {
 
 const UPRIGHT: FontTransform = FontTransform::None;
 const CENTRE: (HPos, VPos) = (HPos::Center, VPos::Center);
-
-fn whole((x, y): (f64, f64)) -> (i32, i32) {
-    (x.round() as i32, y.round() as i32)
-}
 
 /// The slope of each sector of piles, by name; one pile shows its mean and its
 /// confidence interval, too.

@@ -14,8 +14,8 @@ use crate::report::{
 };
 
 /// Why an SVG could not be drawn.
-type Failure = DrawingAreaErrorKind<std::io::Error>;
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(in crate::report) type Failure = DrawingAreaErrorKind<std::io::Error>;
+pub(in crate::report) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 impl Plot {
     pub(super) fn draw(&self, svg: &mut String) -> Result<(), Failure> {
@@ -226,7 +226,7 @@ impl Pen<'_, '_> {
         for &(x, y) in points {
             if x >= next {
                 next = look.marker_spacing.map_or(f64::NEG_INFINITY, |spacing| x + spacing);
-                self.marker(marker, (x.round() as i32, y.round() as i32), look)?;
+                self.marker(marker, whole((x, y)), look)?;
             }
         }
         Ok(())
@@ -234,8 +234,7 @@ impl Pen<'_, '_> {
 
     fn dashed(&self, points: &[(f64, f64)], dash: Dash, stroke: ShapeStyle) -> Result<(), Failure> {
         for piece in dashes(points, dash) {
-            let path: Vec<(i32, i32)> =
-                piece.iter().map(|p| (p.0.round() as i32, p.1.round() as i32)).collect();
+            let path: Vec<(i32, i32)> = piece.into_iter().map(whole).collect();
             self.root.draw(&PathElement::new(path, stroke))?;
         }
         Ok(())
@@ -337,10 +336,7 @@ impl Pen<'_, '_> {
     /// Pale areas between a lower and an upper curve.
     fn envelopes(&self) -> Result<(), Failure> {
         for envelope in &self.plot.envelopes {
-            let place = |x: f64, y: f64| {
-                let (x, y) = (self.x(x)?, self.y(y)?);
-                Some((x.round() as i32, y.round() as i32))
-            };
+            let place = |x: f64, y: f64| Some(whole((self.x(x)?, self.y(y)?)));
             let edges: Vec<_> = envelope
                 .edges
                 .iter()
@@ -354,6 +350,11 @@ impl Pen<'_, '_> {
         }
         Ok(())
     }
+}
+
+/// The nearest whole point: plotters has no others.
+pub(in crate::report) fn whole((x, y): (f64, f64)) -> (i32, i32) {
+    (x.round() as i32, y.round() as i32)
 }
 
 /// A text style whose size in the SVG is `size`: plotters writes its own size
