@@ -67,10 +67,10 @@ pub fn read_moments(folder: &Path, stage: Option<&str>) -> Result<Moments, Expor
             let all = manifest.stages.iter().enumerate();
             all.map(|(n, entry)| (entry.stage.clone(), entry, before(n))).collect()
         }
-        Some(asked) => match manifest.find(&path, asked)? {
-            (Some(n), entry) => vec![(entry.stage.clone(), entry, before(n))],
-            (None, entry) => vec![(REST_TEST.to_owned(), entry, manifest.stages.last())],
-        },
+        Some(asked) => {
+            let (number, name, entry) = manifest.find(&path, asked)?;
+            vec![(name, entry, before(number.unwrap_or(manifest.stages.len())))]
+        }
     };
     let setup = setup_of(&manifest, &path)?;
     let grains = Arc::new(grains_of(folder, &manifest)?);

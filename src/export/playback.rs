@@ -65,13 +65,13 @@ fn read(
 ) -> Result<Playback, ExportError> {
     let (manifest, path) = Manifest::of(folder)?;
     let asked = asked.map(|asked| manifest.find(&path, asked)).transpose()?;
-    let rest_test = asked.filter(|(number, _)| number.is_none());
+    let rest_test = asked.filter(|(number, _, _)| number.is_none());
     let setup = setup_of(&manifest, &path)?;
     let grains = Arc::new(grains_of(folder, &manifest)?);
     let root = run_file(folder, "stages");
     let mut stages = Vec::new();
     let of_scenario = manifest.stages.iter().map(|entry| (entry.stage.clone(), entry));
-    let rest_test = rest_test.into_iter().map(|(_, entry)| (REST_TEST.to_owned(), entry));
+    let rest_test = rest_test.into_iter().map(|(_, name, entry)| (name, entry));
     for (name, entry) in of_scenario.chain(rest_test) {
         let (end, end_file) = state_of(&root, entry, &grains)?;
         let end = Frame::of(&end);

@@ -38,7 +38,7 @@ pub enum ExportError {
 }
 
 /// How the rest test after the last stage is asked for.
-pub(super) const REST_TEST: &str = "rest_test";
+const REST_TEST: &str = "rest_test";
 
 /// What exporting needs of `manifest.json`.
 #[derive(Deserialize)]
@@ -94,10 +94,21 @@ pub fn read_run(folder: &Path, stage: Option<&str>) -> Result<Exported, ExportEr
     let (manifest, path) = Manifest::of(folder)?;
     let setup = setup_of(&manifest, &path)?;
     let set = grains_of(folder, &manifest)?;
-    let (index, name, state, file) = locate(folder, &path, &manifest, stage)?;
-    state.check(set.grains.len()).map_err(|reason| FileError::unfit(&file, reason))?;
+    let (number, name, state) = match stage {
+        None => {
+            let file = folder.join("specimen.json");
+            let state: SpecimenState = manifest.read(&file)?;
+            state.check(set.grains.len()).map_err(|reason| FileError::unfit(&file, reason))?;
+            let name = manifest.stages.last().map_or_else(String::new, |s| s.stage.clone());
+            (Some(manifest.stages.len().saturating_sub(1)), name, state)
+        }
+        Some(asked) => {
+            let (number, name, entry) = manifest.find(&path, asked)?;
+            (number, name, state_of(&run_file(folder, "stages"), entry, &set)?.0)
+        }
+    };
     let next_motion =
-        index.and_then(|i| manifest.scenario.stages.get(i + 1)).and_then(StageSpec::motion);
+        number.and_then(|n| manifest.scenario.stages.get(n + 1)).and_then(StageSpec::motion);
     let made_by = MadeBy {
         program: format!("pluvia {}", manifest.pluvia),
         scenario: manifest.scenario.name,
@@ -160,28 +171,6 @@ pub(super) fn grains_of(folder: &Path, manifest: &Manifest) -> Result<GrainSet, 
     grains::from_json(&json).map_err(|e| FileError::unfit(&path, e))
 }
 
-/// Number (none for the rest test) and name of a stage, the state at its end, and
-/// the file that this stands in.
-fn locate(
-    folder: &Path,
-    path: &Path,
-    manifest: &Manifest,
-    stage: Option<&str>,
-) -> Result<(Option<usize>, String, SpecimenState, PathBuf), ExportError> {
-    let stages = &manifest.stages;
-    let Some(asked) = stage else {
-        let last = stages.len().saturating_sub(1);
-        let name = stages.last().map_or_else(String::new, |s| s.stage.clone());
-        let file = folder.join("specimen.json");
-        return Ok((Some(last), name, manifest.read(&file)?, file));
-    };
-    let root = run_file(folder, "stages");
-    let (number, entry) = manifest.find(path, asked)?;
-    let name = if number.is_some() { entry.stage.clone() } else { REST_TEST.to_owned() };
-    let (state, file) = StageStore::state_in(&root, &entry.key, &entry.specimen_sha256)?;
-    Ok((number, name, state, file))
-}
-
 /// What a folder is that has no manifest.
 fn without_manifest(folder: &Path) -> &'static str {
     match () {
@@ -222,19 +211,19 @@ impl Manifest {
         serde_json::from_slice(&content).map_err(|e| FileError::malformed(path, e))
     }
 
-    /// The stage of a number or name, and its number; the rest test has none.
+    /// The stage of a number or name: its number, which the rest test has none of, and its name.
     pub(super) fn find(
         &self,
         path: &Path,
         asked: &str,
-    ) -> Result<(Option<usize>, &StageEntry), ExportError> {
+    ) -> Result<(Option<usize>, String, &StageEntry), ExportError> {
         if let (REST_TEST, Some(entry)) = (asked, &self.rest_test) {
-            return Ok((None, entry));
+            return Ok((None, REST_TEST.to_owned(), entry));
         }
         let stages = &self.stages;
         let number = asked.parse().ok().filter(|&n: &usize| n < stages.len());
         match number.or_else(|| stages.iter().position(|s| s.stage == asked)) {
-            Some(n) => Ok((Some(n), &stages[n])),
+            Some(n) => Ok((Some(n), stages[n].stage.clone(), &stages[n])),
             None => {
                 let mut known: Vec<String> =
                     stages.iter().enumerate().map(|(n, s)| format!("{n} {}", s.stage)).collect();
