@@ -56,11 +56,8 @@ pub struct Moments<'a> {
     pub began: Option<&'a Frame>,
 }
 
-/// A colour for each grain, and the key. A continuous scale ends at `upper`, or
-/// where 98 % of the grains lie below, rounded up.
-///
-/// # Errors
-/// When frames are missing that the quantity needs.
+/// A colour for each grain, and the key, where the frames are there that the quantity needs. A
+/// continuous scale ends at `upper`, or where 98 % of the grains lie below, rounded up.
 pub fn paint(
     grains: &GrainSet,
     moments: &Moments,
@@ -88,10 +85,8 @@ pub fn paint(
     }
 }
 
-/// Displacements in mm or speeds in mm/s; none of grains that are not there.
-///
-/// # Errors
-/// When the frames for it are missing.
+/// Displacements in mm or speeds in mm/s, where the frames for them are there; none of grains that
+/// are not.
 pub fn values(moments: &Moments, by: ColourBy) -> Result<Vec<Option<f64>>, PictureError> {
     let now = moments.now;
     let missing = |what| PictureError::NeedsFrames { what };

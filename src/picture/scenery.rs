@@ -36,9 +36,6 @@ pub fn glass_depth(setup: &Setup) -> f64 {
 }
 
 /// Everything there is at a moment; `colours` has one entry a grain.
-///
-/// # Errors
-/// When the apparatus cannot be built.
 pub fn scene_of(
     setup: &Setup,
     grains: &GrainSet,

@@ -30,9 +30,6 @@ pub fn picture_width(width: u32, notes: bool) -> u32 {
 
 /// Panels of one size in rows of so many, named by letters where there are names,
 /// with notes on the right.
-///
-/// # Errors
-/// When the text cannot be drawn.
 pub fn sheet(
     panels: &[(Image, String)],
     columns: u32,

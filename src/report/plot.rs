@@ -246,10 +246,7 @@ impl Plot {
     }
 }
 
-/// Plots as one SVG, one below the other.
-///
-/// # Errors
-/// A sentence on what could not be drawn.
+/// Plots as one SVG, one below the other; else a sentence on what could not be drawn.
 pub fn stacked(plots: &[Plot]) -> Result<String, String> {
     if let [alone] = plots {
         return alone.svg();

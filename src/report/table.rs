@@ -219,10 +219,7 @@ impl Table {
         self.rows.is_empty()
     }
 
-    /// As CSV.
-    ///
-    /// # Errors
-    /// Where a row has another number of cells than the header.
+    /// As CSV, where every row has as many cells as the header.
     pub(super) fn csv(&self) -> Result<Vec<u8>, csv::Error> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(self.header.iter().map(|cell| &cell.text))?;

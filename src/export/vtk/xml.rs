@@ -130,10 +130,7 @@ impl PolyData {
         self.ends.len()
     }
 
-    /// The file's bytes, for a time in s.
-    ///
-    /// # Errors
-    /// When compression fails, for which nothing in memory gives a reason.
+    /// The file's bytes, for a time in s; nothing in memory makes compression fail.
     pub fn to_bytes(&self, time: f64) -> io::Result<Vec<u8>> {
         let mut appended = Appended::default();
         let mut xml = String::from(
