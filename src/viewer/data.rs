@@ -188,15 +188,10 @@ fn frame_bytes(run: &Playback) -> usize {
 
 fn block(header: &str, body: &[u8]) -> Vec<u8> {
     let mut text = header.as_bytes().to_vec();
-    while !(MAGIC.len() + 4 + text.len()).is_multiple_of(4) {
-        text.push(b' ');
-    }
-    let mut bytes = Vec::with_capacity(MAGIC.len() + 4 + text.len() + body.len());
-    bytes.extend(MAGIC);
-    bytes.extend((text.len() as u32).to_le_bytes());
-    bytes.extend(text);
-    bytes.extend(body);
-    bytes
+    // What stands before it has a multiple of four bytes, too.
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let length = (text.len() as u32).to_le_bytes();
+    [&MAGIC[..], &length[..], &text[..], body].concat()
 }
 
 /// Writing to memory does not fail.

@@ -2,19 +2,18 @@
 //! read. What programs are started with, every user of the machine can list.
 
 use std::{
-    fs::{self, File},
     io::{self, Write},
-    path::{Path, PathBuf},
+    path::Path,
 };
 
-use tempfile::TempDir;
+use tempfile::{NamedTempFile, TempDir};
 
 const NAME: &str = "pluvia-view.html";
 
 /// A page on the disk that leads to an address; it is removed when this is dropped.
 #[derive(Debug)]
 pub struct Redirect {
-    file: PathBuf,
+    file: NamedTempFile,
     _folder: TempDir,
 }
 
@@ -30,37 +29,30 @@ impl Redirect {
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
         let folder = builder.tempdir()?;
-        let file = folder.path().join(NAME);
-        let mut page = private(&file)?;
+        // For its owner alone from the moment it is there.
+        let mut file = tempfile::Builder::new().prefix(NAME).rand_bytes(0).tempfile_in(&folder)?;
         // The address is of our own making: letters, digits, and `:/.`.
         writeln!(
-            page,
+            file,
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <title>Pluvia</title>\n<meta name=\"referrer\" content=\"no-referrer\">\n\
              <meta http-equiv=\"refresh\" content=\"0; url={url}\">\n</head>\n\
              <body><a href=\"{url}\">The run</a></body>\n</html>"
         )?;
-        page.flush()?;
+        file.flush()?;
         Ok(Self { file, _folder: folder })
     }
 
     /// The page.
     pub fn path(&self) -> &Path {
-        &self.file
+        self.file.path()
     }
-}
-
-/// A new file that its owner alone can read, from the moment it is there.
-fn private(path: &Path) -> io::Result<File> {
-    let mut options = fs::OpenOptions::new();
-    options.write(true).create_new(true);
-    #[cfg(unix)]
-    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-    options.open(path)
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]
