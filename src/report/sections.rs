@@ -160,7 +160,8 @@ fn claim_row(claim: &Claim, beside: &[Column]) -> Vec<Cell> {
     cells
 }
 
-fn range(of: Interval) -> String {
+/// From its lower end to its upper one.
+pub(super) fn range(of: Interval) -> String {
     format!("{} to {}", compact(of.low), compact(of.high))
 }
 

@@ -1,6 +1,6 @@
 //! What falls short, said from the data.
 
-use super::{ReportInput, Standard};
+use super::{ReportInput, Standard, sections::range};
 use crate::{
     paper::{
         StudyView, Verdict,
@@ -75,11 +75,7 @@ fn claims_missed(input: &ReportInput) -> Vec<String> {
         .filter_map(|c| {
             let ours = compact(c.ours?);
             let band = c.read_as?;
-            let expected = if band.low == band.high {
-                compact(band.low)
-            } else {
-                format!("{} to {}", compact(band.low), compact(band.high))
-            };
+            let expected = if band.low == band.high { compact(band.low) } else { range(band) };
             let statement = c.statement.trim_end_matches('.');
             Some(format!("{statement}: expected {expected}, found {ours} {}.", c.unit))
         })

@@ -86,12 +86,9 @@ fn effects(of: &Sweep) -> Table {
 }
 
 fn slope(of: &SweepEffect) -> String {
-    match of.slope {
-        Some(slope) if of.left_out > 0 => {
-            let shown = plus_minus(slope, of.slope_half_width, compact);
-            format!("{shown} (left out: {})", of.left_out)
-        }
-        Some(slope) => plus_minus(slope, of.slope_half_width, compact),
+    match of.slope.map(|slope| plus_minus(slope, of.slope_half_width, compact)) {
+        Some(shown) if of.left_out > 0 => format!("{shown} (left out: {})", of.left_out),
+        Some(shown) => shown,
         None if of.left_out > 0 && of.runs > 0 => "too few valid runs".to_owned(),
         None => missing(of.left_out > 0),
     }

@@ -105,8 +105,7 @@ impl PointsMet {
     }
 
     fn text(self) -> String {
-        let [low, high] = self.share.map(percent);
-        format!("{} of {} ({low} to {high})", self.met, self.of)
+        share(self.met, self.of, self.share)
     }
 }
 
@@ -198,13 +197,7 @@ impl TargetsFound {
             "target" => t.target.title(),
             "wanted" => t.target.range(),
             "smallest to largest" => range(t.values),
-            "runs that meet it" => format!(
-                "{} of {} ({} to {})",
-                t.runs_meeting,
-                t.runs_counted,
-                percent(t.share_meeting[0]),
-                percent(t.share_meeting[1])
-            ),
+            "runs that meet it" => share(t.runs_meeting, t.runs_counted, t.share_meeting),
             "fit" => format!("{:.2}, {:.2} unseen", t.fit.explained, t.fit.predicted).replace('-', "−"),
             "best" => Cell::number(percent(t.best)),
         })
@@ -305,6 +298,12 @@ impl TargetsFound {
 
 fn range([low, high]: [f64; 2]) -> String {
     format!("{} to {}", compact(low), compact(high))
+}
+
+/// How many of so many, with the interval of their share.
+fn share(met: usize, of: usize, interval: [f64; 2]) -> String {
+    let [low, high] = interval.map(percent);
+    format!("{met} of {of} ({low} to {high})")
 }
 
 fn percent(share: f64) -> String {
