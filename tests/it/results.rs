@@ -18,6 +18,8 @@ mod missed;
 #[path = "../../benches/results/pages.rs"]
 mod pages;
 #[allow(dead_code)]
+#[path = "../../benches/results/referee.rs"]
+mod referee;
 #[path = "../../benches/results/scan.rs"]
 mod scan;
 #[path = "../../benches/results/speed.rs"]
