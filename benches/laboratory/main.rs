@@ -29,7 +29,7 @@ use row::Row;
 #[derive(Debug, Parser)]
 #[command(name = "make laboratory ARGS=...")]
 struct Options {
-    /// Small specimens, few points, one realisation: half an hour of one core
+    /// Small specimens, few points, one realisation: about an hour of one core
     #[arg(long, conflicts_with = "small")]
     quick: bool,
     /// Small specimens, fewer realisations: the design of docs/results/laboratory.md
