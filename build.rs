@@ -9,14 +9,17 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 35] = [
+const SHIMS: [&str; 41] = [
     "contact_bodies",
     "contact_colours",
     "contact_homes",
     "contact_iterations",
     "contact_loads",
+    "contact_look",
     "contact_memory",
+    "contact_setup",
     "contact_solver",
+    "convert",
     "crowd",
     "crowd_probe",
     "globals",
@@ -38,12 +41,15 @@ const SHIMS: [&str; 35] = [
     "shapes",
     "sphere_pair",
     "core_distance",
+    "rounded_contact",
     "rounded_pair",
     "bodies",
     "settings",
     "stock_world",
+    "engine_world",
     "native_world",
     "pool",
+    "pairs",
     "world",
 ];
 

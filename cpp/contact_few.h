@@ -12,7 +12,9 @@ namespace pluvia {
 
 template <class L> class Few {
   public:
-    Few(Problem<L> &problem, const Contacts &contacts) : p_(problem), contacts_(contacts) {}
+    // Bodies 1 to `free` move.
+    Few(Problem<L> &problem, const Contacts &contacts, int free, Workers &workers)
+        : p_(problem), contacts_(contacts), free_(free), workers_(workers) {}
 
     // Copies the pairs that active bodies have in packs that are awake, colour by
     // colour, and lists the bodies of these pairs.
@@ -52,24 +54,30 @@ template <class L> class Few {
             turn_.begin.push_back(static_cast<int>(turn_.packs.size()));
         }
         p_.few.resize(plans_.size(), static_cast<std::size_t>(points));
-        contacts_.workers.each(plans_.size(), PACKS_AT_ONCE, [&](std::size_t i) { copy(i); });
+        workers_.share(plans_.size(), PACKS_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                copy(i);
+            }
+        });
     }
 
     // Puts their impulses back.
     void put_back() {
-        contacts_.workers.each(plans_.size(), PACKS_AT_ONCE, [&](std::size_t i) {
-            const int first = plans_[i].first;
-            lanes(i, [&](int lane, std::size_t number, int to_lane) {
-                const Pack<L> &pack = p_.all.packs[number];
-                for (int p = 0; p < points_of(pack.pair[to_lane]); ++p) {
-                    const Point<L> &from = p_.few.points[static_cast<std::size_t>(first + p)];
-                    Point<L> &to = p_.all.points[static_cast<std::size_t>(pack.first + p)];
-                    for (auto impulse :
-                         {&Point<L>::impulse, &Point<L>::impulse_1, &Point<L>::impulse_2}) {
-                        Lane<L>::set(to.*impulse, to_lane, Lane<L>::get(from.*impulse, lane));
+        workers_.share(plans_.size(), PACKS_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const int first = plans_[i].first;
+                lanes(i, [&](int lane, std::size_t number, int to_lane) {
+                    const Pack<L> &pack = p_.all.packs[number];
+                    for (int p = 0; p < points_of(pack.pair[to_lane]); ++p) {
+                        const Point<L> &from = p_.few.points[static_cast<std::size_t>(first + p)];
+                        Point<L> &to = p_.all.points[static_cast<std::size_t>(pack.first + p)];
+                        for (auto impulse :
+                             {&Point<L>::impulse, &Point<L>::impulse_1, &Point<L>::impulse_2}) {
+                            Lane<L>::set(to.*impulse, to_lane, Lane<L>::get(from.*impulse, lane));
+                        }
                     }
-                }
-            });
+                });
+            }
         });
     }
 
@@ -105,6 +113,8 @@ template <class L> class Few {
 
     Problem<L> &p_;
     const Contacts &contacts_;
+    int free_;
+    Workers &workers_;
     Turn turn_;
     std::vector<int> bodies_;
     std::vector<From> from_;
@@ -125,14 +135,14 @@ template <class L> class Few {
                 const Pack<L> &pack = p_.all.packs[i];
                 for (int n = 0; n < Lane<L>::WIDTH && pack.pair[n] >= 0; ++n) {
                     for (const int body : {pack.a[n], pack.b[n]}) {
-                        if (!contacts_.moves.still(body)) {
+                        if (body > 0 && body <= free_) {
                             what(static_cast<std::size_t>(body), static_cast<int>(8 * i) + n);
                         }
                     }
                 }
             }
         };
-        ends_.assign(static_cast<std::size_t>(contacts_.moves.all) + 2, 0);
+        ends_.assign(static_cast<std::size_t>(free_) + 2, 0);
         each([&](std::size_t body, int) { ++ends_[body + 1]; });
         std::partial_sum(ends_.begin(), ends_.end(), ends_.begin());
         at_.resize(static_cast<std::size_t>(ends_.back()));
@@ -146,7 +156,7 @@ template <class L> class Few {
             list_pairs();
         }
         taken_.assign(p_.all.packs.size(), 0);
-        for (std::size_t b = 1; b <= static_cast<std::size_t>(contacts_.moves.all); ++b) {
+        for (std::size_t b = 1; b <= static_cast<std::size_t>(free_); ++b) {
             if (p_.active[b] == 0) {
                 continue;
             }
@@ -165,7 +175,7 @@ template <class L> class Few {
     }
     void list(int body) {
         std::uint8_t &listed = listed_[static_cast<std::size_t>(body)];
-        if (!contacts_.moves.still(body) && listed == 0) {
+        if (body > 0 && body <= free_ && listed == 0) {
             listed = is_active(body) ? CHOSEN : BESIDE;
             bodies_.push_back(body);
             start_.push_back(p_.bodies.motion[static_cast<std::size_t>(body)]);

@@ -4,7 +4,12 @@
 
 #include "contact_packs.h"
 
+#include <algorithm>
+#include <vector>
+
 namespace pluvia {
+
+#define PLUVIA_INLINE inline __attribute__((always_inline))
 
 // The law with its lengths of time, in the precision of the lanes.
 template <class N> struct LaneLaw {

@@ -4,32 +4,30 @@
 #include "contact_homes.h"
 #include "contact_phases.h"
 #include "hull_algorithm.h"
-#include "workers.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace pluvia {
 
-// A step: its pairs and their order, its bodies, and how it is solved.
+// The pairs of a step and their order.
 struct Contacts {
-    const ContactLaw &law;
-    double substep; // length
     const std::vector<Touching> &touching;
     const std::vector<PairPlace> &places;
     const Colours &colours;
     const Homes &homes;
-    Moves moves;
-    std::vector<SolverBody> &bodies;
-    Workers &workers;
 };
 
 // A gap that nothing crosses in a step, in engine units: some tens of metres.
 constexpr double NEVER = 1e4;
 
+template <class N> Three<double> three(const N x[3]) {
+    return {static_cast<double>(x[0]), static_cast<double>(x[1]), static_cast<double>(x[2])};
+}
+
 // Two tangents of a unit normal (Duff et al. 2017, "Building an orthonormal
 // basis, revisited").
-inline void tangents(const Vec &n, Vec &t1, Vec &t2) {
+inline void tangents(const Three<double> &n, Three<double> &t1, Three<double> &t2) {
     const double sign = std::copysign(1.0, n.z);
     const double a = -1.0 / (sign + n.z);
     const double b = n.x * n.y * a;
@@ -38,20 +36,24 @@ inline void tangents(const Vec &n, Vec &t1, Vec &t2) {
 }
 
 // From B to A.
-inline Vec normal_of(const Touching &pair) { return three(pair.state->memory.last.normal) * -1.0; }
+inline Three<double> normal_of(const Touching &pair) {
+    return three(pair.state->memory.last.normal) * -1.0;
+}
 
 // From the centres of mass to point `p`, in the world.
 struct Arms {
-    Vec a, b;
+    Three<double> a, b;
 
     Arms(const Touching &pair, int p) {
-        const KeptPoint &point = pair.state->memory.last.points[p];
-        a = pair.a->pose.turn(three(point.on_a));
-        b = pair.b->pose.turn(three(point.on_b));
+        double arm[3];
+        pair.a->pose.turn(pair.state->memory.last.points[p].on_a, arm);
+        a = three(arm);
+        pair.b->pose.turn(pair.state->memory.last.points[p].on_b, arm);
+        b = three(arm);
     }
 };
 
-template <class L> void set_three(Three<L> &lanes, int i, const Vec &value) {
+template <class L> void set_three(Three<L> &lanes, int i, const Three<double> &value) {
     using N = typename Lane<L>::Number;
     Lane<L>::set(lanes.x, i, static_cast<N>(value.x));
     Lane<L>::set(lanes.y, i, static_cast<N>(value.y));
@@ -101,10 +103,11 @@ template <class L> void copy_lane(const Pack<L> &from, int from_lane, Pack<L> &t
 // Puts the pairs of pack number `i` into its lanes. They begin with what the last sub-step
 // of the step before bore, less its impacts: what is thrown away has to be found again in a
 // few iterations, and the packing creeps while it is not.
-template <class L> void load(const Contacts &contacts, std::size_t i, Problem<L> &problem) {
+template <class L>
+void load(const std::vector<Touching> &touching, const std::vector<PairPlace> &places,
+          const Colours &colours, Moves moves, int substeps, std::size_t i, Problem<L> &problem) {
     using N = typename Lane<L>::Number;
-    const Moves moves = contacts.moves;
-    const Colours::Pack &plan = contacts.colours.packs()[i];
+    const Colours::Pack &plan = colours.packs()[i];
     Pack<L> &pack = problem.all.packs[i];
     clear_pack(pack, plan.first, plan.points);
     problem.near[i] = plan.near;
@@ -116,15 +119,15 @@ template <class L> void load(const Contacts &contacts, std::size_t i, Problem<L>
         m.gap = L{} + static_cast<N>(NEVER);
     }
     for (int lane = 0; lane < plan.pairs; ++lane) {
-        const int number = contacts.colours.order()[static_cast<std::size_t>(plan.begin + lane)];
-        const PairPlace &place = contacts.places[static_cast<std::size_t>(number)];
-        const Touching &pair = contacts.touching[static_cast<std::size_t>(number)];
+        const int number = colours.order()[static_cast<std::size_t>(plan.begin + lane)];
+        const PairPlace &place = places[static_cast<std::size_t>(number)];
+        const Touching &pair = touching[static_cast<std::size_t>(number)];
         const KeptContact &contact = pair.state->memory.last;
         const auto put = [lane](L &lanes, double value) {
             Lane<L>::set(lanes, lane, static_cast<N>(value));
         };
-        const Vec normal = normal_of(pair);
-        Vec tangent_1, tangent_2;
+        const Three<double> normal = normal_of(pair);
+        Three<double> tangent_1, tangent_2;
         tangents(normal, tangent_1, tangent_2);
         pack.a[lane] = place.a;
         pack.b[lane] = place.b;
@@ -150,8 +153,8 @@ template <class L> void load(const Contacts &contacts, std::size_t i, Problem<L>
             put(m.arm_a.ball, -pair.a->hull->rounding);
             put(m.arm_b.ball, pair.b->hull->rounding);
             put(m.gap, static_cast<double>(contact.points[p].gap));
-            const Vec borne = three(load.impulse);
-            const double kept = static_cast<double>(load.warm_start) / contacts.law.substeps;
+            const Three<double> borne = three(load.impulse);
+            const double kept = static_cast<double>(load.warm_start) / substeps;
             put(c.impulse, std::max(0.0, borne.dot(normal)) * kept);
             put(c.impulse_1, borne.dot(tangent_1) * kept);
             put(c.impulse_2, borne.dot(tangent_2) * kept);
@@ -160,72 +163,80 @@ template <class L> void load(const Contacts &contacts, std::size_t i, Problem<L>
 }
 
 // Writes what was found in pack number `i` to its pairs.
-template <class L> void unload(const Problem<L> &problem, const Contacts &contacts, std::size_t i) {
+template <class L>
+void unload(const Problem<L> &problem, const std::vector<Touching> &touching,
+            const std::vector<PairPlace> &places, int substeps, std::size_t i) {
     const Pack<L> &pack = problem.all.packs[i];
     for (int lane = 0; lane < Lane<L>::WIDTH && pack.pair[lane] >= 0; ++lane) {
         const auto number = static_cast<std::size_t>(pack.pair[lane]);
         const auto get = [lane](const L &lanes) {
             return static_cast<double>(Lane<L>::get(lanes, lane));
         };
-        const auto three_of = [&](const Three<L> &v) { return Vec{get(v.x), get(v.y), get(v.z)}; };
-        for (int p = 0; p < contacts.places[number].points; ++p) {
+        const auto three_of = [&](const Three<L> &v) {
+            return Three<double>{get(v.x), get(v.y), get(v.z)};
+        };
+        for (int p = 0; p < places[number].points; ++p) {
             const auto at = static_cast<std::size_t>(pack.first + p);
             const PointMemory<L> &m = problem.memory[at];
             const double impulse = get(m.total);
-            const Vec borne = three_of(pack.normal) * impulse +
-                              three_of(pack.tangent_1) * get(m.total_1) +
-                              three_of(pack.tangent_2) * get(m.total_2);
-            Load &load = contacts.touching[number].state->loads[p];
-            store(borne, load.impulse);
-            load.warm_start = static_cast<float>(impulse > 0 ? get(problem.all.points[at].impulse) *
-                                                                   contacts.law.substeps / impulse
-                                                             : 1);
+            const Three<double> borne = three_of(pack.normal) * impulse +
+                                        three_of(pack.tangent_1) * get(m.total_1) +
+                                        three_of(pack.tangent_2) * get(m.total_2);
+            Load &load = touching[number].state->loads[p];
+            load.impulse[0] = static_cast<float>(borne.x);
+            load.impulse[1] = static_cast<float>(borne.y);
+            load.impulse[2] = static_cast<float>(borne.z);
+            load.warm_start = static_cast<float>(
+                impulse > 0 ? get(problem.all.points[at].impulse) * substeps / impulse : 1);
         }
     }
 }
 
-template <class N> void pack(const Contacts &contacts, std::size_t i, PackedBodies<N> &packed) {
-    const SolverBody &body = contacts.bodies[i];
-    const double substep = contacts.substep;
-    const auto put = [&](const double(&motion)[8], const double(&root)[8],
-                         const double(&forced)[8]) {
+template <class N>
+void pack(const SolverBody &body, int substeps, double substep, std::size_t i,
+          PackedBodies<N> &packed) {
+    if (body.pressed()) {
+        const Three<double> &axis = body.press_turn;
+        const Three<double> &free = body.turned() ? axis : body.press;
+        const double root = 1 / std::sqrt(free.dot(free)); // of the mass or the moment of inertia
+        const Three<double> way = free * (root * root);    // times that root
+        const Three<double> &speed = body.turned() ? body.spin : body.velocity;
+        const Three<double> &faster = body.turned() ? body.spin_up : body.acceleration;
+        const double motion[8] = {0, 0, 0, 0, way.dot(speed), 0, 0, 1};
+        const double press[8] = {body.press.x, body.press.y, body.press.z,      axis.x,
+                                 axis.y,       axis.z,       1 / (root * root), 1};
+        const double forced[8] = {0, 0, 0, 0, way.dot(faster) * substep, 0, 0, 0};
         for (int k = 0; k < 8; ++k) {
             packed.motion[i].at[k] = static_cast<N>(motion[k]);
-            packed.root[i].at[k] = static_cast<N>(root[k]);
+            packed.root[i].at[k] = static_cast<N>(press[k]);
             packed.displacement[i].at[k] = 0;
             packed.forced[i].at[k] = static_cast<N>(forced[k]);
         }
-    };
-    if (body.pressed()) {
-        const Vec &axis = body.press_turn;
-        const Vec &free = body.turned() ? axis : body.press;
-        const double root = 1 / std::sqrt(free.dot(free)); // of the mass or the moment of inertia
-        const Vec way = free * (root * root);              // times that root
-        const Vec &speed = body.turned() ? body.spin : body.velocity;
-        const Vec &faster = body.turned() ? body.spin_up : body.acceleration;
-        put({0, 0, 0, 0, way.dot(speed), 0, 0, 1},
-            {body.press.x, body.press.y, body.press.z, axis.x, axis.y, axis.z, 1 / (root * root),
-             1},
-            {0, 0, 0, 0, way.dot(faster) * substep, 0, 0, 0});
         return;
     }
     const bool moves = body.inverse_mass > 0;
-    Vec velocity = body.velocity;
-    Vec spin = body.spin;
+    Three<double> velocity = body.velocity;
+    Three<double> spin = body.spin;
     if (!moves) {
         // A kinematic body's velocity is its mean in the step.
-        const double before = substep * (contacts.law.substeps + 1) / 2;
+        const double before = substep * (substeps + 1) / 2;
         velocity = velocity - body.acceleration * before;
         spin = spin - body.spin_up * before;
     }
     spin = body.inertia_root * spin;
+    const double motion[8] = {velocity.x, velocity.y, velocity.z, body.inverse_mass,
+                              spin.x,     spin.y,     spin.z,     moves ? 1.0 : 0.0};
     const Symmetric<double> &m = body.inverse_inertia_root;
-    const Vec v = body.acceleration * substep;
-    const Vec w = body.inertia_root * body.spin_up * substep;
-    put({velocity.x, velocity.y, velocity.z, body.inverse_mass, spin.x, spin.y, spin.z,
-         moves ? 1.0 : 0.0},
-        {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz, body.inverse_mass, 0},
-        {v.x, v.y, v.z, 0, w.x, w.y, w.z, 0});
+    const double root[8] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz, body.inverse_mass, 0};
+    const Three<double> v = body.acceleration * substep;
+    const Three<double> w = body.inertia_root * body.spin_up * substep;
+    const double forced[8] = {v.x, v.y, v.z, 0, w.x, w.y, w.z, 0};
+    for (int k = 0; k < 8; ++k) {
+        packed.motion[i].at[k] = static_cast<N>(motion[k]);
+        packed.root[i].at[k] = static_cast<N>(root[k]);
+        packed.displacement[i].at[k] = 0;
+        packed.forced[i].at[k] = static_cast<N>(forced[k]);
+    }
 }
 
 // A step without contacts: the sum over its sub-steps.
@@ -244,10 +255,12 @@ template <class N> void unpack(const PackedBodies<N> &packed, std::size_t i, Sol
     if (body.pressed()) {
         body.velocity = body.press * m[4];
         body.spin = body.press_turn * m[4];
-    } else {
-        body.velocity = {m[0], m[1], m[2]};
-        body.spin = body.inverse_inertia_root * Vec{m[4], m[5], m[6]};
+        body.shift = {w[0], w[1], w[2]};
+        body.turn = {w[4], w[5], w[6]};
+        return;
     }
+    body.velocity = {m[0], m[1], m[2]};
+    body.spin = body.inverse_inertia_root * Three<double>{m[4], m[5], m[6]};
     body.shift = {w[0], w[1], w[2]};
     body.turn = {w[4], w[5], w[6]};
 }

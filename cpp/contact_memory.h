@@ -14,6 +14,7 @@
 namespace pluvia {
 
 struct ContactRead;
+
 struct Touching;
 
 // Adds the points of a pair as they were when the step began.
@@ -42,6 +43,8 @@ class RecalledContacts {
         std::uint32_t feature, id;
     };
     std::unordered_map<std::uint64_t, std::vector<Recalled>> by_pair_;
+
+    const std::vector<Recalled> *of(const btCollisionObject &a, const btCollisionObject &b) const;
 };
 
 } // namespace pluvia

@@ -4,6 +4,8 @@
 #include "contact_law.h"
 #include "unset.h"
 
+#include <vector>
+
 namespace pluvia {
 
 // Pairs beside each other. The normal leads from B to A. Lanes without a pair hold the
@@ -42,7 +44,8 @@ template <class L> struct Arm : Three<L> { L turns, ball; };
 
 // As for any vector turned by a rotation vector, of what turns with the body.
 template <class L>
-PLUVIA_INLINE Three<L> turned(const Arm<L> &arm, const Three<L> &by, const Three<L> &normal) {
+inline __attribute__((always_inline)) Three<L> turned(const Arm<L> &arm, const Three<L> &by,
+                                                      const Three<L> &normal) {
     const Three<L> &bare = arm;
     const Three<L> ball = normal * arm.ball;
     return turned(Three<L>(bare - ball),

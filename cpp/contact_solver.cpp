@@ -30,14 +30,14 @@ constexpr std::uint16_t NOWHERE = 0xffff;
 // Whether a point of a pair may well bear something in the step.
 bool is_near(const ContactLaw &law, double step, const Touching &pair, const SolverBody &a,
              const SolverBody &b) {
-    const Vec normal = normal_of(pair);
+    const Three<double> normal = normal_of(pair);
     for (int p = 0; p < pair.points; ++p) {
         if (three(pair.state->loads[p].impulse).dot(normal) > 0) {
             return true;
         }
         const Arms arms(pair, p);
-        const Vec speed_a = a.velocity + a.spin.cross(arms.a);
-        const Vec speed_b = b.velocity + b.spin.cross(arms.b);
+        const Three<double> speed_a = a.velocity + a.spin.cross(arms.a);
+        const Three<double> speed_b = b.velocity + b.spin.cross(arms.b);
         const double parting = (speed_a - speed_b).dot(normal);
         const double gap = static_cast<double>(pair.state->memory.last.points[p].gap);
         if (gap + std::min(0.0, parting * step) <= law.closed_gap) {
@@ -71,10 +71,8 @@ void ContactSolver::solve(double step) {
     recorded_ = SubstepRecord{};
     look.record = recording_ ? &recorded_ : nullptr;
     const bool looks = recording_ || steps_++ % LOOK_EVERY == 0;
-    iterations_.run(kernels_,
-                    {law_, step / law_.substeps, touching_, places_, colours_, homes_, moves,
-                     bodies_, workers_},
-                    looks ? &look : nullptr);
+    iterations_.run(kernels_, law_, step, {touching_, places_, colours_, homes_}, moves, bodies_,
+                    workers_, looks ? &look : nullptr);
     if (looks) {
         const Residual &residual = look.residual;
         residual_ = residual.impulse > 0 ? std::sqrt(residual.error / residual.impulse) : 0;
@@ -83,16 +81,19 @@ void ContactSolver::solve(double step) {
 
 void ContactSolver::take_pairs(double step) {
     places_.resize(touching_.size());
-    const auto take = [&](std::size_t i) {
-        const Touching &pair = touching_[i];
-        const int a = place_[static_cast<std::size_t>(pair.a->number)];
-        const int b = place_[static_cast<std::size_t>(pair.b->number)];
-        places_[i] = {a, b, static_cast<std::int16_t>(pair.points),
-                      is_near(law_, step, pair, bodies_[static_cast<std::size_t>(a)],
-                              bodies_[static_cast<std::size_t>(b)])};
-    };
-    workers_.each(touching_.size(), AT_ONCE, take, AHEAD,
-                  [&](std::size_t i) { prefetch(*touching_[i].state); });
+    workers_.share(touching_.size(), AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i + AHEAD < end) {
+                prefetch(*touching_[i + AHEAD].state);
+            }
+            const Touching &pair = touching_[i];
+            const int a = place_[static_cast<std::size_t>(pair.a->number)];
+            const int b = place_[static_cast<std::size_t>(pair.b->number)];
+            places_[i] = {a, b, static_cast<std::int16_t>(pair.points),
+                          is_near(law_, step, pair, bodies_[static_cast<std::size_t>(a)],
+                                  bodies_[static_cast<std::size_t>(b)])};
+        }
+    });
 }
 
 void ContactSolver::bodies_changed() {
@@ -109,18 +110,25 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
         return;
     }
     bodies_changed();
-    std::vector<btRigidBody *> by_number;
+    std::unordered_map<int, btRigidBody *> wholes; // those that have further parts
+    for (const auto &[part, whole] : wholes_) {
+        wholes[whole] = nullptr;
+    }
+    for (int i = 0; i < bodies.size() && !wholes.empty(); ++i) {
+        const auto found = wholes.find(bodies[i]->getUserIndex());
+        if (found != wholes.end()) {
+            found->second = btRigidBody::upcast(bodies[i]);
+        }
+    }
     for (int i = 0; i < bodies.size(); ++i) {
         btRigidBody *body = btRigidBody::upcast(bodies[i]);
         const auto number = static_cast<std::size_t>(body->getUserIndex());
         place_.resize(std::max(place_.size(), number + 1));
         place_[number] = 0;
-        by_number.resize(place_.size());
-        by_number[number] = body;
         const int whole = whole_of(body->getUserIndex());
         // What is driven counts as static with Bullet, too.
         if (whole != body->getUserIndex()) {
-            parts_.push_back({{body, number}, {nullptr, static_cast<std::size_t>(whole)}});
+            parts_.push_back({{body, number}, {wholes.at(whole), static_cast<std::size_t>(whole)}});
         } else if (is_pressed(body->getUserIndex())) {
             pressed_.push_back({body, number});
         } else if (body->isKinematicObject()) {
@@ -128,9 +136,6 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
         } else if (!body->isStaticObject()) {
             moving_.push_back({body, number});
         }
-    }
-    for (Part &part : parts_) {
-        part.whole.body = by_number.at(part.whole.number);
     }
     for (std::size_t i = 0; i < driving_.size(); ++i) {
         place_[static_cast<std::size_t>(driving_[i]->getUserIndex())] =
@@ -145,29 +150,34 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
 // Free bodies in the order of places along the axis along which they are spread most.
 void ContactSolver::sort_places() {
     const std::size_t count = moving_.size();
-    std::vector<Vec> centres(count);
-    workers_.each(
-        count, AT_ONCE, [&](std::size_t i) { centres[i] = centre(*moving_[i].body); }, AHEAD,
-        [&](std::size_t i) { prefetch(moving_[i].body->getWorldTransform()); });
+    std::vector<Three<double>> centres(count);
+    workers_.share(count, AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i + AHEAD < end) {
+                prefetch(moving_[i + AHEAD].body->getWorldTransform());
+            }
+            centres[i] = centre(*moving_[i].body);
+        }
+    });
     if (count == 0) {
         return;
     }
-    Vec low = centres[0], high = low;
-    for (const Vec &c : centres) {
+    Three<double> low = centres[0], high = low;
+    for (const Three<double> &c : centres) {
         low = {std::min(low.x, c.x), std::min(low.y, c.y), std::min(low.z, c.z)};
         high = {std::max(high.x, c.x), std::max(high.y, c.y), std::max(high.z, c.z)};
     }
-    const Vec size = high - low;
-    const auto along = size.z >= size.x && size.z >= size.y ? &Vec::z
-                       : size.x >= size.y                   ? &Vec::x
-                                                            : &Vec::y;
+    const Three<double> size = high - low;
+    const auto along = size.z >= size.x && size.z >= size.y ? &Three<double>::z
+                       : size.x >= size.y                   ? &Three<double>::x
+                                                            : &Three<double>::y;
     const double length = std::max(size.*along, 1e-30);
     std::array<int, SLICES + 1> begin{};
-    const auto slice = [&](const Vec &c) {
+    const auto slice = [&](const Three<double> &c) {
         const double share = (c.*along - low.*along) / length;
         return share >= 0 && share < 1 ? static_cast<std::size_t>(share * SLICES) : SLICES - 1;
     };
-    for (const Vec &c : centres) {
+    for (const Three<double> &c : centres) {
         ++begin[slice(c) + 1];
     }
     for (std::size_t i = 1; i < begin.size(); ++i) {
@@ -185,11 +195,15 @@ void ContactSolver::take_bodies(double step) {
     }
     bodies_.resize(1 + moving_.size() + pressed_.size() + driving_.size());
     bodies_[0] = SolverBody{};
-    const auto take = [&](std::size_t i) {
-        bodies_[static_cast<std::size_t>(place_[moving_[i].number])] = free_body(*moving_[i].body);
-    };
-    workers_.each(moving_.size(), AT_ONCE, take, AHEAD,
-                  [&](std::size_t i) { prefetch_body(*moving_[i].body); });
+    workers_.share(moving_.size(), AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i + AHEAD < end) {
+                prefetch_body(*moving_[i + AHEAD].body);
+            }
+            bodies_[static_cast<std::size_t>(place_[moving_[i].number])] =
+                free_body(*moving_[i].body);
+        }
+    });
     for (std::size_t i = 0; i < pressed_.size(); ++i) {
         const Moving &pressed = pressed_[i];
         bodies_[moving_.size() + 1 + i] =
@@ -208,26 +222,32 @@ void ContactSolver::take_bodies(double step) {
 }
 
 void ContactSolver::read_drives(const Units &units, rust::Vec<DriveRead> &out) const {
+    const auto metres = [&](const Three<double> &v) {
+        return std::array<double, 3>{v.x / units.scale(), v.y / units.scale(), v.z / units.scale()};
+    };
     const std::size_t first = 1 + moving_.size() + pressed_.size();
     for (std::size_t i = first; i < bodies_.size(); ++i) {
         const SolverBody &body = bodies_[i];
         DriveRead read{};
         read.id = static_cast<std::uint32_t>(driving_[i - first]->getUserIndex());
-        read.velocity = units.metres(body.velocity);
-        read.acceleration = units.metres(body.acceleration);
-        read.spin = array(body.spin);
-        read.spin_up = array(body.spin_up);
+        read.velocity = metres(body.velocity);
+        read.acceleration = metres(body.acceleration);
+        read.spin = {body.spin.x, body.spin.y, body.spin.z};
+        read.spin_up = {body.spin_up.x, body.spin_up.y, body.spin_up.z};
         out.push_back(read);
     }
 }
 
 void ContactSolver::move_bodies(double step) {
-    const auto move = [&](std::size_t i) {
-        const auto place = static_cast<std::size_t>(place_[moving_[i].number]);
-        move_body(*moving_[i].body, bodies_[place], step, gyroscopic_);
-    };
-    workers_.each(moving_.size(), AT_ONCE, move, AHEAD,
-                  [&](std::size_t i) { prefetch(*moving_[i].body); });
+    workers_.share(moving_.size(), AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i + AHEAD < end) {
+                prefetch(*moving_[i + AHEAD].body);
+            }
+            const auto place = static_cast<std::size_t>(place_[moving_[i].number]);
+            move_body(*moving_[i].body, bodies_[place], step, gyroscopic_);
+        }
+    });
     for (std::size_t i = 0; i < pressed_.size(); ++i) {
         move_pressed(*pressed_[i].body, bodies_[moving_.size() + 1 + i],
                      presses_.at(static_cast<int>(pressed_[i].number)));

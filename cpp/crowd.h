@@ -20,8 +20,6 @@
 // all besides their own speed.
 #pragma once
 
-#include "three.h"
-
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -31,7 +29,7 @@ namespace pluvia {
 // What is read of a body; lengths in engine units.
 struct CrowdBody {
     double centre[3];
-    Vec velocity;
+    double velocity[3];
     double radius;
     double turning; // speed at which its farthest point turns
     bool free;
@@ -42,13 +40,14 @@ class Crowd {
     // Finds the speeds of all of them, `frame` being the velocity of the place
     // from which distances are counted. False, and nothing is found, where some
     // number is not finite or no body is free.
-    bool gather(const std::vector<CrowdBody> &bodies, const Vec &frame, double step, double margin);
+    bool gather(const std::vector<CrowdBody> &bodies, const double frame[3], double step,
+                double margin);
     // Of body number `i` of those gathered; its turning comes besides.
     double speed(std::size_t i) const { return speeds_[i]; }
 
   private:
     struct Cell {
-        Vec velocity{0, 0, 0}; // the mean of its bodies
+        double velocity[3] = {0, 0, 0}; // the mean of its bodies
         int bodies = 0;
     };
 
@@ -59,7 +58,7 @@ class Crowd {
     double low_[3], edge_;
     int count_[3];
 
-    bool lay_grid(const std::vector<CrowdBody> &bodies, const Vec &frame, double step,
+    bool lay_grid(const std::vector<CrowdBody> &bodies, const double frame[3], double step,
                   double margin);
     void find_means(const std::vector<CrowdBody> &bodies);
     double difference(int x, int y, int z) const;

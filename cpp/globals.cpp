@@ -37,4 +37,6 @@ GlobalsHold::GlobalsHold(const GlobalSettings &settings) {
 
 GlobalsHold::~GlobalsHold() { --holders; }
 
+GlobalSettings GlobalsHold::read_back() { return {gContactBreakingThreshold, gDbvtMargin}; }
+
 } // namespace pluvia

@@ -8,6 +8,7 @@
 #include "rust/cxx.h"
 
 #include <array>
+#include <cstdint>
 #include <memory>
 
 namespace pluvia {

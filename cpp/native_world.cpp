@@ -1,10 +1,9 @@
 #include "native_world.h"
 
 #include "contact_memory.h"
-#include "pluvia/src/world/bullet/ffi.rs.h"
+#include "contact_setup.h"
 
 #include <algorithm>
-#include <iterator>
 
 namespace pluvia {
 
@@ -21,36 +20,9 @@ btDefaultCollisionConstructionInfo pool_sizes() {
     return info;
 }
 
-HullCollision hull_collision(const Units &units, const WorldDefinition &d,
-                             const Materials &materials) {
-    HullCollision collision;
-    collision.materials = &materials;
-    collision.settings = pair_settings(d.tolerances, units.scale());
-    collision.settings.speculative_margin =
-        std::min(d.contact_threshold, d.tolerances.contact_margin) * units.scale();
-    collision.match = d.tolerances.match_distance * units.scale();
-    collision.kernels = d.portable ? &portable_axis_kernels() : &axis_kernels();
-    collision.step = d.time_step;
-    return collision;
-}
-
-ContactLaw contact_law(const Units &units, const WorldDefinition &d) {
-    const double scale = units.scale();
-    return {d.substeps,
-            d.native_iterations,
-            d.contact_stiffness,
-            d.contact_damping_ratio,
-            d.max_depenetration_velocity * scale,
-            d.restitution_velocity_threshold * scale,
-            d.tolerances.closed_gap * scale,
-            d.tolerances.unsolved_gap * scale,
-            d.solver_tolerance};
-}
-
-Kernels kernels(const WorldDefinition &d) {
-    return d.contacts_at_once == 1     ? Kernels::OneByOne
-           : has_avx2() && !d.portable ? Kernels::Avx2
-                                       : Kernels::Portable;
+btVector3 vector(const float x[3]) {
+    return btVector3(static_cast<btScalar>(x[0]), static_cast<btScalar>(x[1]),
+                     static_cast<btScalar>(x[2]));
 }
 
 } // namespace
@@ -134,14 +106,16 @@ void NativeWorld::step(btScalar length) {
     workers_.leave_alone(sharing_.alone());
     double took = 0;
     {
-        const Stopwatch all(took);
+        double outside = 0;
+        const Stopwatch all(took, outside);
         timed_step(length);
     }
     sharing_.took(took);
 }
 
 void NativeWorld::timed_step(btScalar length) {
-    const Stopwatch watch(phases_.integration);
+    double outside = 0;
+    const Stopwatch watch(phases_.integration, outside);
     // A step that fails leaves none for the next.
     kinematic_.swap(drives_);
     drives_.clear();
@@ -153,7 +127,7 @@ void NativeWorld::timed_step(btScalar length) {
     damp(length);
     search();
     {
-        const Stopwatch solving(phases_.solver, &phases_.integration);
+        const Stopwatch solving(phases_.solver, phases_.integration);
         solver_.solve(static_cast<double>(length));
     }
     solver_.move_bodies(static_cast<double>(length));
@@ -162,16 +136,17 @@ void NativeWorld::timed_step(btScalar length) {
 }
 
 void NativeWorld::find_contacts() {
-    const Stopwatch watch(phases_.integration);
+    double outside = 0;
+    const Stopwatch watch(phases_.integration, outside);
     search();
 }
 
 void NativeWorld::search() {
-    const Stopwatch watch(phases_.collision, &phases_.integration);
+    const Stopwatch watch(phases_.collision, phases_.integration);
     // Bodies and pairs move in memory: should the search fail, nobody may look there.
     collision_.touching.clear();
     {
-        const Stopwatch boxing(phases_.broadphase, &phases_.collision);
+        const Stopwatch boxing(phases_.broadphase, phases_.collision);
         renew_boxes();
         computeOverlappingPairs();
         boxes.m_deferedcollide = false; // boxes that are added meet others at once
@@ -205,10 +180,12 @@ void NativeWorld::damp(btScalar step) {
         return;
     }
     const auto count = static_cast<std::size_t>(m_nonStaticRigidBodies.size());
-    workers_.each(count, BODIES_AT_ONCE, [&](std::size_t i) {
-        btRigidBody &body = *m_nonStaticRigidBodies[static_cast<int>(i)];
-        if (!body.isStaticOrKinematicObject()) {
-            body.applyDamping(step);
+    workers_.share(count, BODIES_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            btRigidBody &body = *m_nonStaticRigidBodies[static_cast<int>(i)];
+            if (!body.isStaticOrKinematicObject()) {
+                body.applyDamping(step);
+            }
         }
     });
 }
@@ -226,9 +203,11 @@ void NativeWorld::follow(const btRigidBody *body) {
 
 void NativeWorld::renew_boxes() {
     Frame frame;
-    frame.origin = three(place());
-    if (followed_ != nullptr) {
-        frame.velocity = three(followed_->getLinearVelocity());
+    const btVector3 origin = place();
+    for (int i = 0; i < 3; ++i) {
+        frame.origin[i] = static_cast<double>(origin[i]);
+        frame.velocity[i] =
+            followed_ == nullptr ? 0 : static_cast<double>(followed_->getLinearVelocity()[i]);
     }
     const btVector3 slack(slack_, slack_, slack_);
     const btCollisionObjectArray &objects = getCollisionObjectArray();
@@ -244,16 +223,10 @@ void NativeWorld::renew_boxes() {
             btBroadphaseProxy *proxy = objects[i]->getBroadphaseHandle();
             const HullRange &range = collision_.bodies.range(HullBodies::index(*proxy));
             // Without a margin of the leaves, which Bullet has once for the whole process.
-            boxes.setAabbForceUpdate(proxy, vector(three(range.low)) - slack,
-                                     vector(three(range.high)) + slack, &dispatcher);
+            boxes.setAabbForceUpdate(proxy, vector(range.low) - slack, vector(range.high) + slack,
+                                     &dispatcher);
         }
     }
-}
-
-void NativeWorld::read_substep(rust::Vec<double> &bodies, rust::Vec<double> &contacts) const {
-    const SubstepRecord &record = solver_.recorded();
-    std::copy(record.bodies.begin(), record.bodies.end(), std::back_inserter(bodies));
-    std::copy(record.contacts.begin(), record.contacts.end(), std::back_inserter(contacts));
 }
 
 SharedTime NativeWorld::shared() const { return workers_.shared(); }
@@ -287,25 +260,15 @@ PairValue NativeWorld::pair_value(const btRigidBody &a, const btRigidBody &b) co
 }
 
 void NativeWorld::read_settings(ReadBack &out) const {
-    out.put("native_speculative_margin_m", units_.metres(collision_.settings.speculative_margin));
-    out.put("native_hysteresis_m", units_.metres(collision_.settings.hysteresis));
-    out.put("native_face_preference_m", units_.metres(collision_.settings.face_preference));
-    out.put("native_hold_m", units_.metres(collision_.settings.hold));
-    out.put("native_match_m", units_.metres(collision_.match));
+    const auto metres = [this](double length) { return length / units_.scale(); };
+    out.put("native_speculative_margin_m", metres(collision_.settings.speculative_margin));
+    out.put("native_hysteresis_m", metres(collision_.settings.hysteresis));
+    out.put("native_face_preference_m", metres(collision_.settings.face_preference));
+    out.put("native_hold_m", metres(collision_.settings.hold));
+    out.put("native_match_m", metres(collision_.match));
     out.put("box_slack_m", units_.metres(slack_));
     out.put("threads", workers_.count());
-    const ContactLaw &law = solver_.law();
-    out.put("portable_instructions", solver_.kernels() == Kernels::Portable);
-    out.put("substeps", law.substeps);
-    out.put("iterations_in_a_substep", law.iterations);
-    out.put("solver_tolerance", law.unsolved_share);
-    out.put("contact_stiffness_n_per_m", law.stiffness);
-    out.put("contact_damping_ratio", law.damping_ratio);
-    out.put("max_depenetration_velocity_m_per_s", units_.metres(law.max_depenetration_velocity));
-    out.put("restitution_speed_m_per_s", units_.metres(law.restitution_speed));
-    out.put("closed_gap_m", units_.metres(law.closed_gap));
-    out.put("unsolved_gap_m", units_.metres(law.unsolved_gap));
-    out.put("contacts_at_once", solver_.kernels() == Kernels::OneByOne ? 1 : 8);
+    read_solver(units_, solver_, out);
 }
 
 } // namespace pluvia

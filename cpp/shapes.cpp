@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <stdexcept>
 #include <vector>
 
@@ -68,7 +67,7 @@ std::unique_ptr<const HullData> make_hull_data(const Units &units, const Polyhed
 }
 
 std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyhedron,
-                                     double margin, double rounding) {
+                                     double margin) {
     auto hull = std::make_unique<TightHull>();
     // Before the box is computed: Bullet's cached box keeps the margin that
     // the shape had at that moment (btPolyhedralConvexShape.cpp, 3.24).
@@ -85,7 +84,16 @@ std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyh
     if (static_cast<std::size_t>(hull->getNumPoints()) != polyhedron.vertices) {
         throw std::runtime_error("Bullet did not keep every vertex of a hull");
     }
-    hull->set_data(make_hull_data(units, polyhedron, rounding));
+    hull->set_data(make_hull_data(units, polyhedron));
+    return hull;
+}
+
+std::unique_ptr<TightHull> make_rounded(const Units &units, const Polyhedron &core, double radius) {
+    if (!(std::isfinite(radius) && radius > 0)) {
+        throw std::runtime_error("the radius of a rounded polyhedron is not positive");
+    }
+    auto hull = make_hull(units, core, radius);
+    hull->set_data(make_hull_data(units, core, radius));
     return hull;
 }
 
@@ -117,22 +125,28 @@ btScalar bounding_radius(const btCollisionShape &shape) {
 
 std::uint32_t append_corners(const Units &units, const btCollisionShape &shape, bool of_data,
                              rust::Vec<double> &coordinates) {
-    const auto put = [&](const std::array<double, 3> &corner) {
-        std::copy(corner.begin(), corner.end(), std::back_inserter(coordinates));
-    };
-    if (shape.getShapeType() == SPHERE_SHAPE_PROXYTYPE) {
-        put({units.metres(bounding_radius(shape)), 0, 0});
+    const bool of_bullet = shape.getShapeType() == SPHERE_SHAPE_PROXYTYPE;
+    if (of_bullet || static_cast<const TightHull &>(shape).data().is_sphere()) {
+        const double radius = of_bullet ? static_cast<double>(bounding_radius(shape))
+                                        : static_cast<const TightHull &>(shape).data().sphere;
+        for (const double x : {radius / units.scale(), 0.0, 0.0}) {
+            coordinates.push_back(x);
+        }
         return 1;
     }
     const auto &hull = static_cast<const TightHull &>(shape);
     const HullData &data = hull.data();
-    if (data.is_sphere()) {
-        put({units.metres(data.sphere), 0, 0});
-        return 1;
-    }
     const int count = of_data ? data.vertices : hull.getNumPoints();
     for (int i = 0; i < count; ++i) {
-        put(of_data ? units.metres(data.vertex(i)) : units.metres(hull.getUnscaledPoints()[i]));
+        if (of_data) {
+            for (const float x : {data.vx[i], data.vy[i], data.vz[i]}) {
+                coordinates.push_back(static_cast<double>(x) / units.scale());
+            }
+        } else {
+            for (const double x : units.metres(hull.getUnscaledPoints()[i])) {
+                coordinates.push_back(x);
+            }
+        }
     }
     return static_cast<std::uint32_t>(count);
 }
@@ -145,7 +159,7 @@ double rounding_of(const Units &units, const btCollisionShape &shape, bool of_da
     if (!hull.data().is_rounded()) {
         return 0;
     }
-    return units.metres(of_data ? hull.data().rounding : static_cast<double>(hull.getMargin()));
+    return (of_data ? hull.data().rounding : static_cast<double>(hull.getMargin())) / units.scale();
 }
 
 } // namespace pluvia

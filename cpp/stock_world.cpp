@@ -1,10 +1,11 @@
 #include "stock_world.h"
 
+#include "pairs.h"
+
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace pluvia {
 
@@ -50,75 +51,6 @@ btVector3 boxed_inertia(const btCollisionShape &original, btScalar mass, btScala
     return inertia;
 }
 
-// Bullet has grown both boxes by the contact threshold already
-// (btCollisionWorld::updateSingleAabb, 3.24): those of bodies within the threshold overlap by
-// what one of them has grown, at least.
-bool boxes_within_threshold(const btBroadphaseProxy &a, const btBroadphaseProxy &b) {
-    const btScalar least = gContactBreakingThreshold;
-    for (int axis = 0; axis < 3; ++axis) {
-        if (a.m_aabbMax[axis] - b.m_aabbMin[axis] < least ||
-            b.m_aabbMax[axis] - a.m_aabbMin[axis] < least) {
-            return false;
-        }
-    }
-    return true;
-}
-
-bool spheres_within_threshold(const btCollisionObject &a, const btCollisionObject &b) {
-    const btScalar apart = bounding_radius(*a.getCollisionShape()) +
-                           bounding_radius(*b.getCollisionShape()) + gContactBreakingThreshold;
-    return (a.getWorldTransform().getOrigin() - b.getWorldTransform().getOrigin()).length2() <=
-           apart * apart;
-}
-
-bool holds_contacts(btCollisionAlgorithm &algorithm) {
-    // Kept for its memory: this runs for every pair of every step.
-    thread_local btManifoldArray manifolds;
-    manifolds.resize(0);
-    algorithm.getAllContactManifolds(manifolds);
-    for (int i = 0; i < manifolds.size(); ++i) {
-        if (manifolds[i]->getNumContacts() > 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-// Bullet's near callback, preceded by two tests that are exact for what they
-// leave out: boxes, then bounding spheres, further apart than the contact
-// threshold. A pair that still holds contact points is never left out, since
-// Bullet must refresh or drop them. What is left out cannot touch; but pairs
-// meet the solver in another order then, so that a chaotic packing comes out
-// as another pour does, not bit by bit as without these tests.
-void near_callback(btBroadphasePair &pair, btCollisionDispatcher &dispatcher,
-                   const btDispatcherInfo &info) {
-    const btBroadphaseProxy &a = *pair.m_pProxy0;
-    const btBroadphaseProxy &b = *pair.m_pProxy1;
-    if ((boxes_within_threshold(a, b) &&
-         spheres_within_threshold(*static_cast<const btCollisionObject *>(a.m_clientObject),
-                                  *static_cast<const btCollisionObject *>(b.m_clientObject))) ||
-        (pair.m_algorithm && holds_contacts(*pair.m_algorithm))) {
-        btCollisionDispatcher::defaultNearCallback(pair, dispatcher, info);
-    }
-}
-
-// A length in engine units without the last bits: worlds of grains of different sizes
-// agree where only rounding differs.
-btScalar shared_length(const Units &units, double metres) {
-    int exponent = 0;
-    const double mantissa = std::frexp(metres * units.scale(), &exponent);
-    return static_cast<btScalar>(std::ldexp(std::round(std::ldexp(mantissa, 44)), exponent - 44));
-}
-
-// What the world asks of Bullet's process-wide variables.
-GlobalSettings global_settings(const Units &units, const WorldDefinition &d) {
-    // Bullet reads the same variable as a length or as a share of the radius.
-    const bool relative = d.relative_contact_threshold > 0;
-    return {relative ? static_cast<btScalar>(d.relative_contact_threshold)
-                     : shared_length(units, d.contact_threshold),
-            shared_length(units, d.broadphase_margin)};
-}
-
 } // namespace
 
 StockParts::StockParts(const Units &units, const WorldDefinition &definition)
@@ -138,7 +70,9 @@ StockParts::StockParts(const Units &units, const WorldDefinition &definition)
 
 StockWorld::StockWorld(const Units &units, const WorldDefinition &definition, Materials &materials)
     : StockParts(units, definition), EngineWorld(&dispatcher, &boxes, &solver, &configuration),
-      units_(units), materials_(materials), definition_(definition) {}
+      units_(units), materials_(materials), least_mass_(definition.least_mass),
+      inertia_(definition.inertia), margin_(units.length(definition.collision_margin)),
+      sleeping_(definition.sleeping) {}
 
 BodyDefinition StockWorld::applied(const BodyDefinition &definition,
                                    const btCollisionShape &shape) {
@@ -146,16 +80,15 @@ BodyDefinition StockWorld::applied(const BodyDefinition &definition,
     if (definition.kind != BodyKind::Free) {
         return changed;
     }
-    changed.mass = std::max(definition.mass, definition_.least_mass);
+    changed.mass = std::max(definition.mass, least_mass_);
     for (double &moment : changed.inertia) {
         moment *= changed.mass / definition.mass;
     }
-    if (definition_.inertia == InertiaRule::Exact) {
+    if (inertia_ == InertiaRule::Exact) {
         return changed;
     }
-    const btVector3 boxed = boxed_inertia(
-        shape, static_cast<btScalar>(changed.mass), units_.length(definition_.collision_margin),
-        definition_.inertia == InertiaRule::BoundingBoxWithDefaultMargin);
+    const btVector3 boxed = boxed_inertia(shape, static_cast<btScalar>(changed.mass), margin_,
+                                          inertia_ == InertiaRule::BoundingBoxWithDefaultMargin);
     const double area = units_.scale() * units_.scale();
     for (std::size_t i = 0; i < 3; ++i) {
         const double moment = static_cast<double>(boxed[static_cast<int>(i)]) / area;
@@ -168,16 +101,16 @@ BodyDefinition StockWorld::applied(const BodyDefinition &definition,
 void StockWorld::add(btRigidBody &body, BodyKind kind) {
     body.setUserPointer(&materials_);
     // A kinematic body without mass carries the flag of static ones, too.
-    if (definition_.sleeping && kind == BodyKind::Kinematic) {
+    if (sleeping_ && kind == BodyKind::Kinematic) {
         body.forceActivationState(ISLAND_SLEEPING);
-    } else if (definition_.sleeping && kind == BodyKind::Free) {
+    } else if (sleeping_ && kind == BodyKind::Free) {
         body.forceActivationState(ACTIVE_TAG);
     }
     EngineWorld::add(body, kind);
 }
 
 void StockWorld::drive(btRigidBody &body, const btTransform &end) {
-    if (definition_.sleeping) {
+    if (sleeping_) {
         const bool moves = !(end == body.getWorldTransform());
         body.forceActivationState(moves ? DISABLE_DEACTIVATION : ISLAND_SLEEPING);
         if (!moves) {
@@ -190,13 +123,15 @@ void StockWorld::drive(btRigidBody &body, const btTransform &end) {
 }
 
 void StockWorld::step(btScalar length) {
-    const Stopwatch watch(phases_.integration);
+    double outside = 0;
+    const Stopwatch watch(phases_.integration, outside);
     // No sub-steps: the step is the one that was asked for.
     stepSimulation(length, 0, length);
 }
 
 void StockWorld::find_contacts() {
-    const Stopwatch watch(phases_.integration);
+    double outside = 0;
+    const Stopwatch watch(phases_.integration, outside);
     performDiscreteCollisionDetection();
 }
 
@@ -229,31 +164,32 @@ PairValue StockWorld::pair_value(const btRigidBody &a, const btRigidBody &b) con
 }
 
 void StockWorld::read_settings(ReadBack &out) const {
+    const GlobalSettings held = GlobalsHold::read_back();
     const bool relative = (dispatcher.getDispatcherFlags() &
                            btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD) != 0;
-    out.put("contact_breaking_threshold_m", units_.metres(gContactBreakingThreshold));
+    out.put("contact_breaking_threshold_m", units_.metres(held.contact_breaking_threshold));
     out.put("relative_contact_threshold",
-            relative ? static_cast<double>(gContactBreakingThreshold) : 0);
-    out.put("broadphase_margin_m", units_.metres(gDbvtMargin));
+            relative ? static_cast<double>(held.contact_breaking_threshold) : 0);
+    out.put("broadphase_margin_m", units_.metres(held.broadphase_margin));
 }
 
 void StockWorld::performDiscreteCollisionDetection() {
-    const Stopwatch watch(phases_.collision, &phases_.integration);
+    const Stopwatch watch(phases_.collision, phases_.integration);
     EngineWorld::performDiscreteCollisionDetection();
 }
 
 void StockWorld::updateAabbs() {
-    const Stopwatch watch(phases_.broadphase, &phases_.collision);
+    const Stopwatch watch(phases_.broadphase, phases_.collision);
     EngineWorld::updateAabbs();
 }
 
 void StockWorld::computeOverlappingPairs() {
-    const Stopwatch watch(phases_.broadphase, &phases_.collision);
+    const Stopwatch watch(phases_.broadphase, phases_.collision);
     EngineWorld::computeOverlappingPairs();
 }
 
 void StockWorld::solveConstraints(btContactSolverInfo &info) {
-    const Stopwatch watch(phases_.solver, &phases_.integration);
+    const Stopwatch watch(phases_.solver, phases_.integration);
     EngineWorld::solveConstraints(info);
 }
 

@@ -57,7 +57,10 @@ class StockWorld final : private StockParts, public EngineWorld {
   private:
     Units units_;
     Materials &materials_;
-    const WorldDefinition definition_;
+    double least_mass_;
+    InertiaRule inertia_;
+    btScalar margin_;
+    bool sleeping_;
     double largest_inertia_ratio_ = 1;
 };
 

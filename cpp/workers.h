@@ -90,23 +90,12 @@ class Workers {
         }
     }
 
-    // Calls `what(i)` for all numbers below `size`, of which a thread takes `length` at a time; and
-    // before, for one that is its own and comes `ahead` later, `ask`.
-    template <class What, class Ask>
-    void each(std::size_t size, std::size_t length, const What &what, std::size_t ahead,
-              const Ask &ask) {
+    // The same with one share.
+    template <class Part> void share(std::size_t size, std::size_t length, const Part &part) {
         const Share one{size, length, length};
-        share(&one, 1, [&](std::size_t, int, std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                if (i + ahead < end) {
-                    ask(i + ahead);
-                }
-                what(i);
-            }
+        share(&one, 1, [&part](std::size_t, int worker, std::size_t begin, std::size_t end) {
+            part(worker, begin, end);
         });
-    }
-    template <class What> void each(std::size_t size, std::size_t length, const What &what) {
-        each(size, length, what, 0, [](std::size_t) {});
     }
 
     const SharedTime &shared() const { return shared_; }
