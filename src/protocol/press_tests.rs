@@ -127,7 +127,7 @@ fn the_floor_bears_the_pressed_stress_and_the_weight_of_the_grains() {
     assert_eq!(moved.xy(), Vector::zeros().xy(), "law: and nowhere else");
 }
 
-/// Law: a load that the time limit cuts off is told with what there is of it, one that stands is not.
+/// Law: a warning says how much there is of a load that the time limit cuts off; none of a whole one.
 #[test]
 fn a_load_that_is_not_reached_is_told() {
     let _turn = crate::world::shared_turn();

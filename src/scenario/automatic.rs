@@ -129,7 +129,7 @@ pub(super) fn rate(value: &Value, grading: &Grading, scale: &Scale) -> f64 {
 }
 
 /// What is allowed of a field, by its unit: from, to.
-fn allowed(path: &str) -> (f64, f64) {
+pub(super) fn allowed(path: &str) -> (f64, f64) {
     let ends = |unit: &str| path.ends_with(unit);
     match () {
         () if ends("length_scale") => (1.0, 1e4),

@@ -44,7 +44,7 @@ pub(super) fn bare_scenario() -> Scenario {
     .expect("a scenario")
 }
 
-/// Results go into a folder, and nobody is told.
+/// Results go into a folder, and nobody listens.
 pub(super) fn run_options(out: impl Into<PathBuf>) -> RunOptions {
     let (out, progress) = (out.into(), Arc::new(Silent));
     RunOptions { out, jobs: 2, frames: false, cancel: Arc::default(), progress }

@@ -9,16 +9,12 @@
 //! acceleration, (2π/N)²/12 of it, which is 0.2 % for N = 40.
 
 use super::*;
+use crate::scenario::automatic::{RATE, allowed};
 use crate::scenario::sizes_of_pieces::lowest_mm;
 use crate::units::from_deg;
 
 /// Fewest steps in a cycle of vibration; see the module's text.
 const STEPS_A_CYCLE: f64 = 40.0;
-
-const RATE: &str = "engine.rate_hz";
-
-/// The highest step rate in Hz that the schema allows.
-const HIGHEST_RATE: f64 = 100_000.0;
 
 pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     check_threshold(parts, faults);
@@ -54,11 +50,12 @@ fn find_coarse_steps(parts: &Parts, faults: &mut Faults) {
     let Some(engine) = parts.engine.as_ref().filter(|engine| engine.rate_hz > 0.0) else { return };
     let rate = engine.rate_hz;
     find_coarse_frames(parts, faults);
+    let (_, highest) = allowed(RATE);
     // `what` says how the motion is resolved at a rate in Hz.
     let too_slow = |at_least: f64, stage, what: &dyn Fn(f64) -> String, faults: &mut Faults| {
-        if at_least > HIGHEST_RATE {
-            let why = format!("a motion that no step rate resolves: {}", what(HIGHEST_RATE));
-            let allowed = format!("a motion that {HIGHEST_RATE} Hz can resolve");
+        if at_least > highest {
+            let why = format!("a motion that no step rate resolves: {}", what(highest));
+            let allowed = format!("a motion that {highest} Hz can resolve");
             return faults.add(&format!("stages[{stage}]"), "", allowed, why);
         }
         let message = format!("a time step that cannot resolve the motion: {}", what(rate));
