@@ -24,10 +24,6 @@ constexpr int SMALL_IMPACT_ITERATIONS = 256;
 constexpr int FEW = 64;
 constexpr int LOCAL_ITERATIONS = 16;
 
-// What those few may change more than the others when all is solved, as a factor of the change.
-// With 4, grains under a lid of 200 kPa sank on.
-constexpr double FEW_MORE = 2;
-
 // How often those beside them that were moved by it become the few, before all are looked at.
 constexpr int MOST_SPREADS = 4;
 
@@ -174,11 +170,10 @@ template <class L> class Run {
     // at by more than `limit`, for which there are MOST_FOR_SPEED iterations at most. Of impacts,
     // `limit` is what decides how much a body may change.
     //
-    // Of forces, few bodies may change by FEW_MORE times that: the slowest of thousands would
-    // otherwise cost as many iterations as all others. But the worst body counts, not all
-    // together: where one grain lags behind the forces on it, it swings, and is never at rest.
-    // Bodies count, not impulses: where several points hold a body, impulses may wander among
-    // them while nothing moves.
+    // The worst body counts, not all together: where one grain lags behind the forces on it, it
+    // swings, and is never at rest. With few that might change by twice as much, grains under a
+    // lid of 200 kPa crept. Bodies count, not impulses: where several points hold a body, impulses
+    // may wander among them while nothing moves.
     //
     // A contact that bears nothing and is not approached too fast is left as it
     // is. So those that are asleep are looked at in the first iteration, every so
@@ -241,10 +236,7 @@ template <class L> class Run {
                                               : 0;
             }
             const bool few_left = changed.active * FEW < static_cast<int>(touched_.size());
-            const bool still =
-                n >= least &&
-                (changed.most <= allowed ||
-                 (!IMPACTS && few_left && changed.most <= FEW_MORE * FEW_MORE * allowed));
+            const bool still = n >= least && changed.most <= allowed;
             const bool met_slowly = IMPACTS || !any_larger(unsolved.speed, limit);
             for_speed += still && !met_slowly;
             const bool solved = still && (met_slowly || for_speed >= MOST_FOR_SPEED);

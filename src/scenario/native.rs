@@ -21,9 +21,9 @@ settings! {
         #[schemars(range(min = 1, max = 10000))]
         pub iterations: u32 = 8,
         /// Share of what contacts change of a body in a sub-step, on average, by which the
-        /// last iteration may still change any body, in the kinetic norm; fewer than one in
-        /// 64 by up to twice as much. Lower: forces are found more exactly, by more
-        /// iterations; 1: no more than `iterations`, but after impacts and among few contacts.
+        /// last iteration may still change any body, in the kinetic norm. Lower: forces
+        /// are found more exactly, by more iterations; 1: no more than `iterations`, but after
+        /// impacts and among few contacts.
         #[schemars(range(min = 0.0, max = 1.0))]
         pub solver_tolerance: f64 = 0.002,
         /// Stiffness of a contact point in N/m. Lower: grains sink in further, by

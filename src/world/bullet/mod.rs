@@ -40,6 +40,8 @@ mod substep;
 #[cfg(test)]
 pub(crate) mod tests;
 #[cfg(test)]
+mod tolerance_tests;
+#[cfg(test)]
 mod turn_tests;
 #[cfg(test)]
 mod warm_start_tests;
