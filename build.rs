@@ -9,13 +9,12 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 41] = [
+const SHIMS: [&str; 40] = [
     "contact_bodies",
     "contact_colours",
     "contact_homes",
     "contact_iterations",
     "contact_loads",
-    "contact_look",
     "contact_memory",
     "contact_setup",
     "contact_solver",

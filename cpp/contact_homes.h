@@ -18,7 +18,6 @@ class Homes {
     // Bodies 1 to `moving` move.
     void find(const Colours &colours, const std::vector<PairPlace> &pairs, int moving, int threads);
 
-    int threads() const { return threads_; }
     // Packs between threads come first, and of either those of the first thread.
     std::size_t kinds() const { return 2 * static_cast<std::size_t>(threads_); }
     std::size_t kind(std::size_t pack) const { return kinds_[pack]; }

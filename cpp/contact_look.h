@@ -1,8 +1,6 @@
 // How well a sub-step was solved, and the problem itself for others to solve.
 #pragma once
 
-#include "rust/cxx.h"
-
 #include <vector>
 
 namespace pluvia {
@@ -25,10 +23,6 @@ struct SubstepRecord {
     // approach velocity, restitution; the impulses found.
     static constexpr int CONTACT = 2 + 3 * 9 + 3 + 2 + 3;
     std::vector<double> bodies, contacts;
-
-    // Puts another record beside this one.
-    void append(const SubstepRecord &other);
-    void read(rust::Vec<double> &bodies_out, rust::Vec<double> &contacts_out) const;
 };
 
 // What is looked at in the last sub-step of a step; the problem where `record` is given.

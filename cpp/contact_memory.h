@@ -14,7 +14,6 @@
 namespace pluvia {
 
 struct ContactRead;
-
 struct Touching;
 
 // Adds the points of a pair as they were when the step began.

@@ -224,7 +224,7 @@ CoreDistance core_distance(const HullData &a, const HullData &b, const Rigid &b_
         simplex = grown;
         square = nearer;
     }
-    out.apart = out.found = true;
+    out.apart = true;
     out.distance = std::sqrt(square);
     for (int i = 0; i < 3; ++i) {
         out.axis[i] = simplex.x[i] / out.distance;

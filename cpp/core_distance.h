@@ -10,12 +10,11 @@
 namespace pluvia {
 
 struct CoreDistance {
-    double distance; // 0 for polyhedra that overlap
+    double distance; // 0 for polyhedra that overlap, a lower bound for more than `enough` apart
     double axis[3];  // unit vector from A to B, in A's frame
     double on_a[3];  // in A's frame
     double on_b[3];  // in A's frame
     bool apart;      // false where they overlap, or nearly: then nothing else is known
-    bool found;      // false where they are more than `enough` apart: `distance` is less than it is
 };
 
 // `b_to_a` leads from B's frame to A's.

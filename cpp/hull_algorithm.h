@@ -14,7 +14,6 @@ namespace pluvia {
 struct Materials;
 struct PairValue;
 struct Tolerances;
-
 struct Touching;
 
 // What all pairs of a world share.

@@ -55,7 +55,7 @@ static inline float smallest(Vector v) {
 }
 static inline bool any(Mask m) { return (m[0] | m[1] | m[2] | m[3]) != 0; }
 #include "hull_axis_kernels.h"
-const AxisKernels KERNELS{&gap_along, &faces, &edges, &box, "portable"};
+const AxisKernels KERNELS{&gap_along, &faces, &edges, &box};
 } // namespace portable
 
 #if defined(__x86_64__)
@@ -78,7 +78,7 @@ static inline bool any(Mask m) {
     return (h[0] | h[1] | h[2] | h[3]) != 0;
 }
 #include "hull_axis_kernels.h"
-const AxisKernels KERNELS{&gap_along, &faces, &edges, &box, "avx2"};
+const AxisKernels KERNELS{&gap_along, &faces, &edges, &box};
 } // namespace avx2
 #pragma GCC pop_options
 #endif

@@ -96,7 +96,6 @@ struct AxisKernels {
                   float best, float enough, float depth, AxisScratch &scratch, EdgeGap &out);
     // The box of a hull turned by `r`, row by row, around its origin.
     void (*box)(const HullData &hull, const float r[9], float low[3], float high[3]);
-    const char *name;
 };
 
 // The fastest that this processor runs.

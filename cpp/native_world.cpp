@@ -4,6 +4,7 @@
 #include "contact_setup.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace pluvia {
 
@@ -227,6 +228,12 @@ void NativeWorld::renew_boxes() {
                                      &dispatcher);
         }
     }
+}
+
+void NativeWorld::read_substep(rust::Vec<double> &bodies, rust::Vec<double> &contacts) const {
+    const SubstepRecord &record = solver_.recorded();
+    std::copy(record.bodies.begin(), record.bodies.end(), std::back_inserter(bodies));
+    std::copy(record.contacts.begin(), record.contacts.end(), std::back_inserter(contacts));
 }
 
 SharedTime NativeWorld::shared() const { return workers_.shared(); }

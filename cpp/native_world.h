@@ -68,9 +68,7 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     void recall_contacts(rust::Slice<const ContactRead> contacts) override;
     double solver_residual() const override { return solver_.residual(); }
     void record_substeps(bool on) override { solver_.record(on); }
-    void read_substep(rust::Vec<double> &bodies, rust::Vec<double> &contacts) const override {
-        solver_.recorded().read(bodies, contacts);
-    }
+    void read_substep(rust::Vec<double> &bodies, rust::Vec<double> &contacts) const override;
     bool has_hull_data() const override { return true; }
     SharedTime shared() const override;
 

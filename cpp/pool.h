@@ -20,7 +20,6 @@ class Pool {
     Pool(const Pool &) = delete;
     Pool &operator=(const Pool &) = delete;
 
-    std::size_t size() const { return size_; }
     void *take();
     // Only what was taken from this pool.
     void give_back(void *piece) { free_.push_back(piece); }
