@@ -9,14 +9,13 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 40] = [
+const SHIMS: [&str; 37] = [
     "contact_bodies",
     "contact_colours",
     "contact_homes",
     "contact_iterations",
     "contact_loads",
     "contact_memory",
-    "contact_setup",
     "contact_solver",
     "convert",
     "crowd",
@@ -45,10 +44,8 @@ const SHIMS: [&str; 40] = [
     "bodies",
     "settings",
     "stock_world",
-    "engine_world",
     "native_world",
     "pool",
-    "pairs",
     "world",
 ];
 

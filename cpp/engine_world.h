@@ -27,19 +27,24 @@ struct Phases {
     double integration = 0; // everything else
 };
 
-// Adds the time from its making to its end to a sum, and takes it from another.
+// Adds the time from its making to its end to a sum, and takes it from another, if any.
 class Stopwatch {
   public:
-    Stopwatch(double &sum, double &of)
-        : sum_(sum), of_(of), begin_(std::chrono::steady_clock::now()) {}
-    ~Stopwatch();
+    explicit Stopwatch(double &sum, double *of = nullptr) : sum_(sum), of_(of) {}
+    ~Stopwatch() {
+        const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin_;
+        sum_ += spent.count();
+        if (of_ != nullptr) {
+            *of_ -= spent.count();
+        }
+    }
     Stopwatch(const Stopwatch &) = delete;
     Stopwatch &operator=(const Stopwatch &) = delete;
 
   private:
     double &sum_;
-    double &of_;
-    std::chrono::steady_clock::time_point begin_;
+    double *of_;
+    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
 // Either `StockWorld`, Bullet as it comes, or `NativeWorld`, whose steps are
@@ -56,7 +61,11 @@ class EngineWorld : public btDiscreteDynamicsWorld {
     // ones of the mass that it was given.
     virtual double largest_inertia_ratio() const { return 1; }
 
-    virtual void add(btRigidBody &body, BodyKind kind);
+    virtual void add(btRigidBody &body, BodyKind kind) {
+        const bool free = kind == BodyKind::Free;
+        addRigidBody(&body, free ? Group::FREE : Group::WALL,
+                     free ? Group::FREE | Group::WALL : Group::FREE);
+    }
     virtual void remove(btRigidBody &body) { removeRigidBody(&body); }
     // Where a kinematic body is at the end of the next step.
     virtual void drive(btRigidBody &body, const btTransform &end) = 0;

@@ -37,6 +37,4 @@ GlobalsHold::GlobalsHold(const GlobalSettings &settings) {
 
 GlobalsHold::~GlobalsHold() { --holders; }
 
-GlobalSettings GlobalsHold::read_back() { return {gContactBreakingThreshold, gDbvtMargin}; }
-
 } // namespace pluvia

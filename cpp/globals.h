@@ -29,9 +29,6 @@ class GlobalsHold {
     ~GlobalsHold();
     GlobalsHold(const GlobalsHold &) = delete;
     GlobalsHold &operator=(const GlobalsHold &) = delete;
-
-    // As Bullet has them now.
-    static GlobalSettings read_back();
 };
 
 } // namespace pluvia

@@ -1,7 +1,7 @@
 #include "native_world.h"
 
 #include "contact_memory.h"
-#include "contact_setup.h"
+#include "pluvia/src/world/bullet/ffi.rs.h"
 
 #include <algorithm>
 #include <iterator>
@@ -24,6 +24,38 @@ btDefaultCollisionConstructionInfo pool_sizes() {
 btVector3 vector(const float x[3]) {
     return btVector3(static_cast<btScalar>(x[0]), static_cast<btScalar>(x[1]),
                      static_cast<btScalar>(x[2]));
+}
+
+HullCollision hull_collision(const Units &units, const WorldDefinition &d,
+                             const Materials &materials) {
+    HullCollision collision;
+    collision.materials = &materials;
+    collision.settings = pair_settings(d.tolerances, units.scale());
+    collision.settings.speculative_margin =
+        std::min(d.contact_threshold, d.tolerances.contact_margin) * units.scale();
+    collision.match = d.tolerances.match_distance * units.scale();
+    collision.kernels = d.portable ? &portable_axis_kernels() : &axis_kernels();
+    collision.step = d.time_step;
+    return collision;
+}
+
+ContactLaw contact_law(const Units &units, const WorldDefinition &d) {
+    const double scale = units.scale();
+    return {d.substeps,
+            d.native_iterations,
+            d.contact_stiffness,
+            d.contact_damping_ratio,
+            d.max_depenetration_velocity * scale,
+            d.restitution_velocity_threshold * scale,
+            d.tolerances.closed_gap * scale,
+            d.tolerances.unsolved_gap * scale,
+            d.solver_tolerance};
+}
+
+Kernels kernels(const WorldDefinition &d) {
+    return d.contacts_at_once == 1     ? Kernels::OneByOne
+           : has_avx2() && !d.portable ? Kernels::Avx2
+                                       : Kernels::Portable;
 }
 
 } // namespace
@@ -107,16 +139,14 @@ void NativeWorld::step(btScalar length) {
     workers_.leave_alone(sharing_.alone());
     double took = 0;
     {
-        double outside = 0;
-        const Stopwatch all(took, outside);
+        const Stopwatch all(took);
         timed_step(length);
     }
     sharing_.took(took);
 }
 
 void NativeWorld::timed_step(btScalar length) {
-    double outside = 0;
-    const Stopwatch watch(phases_.integration, outside);
+    const Stopwatch watch(phases_.integration);
     // A step that fails leaves none for the next.
     kinematic_.swap(drives_);
     drives_.clear();
@@ -128,7 +158,7 @@ void NativeWorld::timed_step(btScalar length) {
     damp(length);
     search();
     {
-        const Stopwatch solving(phases_.solver, phases_.integration);
+        const Stopwatch solving(phases_.solver, &phases_.integration);
         solver_.solve(static_cast<double>(length));
     }
     solver_.move_bodies(static_cast<double>(length));
@@ -137,17 +167,16 @@ void NativeWorld::timed_step(btScalar length) {
 }
 
 void NativeWorld::find_contacts() {
-    double outside = 0;
-    const Stopwatch watch(phases_.integration, outside);
+    const Stopwatch watch(phases_.integration);
     search();
 }
 
 void NativeWorld::search() {
-    const Stopwatch watch(phases_.collision, phases_.integration);
+    const Stopwatch watch(phases_.collision, &phases_.integration);
     // Bodies and pairs move in memory: should the search fail, nobody may look there.
     collision_.touching.clear();
     {
-        const Stopwatch boxing(phases_.broadphase, phases_.collision);
+        const Stopwatch boxing(phases_.broadphase, &phases_.collision);
         renew_boxes();
         computeOverlappingPairs();
         boxes.m_deferedcollide = false; // boxes that are added meet others at once
@@ -275,7 +304,18 @@ void NativeWorld::read_settings(ReadBack &out) const {
     out.put("native_match_m", metres(collision_.match));
     out.put("box_slack_m", units_.metres(slack_));
     out.put("threads", workers_.count());
-    read_solver(units_, solver_, out);
+    const ContactLaw &law = solver_.law();
+    out.put("portable_instructions", solver_.kernels() == Kernels::Portable);
+    out.put("substeps", law.substeps);
+    out.put("iterations_in_a_substep", law.iterations);
+    out.put("solver_tolerance", law.unsolved_share);
+    out.put("contact_stiffness_n_per_m", law.stiffness);
+    out.put("contact_damping_ratio", law.damping_ratio);
+    out.put("max_depenetration_velocity_m_per_s", metres(law.max_depenetration_velocity));
+    out.put("restitution_speed_m_per_s", metres(law.restitution_speed));
+    out.put("closed_gap_m", metres(law.closed_gap));
+    out.put("unsolved_gap_m", metres(law.unsolved_gap));
+    out.put("contacts_at_once", solver_.kernels() == Kernels::OneByOne ? 1 : 8);
 }
 
 } // namespace pluvia

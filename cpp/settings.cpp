@@ -2,29 +2,7 @@
 
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
 
-#include <cmath>
-
 namespace pluvia {
-
-namespace {
-
-// A length in engine units without the last bits: worlds of grains of different sizes
-// agree where only rounding differs.
-btScalar shared_length(const Units &units, double metres) {
-    int exponent = 0;
-    const double mantissa = std::frexp(metres * units.scale(), &exponent);
-    return static_cast<btScalar>(std::ldexp(std::round(std::ldexp(mantissa, 44)), exponent - 44));
-}
-
-} // namespace
-
-GlobalSettings global_settings(const Units &units, const WorldDefinition &d) {
-    // Bullet reads the same variable as a length or as a share of the radius.
-    const bool relative = d.relative_contact_threshold > 0;
-    return {relative ? static_cast<btScalar>(d.relative_contact_threshold)
-                     : shared_length(units, d.contact_threshold),
-            shared_length(units, d.broadphase_margin)};
-}
 
 void set_world(btDiscreteDynamicsWorld &world, const Units &units,
                const WorldDefinition &definition) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "convert.h"
-#include "globals.h"
 #include "pluvia/src/world/bullet/ffi.rs.h"
 
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
@@ -23,9 +22,6 @@ class ReadBack {
   private:
     rust::Vec<EngineSetting> out_;
 };
-
-// What a stock world asks of Bullet's process-wide variables.
-GlobalSettings global_settings(const Units &units, const WorldDefinition &definition);
 
 // Gravity, solver and dispatch settings. No default of Bullet's is left alone.
 void set_world(btDiscreteDynamicsWorld &world, const Units &units,

@@ -1,11 +1,10 @@
 #include "stock_world.h"
 
-#include "pairs.h"
-
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace pluvia {
 
@@ -49,6 +48,75 @@ btVector3 boxed_inertia(const btCollisionShape &original, btScalar mass, btScala
     shape.setMargin(margin);
     shape.calculateLocalInertia(mass, inertia);
     return inertia;
+}
+
+// Bullet has grown both boxes by the contact threshold already
+// (btCollisionWorld::updateSingleAabb, 3.24): those of bodies within the threshold overlap by
+// what one of them has grown, at least.
+bool boxes_within_threshold(const btBroadphaseProxy &a, const btBroadphaseProxy &b) {
+    const btScalar least = gContactBreakingThreshold;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (a.m_aabbMax[axis] - b.m_aabbMin[axis] < least ||
+            b.m_aabbMax[axis] - a.m_aabbMin[axis] < least) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool spheres_within_threshold(const btCollisionObject &a, const btCollisionObject &b) {
+    const btScalar apart = bounding_radius(*a.getCollisionShape()) +
+                           bounding_radius(*b.getCollisionShape()) + gContactBreakingThreshold;
+    return (a.getWorldTransform().getOrigin() - b.getWorldTransform().getOrigin()).length2() <=
+           apart * apart;
+}
+
+bool holds_contacts(btCollisionAlgorithm &algorithm) {
+    // Kept for its memory: this runs for every pair of every step.
+    thread_local btManifoldArray manifolds;
+    manifolds.resize(0);
+    algorithm.getAllContactManifolds(manifolds);
+    for (int i = 0; i < manifolds.size(); ++i) {
+        if (manifolds[i]->getNumContacts() > 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// Bullet's near callback, preceded by two tests that are exact for what they
+// leave out: boxes, then bounding spheres, further apart than the contact
+// threshold. A pair that still holds contact points is never left out, since
+// Bullet must refresh or drop them. What is left out cannot touch; but pairs
+// meet the solver in another order then, so that a chaotic packing comes out
+// as another pour does, not bit by bit as without these tests.
+void near_callback(btBroadphasePair &pair, btCollisionDispatcher &dispatcher,
+                   const btDispatcherInfo &info) {
+    const btBroadphaseProxy &a = *pair.m_pProxy0;
+    const btBroadphaseProxy &b = *pair.m_pProxy1;
+    if ((boxes_within_threshold(a, b) &&
+         spheres_within_threshold(*static_cast<const btCollisionObject *>(a.m_clientObject),
+                                  *static_cast<const btCollisionObject *>(b.m_clientObject))) ||
+        (pair.m_algorithm && holds_contacts(*pair.m_algorithm))) {
+        btCollisionDispatcher::defaultNearCallback(pair, dispatcher, info);
+    }
+}
+
+// A length in engine units without the last bits: worlds of grains of different sizes
+// agree where only rounding differs.
+btScalar shared_length(const Units &units, double metres) {
+    int exponent = 0;
+    const double mantissa = std::frexp(metres * units.scale(), &exponent);
+    return static_cast<btScalar>(std::ldexp(std::round(std::ldexp(mantissa, 44)), exponent - 44));
+}
+
+// What the world asks of Bullet's process-wide variables.
+GlobalSettings global_settings(const Units &units, const WorldDefinition &d) {
+    // Bullet reads the same variable as a length or as a share of the radius.
+    const bool relative = d.relative_contact_threshold > 0;
+    return {relative ? static_cast<btScalar>(d.relative_contact_threshold)
+                     : shared_length(units, d.contact_threshold),
+            shared_length(units, d.broadphase_margin)};
 }
 
 } // namespace
@@ -123,15 +191,13 @@ void StockWorld::drive(btRigidBody &body, const btTransform &end) {
 }
 
 void StockWorld::step(btScalar length) {
-    double outside = 0;
-    const Stopwatch watch(phases_.integration, outside);
+    const Stopwatch watch(phases_.integration);
     // No sub-steps: the step is the one that was asked for.
     stepSimulation(length, 0, length);
 }
 
 void StockWorld::find_contacts() {
-    double outside = 0;
-    const Stopwatch watch(phases_.integration, outside);
+    const Stopwatch watch(phases_.integration);
     performDiscreteCollisionDetection();
 }
 
@@ -164,32 +230,31 @@ PairValue StockWorld::pair_value(const btRigidBody &a, const btRigidBody &b) con
 }
 
 void StockWorld::read_settings(ReadBack &out) const {
-    const GlobalSettings held = GlobalsHold::read_back();
     const bool relative = (dispatcher.getDispatcherFlags() &
                            btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD) != 0;
-    out.put("contact_breaking_threshold_m", units_.metres(held.contact_breaking_threshold));
+    out.put("contact_breaking_threshold_m", units_.metres(gContactBreakingThreshold));
     out.put("relative_contact_threshold",
-            relative ? static_cast<double>(held.contact_breaking_threshold) : 0);
-    out.put("broadphase_margin_m", units_.metres(held.broadphase_margin));
+            relative ? static_cast<double>(gContactBreakingThreshold) : 0);
+    out.put("broadphase_margin_m", units_.metres(gDbvtMargin));
 }
 
 void StockWorld::performDiscreteCollisionDetection() {
-    const Stopwatch watch(phases_.collision, phases_.integration);
+    const Stopwatch watch(phases_.collision, &phases_.integration);
     EngineWorld::performDiscreteCollisionDetection();
 }
 
 void StockWorld::updateAabbs() {
-    const Stopwatch watch(phases_.broadphase, phases_.collision);
+    const Stopwatch watch(phases_.broadphase, &phases_.collision);
     EngineWorld::updateAabbs();
 }
 
 void StockWorld::computeOverlappingPairs() {
-    const Stopwatch watch(phases_.broadphase, phases_.collision);
+    const Stopwatch watch(phases_.broadphase, &phases_.collision);
     EngineWorld::computeOverlappingPairs();
 }
 
 void StockWorld::solveConstraints(btContactSolverInfo &info) {
-    const Stopwatch watch(phases_.solver, phases_.integration);
+    const Stopwatch watch(phases_.solver, &phases_.integration);
     EngineWorld::solveConstraints(info);
 }
 
