@@ -7,22 +7,15 @@ const PairValue &Materials::of(int a, int b) const {
     return pairs[material(a) * count + material(b)];
 }
 
-BodySettings::BodySettings(const Units &units, const WorldDefinition &definition)
-    : linear_damping(static_cast<btScalar>(definition.linear_damping)),
-      angular_damping(static_cast<btScalar>(definition.angular_damping)),
-      sleep_speed(units.length(definition.sleeping_speed)),
-      sleep_spin(static_cast<btScalar>(definition.sleeping_spin)),
-      gyroscopic(definition.gyroscopic) {}
-
-BodyPtr make_body(const Units &units, const BodyDefinition &definition, int id,
-                  btCollisionShape *shape, const BodySettings &settings, Pool &pool) {
+BodyPtr make_body(const Units &units, const WorldDefinition &world,
+                  const BodyDefinition &definition, int id, btCollisionShape *shape, Pool &pool) {
     const bool free = definition.kind == BodyKind::Free;
     const btScalar mass = free ? static_cast<btScalar>(definition.mass) : btScalar(0);
     const btVector3 inertia = free ? units.inertia(definition.inertia) : btVector3(0, 0, 0);
     btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape, inertia);
     info.m_startWorldTransform = units.pose(definition.position, definition.rotation);
-    info.m_linearDamping = settings.linear_damping;
-    info.m_angularDamping = settings.angular_damping;
+    info.m_linearDamping = static_cast<btScalar>(world.linear_damping);
+    info.m_angularDamping = static_cast<btScalar>(world.angular_damping);
     info.m_additionalDamping = false;
     // Unused by the pair hooks below; one keeps Bullet's own product neutral.
     info.m_friction = 1;
@@ -31,7 +24,7 @@ BodyPtr make_body(const Units &units, const BodyDefinition &definition, int id,
     info.m_spinningFriction = 0;
     BodyPtr body(new (pool.take()) btRigidBody(info), BodyEnd{&pool});
     if (free) {
-        body->setFlags(settings.gyroscopic ? BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY : 0);
+        body->setFlags(world.gyroscopic ? BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY : 0);
         body->setLinearVelocity(units.length(definition.linear_velocity));
         body->setAngularVelocity(vector(definition.angular_velocity));
     }
@@ -42,7 +35,8 @@ BodyPtr make_body(const Units &units, const BodyDefinition &definition, int id,
         body->setActivationState(DISABLE_DEACTIVATION);
     }
     body->setUserIndex(id);
-    body->setSleepingThresholds(settings.sleep_speed, settings.sleep_spin);
+    body->setSleepingThresholds(units.length(world.sleeping_speed),
+                                static_cast<btScalar>(world.sleeping_spin));
     return body;
 }
 

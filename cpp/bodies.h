@@ -27,15 +27,6 @@ struct Materials {
 // Collision groups: walls of every kind never meet each other.
 enum Group : int { FREE = 1, WALL = 2 };
 
-// What all bodies of a world have alike.
-struct BodySettings {
-    BodySettings(const Units &units, const WorldDefinition &definition);
-
-    btScalar linear_damping, angular_damping;
-    btScalar sleep_speed, sleep_spin;
-    bool gyroscopic;
-};
-
 // Gives a body's room back to its pool.
 struct BodyEnd {
     Pool *pool;
@@ -47,8 +38,8 @@ struct BodyEnd {
 using BodyPtr = std::unique_ptr<btRigidBody, BodyEnd>;
 
 // A body as defined, in a piece of `pool`; Bullet's user index holds its number.
-BodyPtr make_body(const Units &units, const BodyDefinition &definition, int id,
-                  btCollisionShape *shape, const BodySettings &settings, Pool &pool);
+BodyPtr make_body(const Units &units, const WorldDefinition &world,
+                  const BodyDefinition &definition, int id, btCollisionShape *shape, Pool &pool);
 
 // Bullet's hooks for the coefficients of a pair (btManifoldResult.h). They
 // stand in for Bullet's rule, which multiplies one value of each body, and find

@@ -67,7 +67,7 @@ std::unique_ptr<const HullData> make_hull_data(const Units &units, const Polyhed
 }
 
 std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyhedron,
-                                     double margin) {
+                                     double margin, double rounding) {
     auto hull = std::make_unique<TightHull>();
     // Before the box is computed: Bullet's cached box keeps the margin that
     // the shape had at that moment (btPolyhedralConvexShape.cpp, 3.24).
@@ -84,16 +84,7 @@ std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyh
     if (static_cast<std::size_t>(hull->getNumPoints()) != polyhedron.vertices) {
         throw std::runtime_error("Bullet did not keep every vertex of a hull");
     }
-    hull->set_data(make_hull_data(units, polyhedron));
-    return hull;
-}
-
-std::unique_ptr<TightHull> make_rounded(const Units &units, const Polyhedron &core, double radius) {
-    if (!(std::isfinite(radius) && radius > 0)) {
-        throw std::runtime_error("the radius of a rounded polyhedron is not positive");
-    }
-    auto hull = make_hull(units, core, radius);
-    hull->set_data(make_hull_data(units, core, radius));
+    hull->set_data(make_hull_data(units, polyhedron, rounding));
     return hull;
 }
 

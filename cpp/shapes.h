@@ -57,16 +57,13 @@ Polyhedron polyhedron(rust::Slice<const double> coordinates,
 // The polyhedron in engine units for the narrow phase, swept by a ball of a radius in metres.
 // Throws std::runtime_error when its surface is not closed or the radius negative.
 std::unique_ptr<const HullData> make_hull_data(const Units &units, const Polyhedron &polyhedron,
-                                               double rounding = 0);
+                                               double rounding);
 
-// A hull over the polyhedron's vertices, with a collision margin in metres.
-// Throws std::runtime_error when Bullet does not keep the margin or a vertex.
+// A hull over the polyhedron's vertices, with a collision margin in metres; swept by a ball with a
+// radius in metres, which is then the margin as well, for Bullet a part of the shape. Throws
+// std::runtime_error when Bullet does not keep the margin or a vertex.
 std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyhedron,
-                                     double margin);
-
-// A rounded polyhedron: a core swept by a ball with a radius in metres. For Bullet the radius is
-// the collision margin, which here is a part of the shape. Throws as the others.
-std::unique_ptr<TightHull> make_rounded(const Units &units, const Polyhedron &core, double radius);
+                                     double margin, double rounding = 0);
 
 // A sphere with a radius in metres: `native`, a TightHull; else Bullet's sphere shape. Throws
 // std::runtime_error when the radius is not positive.

@@ -138,9 +138,7 @@ StockParts::StockParts(const Units &units, const WorldDefinition &definition)
 
 StockWorld::StockWorld(const Units &units, const WorldDefinition &definition, Materials &materials)
     : StockParts(units, definition), EngineWorld(&dispatcher, &boxes, &solver, &configuration),
-      units_(units), materials_(materials), least_mass_(definition.least_mass),
-      inertia_(definition.inertia), margin_(units.length(definition.collision_margin)),
-      sleeping_(definition.sleeping) {}
+      units_(units), materials_(materials), definition_(definition) {}
 
 BodyDefinition StockWorld::applied(const BodyDefinition &definition,
                                    const btCollisionShape &shape) {
@@ -148,15 +146,16 @@ BodyDefinition StockWorld::applied(const BodyDefinition &definition,
     if (definition.kind != BodyKind::Free) {
         return changed;
     }
-    changed.mass = std::max(definition.mass, least_mass_);
+    changed.mass = std::max(definition.mass, definition_.least_mass);
     for (double &moment : changed.inertia) {
         moment *= changed.mass / definition.mass;
     }
-    if (inertia_ == InertiaRule::Exact) {
+    if (definition_.inertia == InertiaRule::Exact) {
         return changed;
     }
-    const btVector3 boxed = boxed_inertia(shape, static_cast<btScalar>(changed.mass), margin_,
-                                          inertia_ == InertiaRule::BoundingBoxWithDefaultMargin);
+    const btVector3 boxed = boxed_inertia(
+        shape, static_cast<btScalar>(changed.mass), units_.length(definition_.collision_margin),
+        definition_.inertia == InertiaRule::BoundingBoxWithDefaultMargin);
     const double area = units_.scale() * units_.scale();
     for (std::size_t i = 0; i < 3; ++i) {
         const double moment = static_cast<double>(boxed[static_cast<int>(i)]) / area;
@@ -169,16 +168,16 @@ BodyDefinition StockWorld::applied(const BodyDefinition &definition,
 void StockWorld::add(btRigidBody &body, BodyKind kind) {
     body.setUserPointer(&materials_);
     // A kinematic body without mass carries the flag of static ones, too.
-    if (sleeping_ && kind == BodyKind::Kinematic) {
+    if (definition_.sleeping && kind == BodyKind::Kinematic) {
         body.forceActivationState(ISLAND_SLEEPING);
-    } else if (sleeping_ && kind == BodyKind::Free) {
+    } else if (definition_.sleeping && kind == BodyKind::Free) {
         body.forceActivationState(ACTIVE_TAG);
     }
     EngineWorld::add(body, kind);
 }
 
 void StockWorld::drive(btRigidBody &body, const btTransform &end) {
-    if (sleeping_) {
+    if (definition_.sleeping) {
         const bool moves = !(end == body.getWorldTransform());
         body.forceActivationState(moves ? DISABLE_DEACTIVATION : ISLAND_SLEEPING);
         if (!moves) {

@@ -57,10 +57,7 @@ class StockWorld final : private StockParts, public EngineWorld {
   private:
     Units units_;
     Materials &materials_;
-    double least_mass_;
-    InertiaRule inertia_;
-    btScalar margin_;
-    bool sleeping_;
+    const WorldDefinition definition_;
     double largest_inertia_ratio_ = 1;
 };
 

@@ -10,6 +10,7 @@
 #include "stock_world.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -20,14 +21,17 @@ namespace pluvia {
 // and shapes that it pointed to.
 class BulletWorld::Impl {
   public:
-    Impl(const WorldDefinition &definition, rust::Slice<const PairValue> pairs)
-        : units(definition.length_scale), time_step(static_cast<btScalar>(definition.time_step)),
-          body_settings(units, definition),
-          margin(definition.collision_margin), materials{definition.materials,
-                                                         {pairs.begin(), pairs.end()},
-                                                         {}},
-          world(make_world(definition)) {
-        set_world(*world, units, definition);
+    Impl(const WorldDefinition &of, rust::Slice<const PairValue> pairs)
+        : definition(of), units(of.length_scale),
+          time_step(static_cast<btScalar>(of.time_step)), materials{of.materials,
+                                                                    {pairs.begin(), pairs.end()},
+                                                                    {}} {
+        if (of.own_collision) {
+            world = std::make_unique<NativeWorld>(units, of, materials);
+        } else {
+            world = std::make_unique<StockWorld>(units, of, materials);
+        }
+        set_world(*world, units, of);
     }
 
     ~Impl() {
@@ -52,23 +56,19 @@ class BulletWorld::Impl {
         return *bodies[id];
     }
 
+    std::uint32_t keep(std::unique_ptr<btConvexInternalShape> shape) {
+        shapes.push_back(std::move(shape));
+        return static_cast<std::uint32_t>(shapes.size() - 1);
+    }
+
+    WorldDefinition definition;
     Units units;
     btScalar time_step;
-    BodySettings body_settings;
-    double margin; // m
     Materials materials;
     std::vector<std::unique_ptr<btConvexInternalShape>> shapes;
     Pool body_pool{sizeof(btRigidBody)};
     std::vector<BodyPtr> bodies;
     std::unique_ptr<EngineWorld> world;
-
-  private:
-    std::unique_ptr<EngineWorld> make_world(const WorldDefinition &definition) {
-        if (definition.own_collision) {
-            return std::make_unique<NativeWorld>(units, definition, materials);
-        }
-        return std::make_unique<StockWorld>(units, definition, materials);
-    }
 };
 
 std::unique_ptr<BulletWorld> new_world(const WorldDefinition &definition,
@@ -96,9 +96,8 @@ std::uint32_t BulletWorld::add_shape(rust::Slice<const double> coordinates,
                                      rust::Slice<const std::uint32_t> face_starts,
                                      rust::Slice<const std::uint32_t> face_vertices) {
     const std::lock_guard<std::mutex> lock(construction_mutex());
-    impl_->shapes.push_back(make_hull(
-        impl_->units, polyhedron(coordinates, face_starts, face_vertices), impl_->margin));
-    return static_cast<std::uint32_t>(impl_->shapes.size() - 1);
+    return impl_->keep(make_hull(impl_->units, polyhedron(coordinates, face_starts, face_vertices),
+                                 impl_->definition.collision_margin));
 }
 
 std::uint32_t BulletWorld::add_rounded(rust::Slice<const double> coordinates,
@@ -106,15 +105,16 @@ std::uint32_t BulletWorld::add_rounded(rust::Slice<const double> coordinates,
                                        rust::Slice<const std::uint32_t> face_vertices,
                                        double radius) {
     const std::lock_guard<std::mutex> lock(construction_mutex());
-    impl_->shapes.push_back(
-        make_rounded(impl_->units, polyhedron(coordinates, face_starts, face_vertices), radius));
-    return static_cast<std::uint32_t>(impl_->shapes.size() - 1);
+    if (!(std::isfinite(radius) && radius > 0)) {
+        throw std::runtime_error("the radius of a rounded polyhedron is not positive");
+    }
+    return impl_->keep(make_hull(impl_->units, polyhedron(coordinates, face_starts, face_vertices),
+                                 radius, radius));
 }
 
 std::uint32_t BulletWorld::add_sphere(double radius) {
     const std::lock_guard<std::mutex> lock(construction_mutex());
-    impl_->shapes.push_back(make_sphere(impl_->units, radius, impl_->world->has_hull_data()));
-    return static_cast<std::uint32_t>(impl_->shapes.size() - 1);
+    return impl_->keep(make_sphere(impl_->units, radius, impl_->world->has_hull_data()));
 }
 
 std::uint32_t BulletWorld::add_body(const BodyDefinition &definition) {
@@ -128,7 +128,7 @@ std::uint32_t BulletWorld::add_body(const BodyDefinition &definition) {
     impl_->materials.bodies.resize(impl_->bodies.size() + 1);
     impl_->materials.bodies.back() = definition.material;
     impl_->bodies.push_back(
-        make_body(impl_->units, applied, id, shape.get(), impl_->body_settings, impl_->body_pool));
+        make_body(impl_->units, impl_->definition, applied, id, shape.get(), impl_->body_pool));
     impl_->world->add(*impl_->bodies.back(), definition.kind);
     return static_cast<std::uint32_t>(id);
 }
@@ -275,10 +275,9 @@ PairValue BulletWorld::pair_value(std::uint32_t a, std::uint32_t b) const {
 
 rust::Vec<EngineSetting> BulletWorld::effective() const {
     ReadBack out;
-    const auto put = [&out](const char *name, double value) { out.put(name, value); };
     const Units &units = impl_->units;
-    put("length_scale_units_per_m", units.scale());
-    put("time_step_s", static_cast<double>(impl_->time_step));
+    out.put("length_scale_units_per_m", units.scale());
+    out.put("time_step_s", static_cast<double>(impl_->time_step));
     read_world(units, *impl_->world, out);
     impl_->world->read_settings(out);
     double lightest = 0;
@@ -293,8 +292,8 @@ rust::Vec<EngineSetting> BulletWorld::effective() const {
         }
     }
     if (lightest > 0) {
-        put("lightest_free_body_kg", lightest);
-        put("largest_inertia_over_exact", impl_->world->largest_inertia_ratio());
+        out.put("lightest_free_body_kg", lightest);
+        out.put("largest_inertia_over_exact", impl_->world->largest_inertia_ratio());
     }
     return out.take();
 }
