@@ -54,30 +54,24 @@ template <class L> class Few {
             turn_.begin.push_back(static_cast<int>(turn_.packs.size()));
         }
         p_.few.resize(plans_.size(), static_cast<std::size_t>(points));
-        workers_.share(plans_.size(), PACKS_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                copy(i);
-            }
-        });
+        workers_.each(plans_.size(), PACKS_AT_ONCE, [&](std::size_t i) { copy(i); });
     }
 
     // Puts their impulses back.
     void put_back() {
-        workers_.share(plans_.size(), PACKS_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                const int first = plans_[i].first;
-                lanes(i, [&](int lane, std::size_t number, int to_lane) {
-                    const Pack<L> &pack = p_.all.packs[number];
-                    for (int p = 0; p < points_of(pack.pair[to_lane]); ++p) {
-                        const Point<L> &from = p_.few.points[static_cast<std::size_t>(first + p)];
-                        Point<L> &to = p_.all.points[static_cast<std::size_t>(pack.first + p)];
-                        for (auto impulse :
-                             {&Point<L>::impulse, &Point<L>::impulse_1, &Point<L>::impulse_2}) {
-                            Lane<L>::set(to.*impulse, to_lane, Lane<L>::get(from.*impulse, lane));
-                        }
+        workers_.each(plans_.size(), PACKS_AT_ONCE, [&](std::size_t i) {
+            const int first = plans_[i].first;
+            lanes(i, [&](int lane, std::size_t number, int to_lane) {
+                const Pack<L> &pack = p_.all.packs[number];
+                for (int p = 0; p < points_of(pack.pair[to_lane]); ++p) {
+                    const Point<L> &from = p_.few.points[static_cast<std::size_t>(first + p)];
+                    Point<L> &to = p_.all.points[static_cast<std::size_t>(pack.first + p)];
+                    for (auto impulse :
+                         {&Point<L>::impulse, &Point<L>::impulse_1, &Point<L>::impulse_2}) {
+                        Lane<L>::set(to.*impulse, to_lane, Lane<L>::get(from.*impulse, lane));
                     }
-                });
-            }
+                }
+            });
         });
     }
 

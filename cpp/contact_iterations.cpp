@@ -64,11 +64,8 @@ void run_step(Problem<L> &problem, Kernel<L> kernel, const ContactLaw &law, doub
     at_home([&](std::size_t i) {
         load(contacts.touching, contacts.places, colours, moves, law.substeps, i, problem);
     });
-    workers.share(bodies.size(), BODIES_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            pack(bodies[i], law.substeps, substep, i, problem.bodies);
-        }
-    });
+    workers.each(bodies.size(), BODIES_AT_ONCE,
+                 [&](std::size_t i) { pack(bodies[i], law.substeps, substep, i, problem.bodies); });
     Run<L> run(problem, kernel, contacts, moves.all, (law.iterations + 1) / 2, workers);
     if (packs > 0) {
         for (int i = 0; i < law.substeps; ++i) {
@@ -78,14 +75,12 @@ void run_step(Problem<L> &problem, Kernel<L> kernel, const ContactLaw &law, doub
     at_home([&](std::size_t i) {
         unload(problem, contacts.touching, contacts.places, law.substeps, i);
     });
-    workers.share(bodies.size(), BODIES_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const int body = static_cast<int>(i);
-            if (!moves.still(body) && !colours.touched(body)) {
-                fly(bodies[i], law.substeps, substep);
-            } else {
-                unpack(problem.bodies, i, bodies[i]);
-            }
+    workers.each(bodies.size(), BODIES_AT_ONCE, [&](std::size_t i) {
+        const int body = static_cast<int>(i);
+        if (!moves.still(body) && !colours.touched(body)) {
+            fly(bodies[i], law.substeps, substep);
+        } else {
+            unpack(problem.bodies, i, bodies[i]);
         }
     });
 }

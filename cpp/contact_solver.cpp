@@ -81,19 +81,16 @@ void ContactSolver::solve(double step) {
 
 void ContactSolver::take_pairs(double step) {
     places_.resize(touching_.size());
-    workers_.share(touching_.size(), AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            if (i + AHEAD < end) {
-                prefetch(*touching_[i + AHEAD].state);
-            }
-            const Touching &pair = touching_[i];
-            const int a = place_[static_cast<std::size_t>(pair.a->number)];
-            const int b = place_[static_cast<std::size_t>(pair.b->number)];
-            places_[i] = {a, b, static_cast<std::int16_t>(pair.points),
-                          is_near(law_, step, pair, bodies_[static_cast<std::size_t>(a)],
-                                  bodies_[static_cast<std::size_t>(b)])};
-        }
-    });
+    const auto take = [&](std::size_t i) {
+        const Touching &pair = touching_[i];
+        const int a = place_[static_cast<std::size_t>(pair.a->number)];
+        const int b = place_[static_cast<std::size_t>(pair.b->number)];
+        places_[i] = {a, b, static_cast<std::int16_t>(pair.points),
+                      is_near(law_, step, pair, bodies_[static_cast<std::size_t>(a)],
+                              bodies_[static_cast<std::size_t>(b)])};
+    };
+    workers_.each(touching_.size(), AT_ONCE, take, AHEAD,
+                  [&](std::size_t i) { prefetch(*touching_[i].state); });
 }
 
 void ContactSolver::bodies_changed() {
@@ -151,14 +148,9 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
 void ContactSolver::sort_places() {
     const std::size_t count = moving_.size();
     std::vector<Three<double>> centres(count);
-    workers_.share(count, AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            if (i + AHEAD < end) {
-                prefetch(moving_[i + AHEAD].body->getWorldTransform());
-            }
-            centres[i] = centre(*moving_[i].body);
-        }
-    });
+    workers_.each(
+        count, AT_ONCE, [&](std::size_t i) { centres[i] = centre(*moving_[i].body); }, AHEAD,
+        [&](std::size_t i) { prefetch(moving_[i].body->getWorldTransform()); });
     if (count == 0) {
         return;
     }
@@ -195,15 +187,11 @@ void ContactSolver::take_bodies(double step) {
     }
     bodies_.resize(1 + moving_.size() + pressed_.size() + driving_.size());
     bodies_[0] = SolverBody{};
-    workers_.share(moving_.size(), AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            if (i + AHEAD < end) {
-                prefetch_body(*moving_[i + AHEAD].body);
-            }
-            bodies_[static_cast<std::size_t>(place_[moving_[i].number])] =
-                free_body(*moving_[i].body);
-        }
-    });
+    const auto take = [&](std::size_t i) {
+        bodies_[static_cast<std::size_t>(place_[moving_[i].number])] = free_body(*moving_[i].body);
+    };
+    workers_.each(moving_.size(), AT_ONCE, take, AHEAD,
+                  [&](std::size_t i) { prefetch_body(*moving_[i].body); });
     for (std::size_t i = 0; i < pressed_.size(); ++i) {
         const Moving &pressed = pressed_[i];
         bodies_[moving_.size() + 1 + i] =
@@ -239,15 +227,12 @@ void ContactSolver::read_drives(const Units &units, rust::Vec<DriveRead> &out) c
 }
 
 void ContactSolver::move_bodies(double step) {
-    workers_.share(moving_.size(), AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            if (i + AHEAD < end) {
-                prefetch(*moving_[i + AHEAD].body);
-            }
-            const auto place = static_cast<std::size_t>(place_[moving_[i].number]);
-            move_body(*moving_[i].body, bodies_[place], step, gyroscopic_);
-        }
-    });
+    const auto move = [&](std::size_t i) {
+        const auto place = static_cast<std::size_t>(place_[moving_[i].number]);
+        move_body(*moving_[i].body, bodies_[place], step, gyroscopic_);
+    };
+    workers_.each(moving_.size(), AT_ONCE, move, AHEAD,
+                  [&](std::size_t i) { prefetch(*moving_[i].body); });
     for (std::size_t i = 0; i < pressed_.size(); ++i) {
         move_pressed(*pressed_[i].body, bodies_[moving_.size() + 1 + i],
                      presses_.at(static_cast<int>(pressed_[i].number)));

@@ -153,7 +153,8 @@ void HullBodies::take(const btCollisionObjectArray &objects, const AxisKernels &
     const auto count = static_cast<std::size_t>(objects.size());
     left.resize(count);
     std::vector<double> fastest(static_cast<std::size_t>(workers.count()), 0);
-    workers.share(count, BODIES_AT_ONCE, [&](int worker, std::size_t begin, std::size_t end) {
+    const Share all{count, BODIES_AT_ONCE, BODIES_AT_ONCE};
+    workers.share(&all, 1, [&](std::size_t, int worker, std::size_t begin, std::size_t end) {
         double own = 0;
         for (std::size_t n = begin; n < end; ++n) {
             const int i = static_cast<int>(n);

@@ -127,14 +127,12 @@ void HullSearch::list_touching() {
     }
     std::vector<Touching> &touching = collision_.touching;
     touching.resize(all);
-    workers_.share(blocks_.size(), 1, [&](int, std::size_t begin, std::size_t end) {
-        for (std::size_t b = begin; b < end; ++b) {
-            std::size_t next = blocks_[b].touching;
-            for (std::size_t i = blocks_[b].begin; i < blocks_[b].end; ++i) {
-                const Work &work = work_[i];
-                if (work.points > 0) {
-                    touching[next++] = {&work.algorithm->state(), work.a, work.b, work.points};
-                }
+    workers_.each(blocks_.size(), 1, [&](std::size_t b) {
+        std::size_t next = blocks_[b].touching;
+        for (std::size_t i = blocks_[b].begin; i < blocks_[b].end; ++i) {
+            const Work &work = work_[i];
+            if (work.points > 0) {
+                touching[next++] = {&work.algorithm->state(), work.a, work.b, work.points};
             }
         }
     });
@@ -160,11 +158,7 @@ void HullSearch::find(btOverlappingPairCache &pairs, const std::vector<std::uint
     const auto count = static_cast<std::size_t>(pairs.getNumOverlappingPairs());
     work_.resize(count);
     blocks_.resize((count + BLOCK - 1) / BLOCK);
-    workers_.share(blocks_.size(), 1, [&](int, std::size_t begin, std::size_t end) {
-        for (std::size_t b = begin; b < end; ++b) {
-            cull(first, count, b);
-        }
-    });
+    workers_.each(blocks_.size(), 1, [&](std::size_t b) { cull(first, count, b); });
     // Room for what pairs carry is given out by one thread.
     for (const Block &block : blocks_) {
         std::for_each(block.fresh.begin(), block.fresh.end(),

@@ -210,12 +210,10 @@ void NativeWorld::damp(btScalar step) {
         return;
     }
     const auto count = static_cast<std::size_t>(m_nonStaticRigidBodies.size());
-    workers_.share(count, BODIES_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            btRigidBody &body = *m_nonStaticRigidBodies[static_cast<int>(i)];
-            if (!body.isStaticOrKinematicObject()) {
-                body.applyDamping(step);
-            }
+    workers_.each(count, BODIES_AT_ONCE, [&](std::size_t i) {
+        btRigidBody &body = *m_nonStaticRigidBodies[static_cast<int>(i)];
+        if (!body.isStaticOrKinematicObject()) {
+            body.applyDamping(step);
         }
     });
 }

@@ -90,12 +90,23 @@ class Workers {
         }
     }
 
-    // The same with one share.
-    template <class Part> void share(std::size_t size, std::size_t length, const Part &part) {
+    // Calls `what(i)` for all numbers below `size`, of which a thread takes `length` at a time; and
+    // before, for one that is its own and comes `ahead` later, `ask`.
+    template <class What, class Ask>
+    void each(std::size_t size, std::size_t length, const What &what, std::size_t ahead,
+              const Ask &ask) {
         const Share one{size, length, length};
-        share(&one, 1, [&part](std::size_t, int worker, std::size_t begin, std::size_t end) {
-            part(worker, begin, end);
+        share(&one, 1, [&](std::size_t, int, std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                if (i + ahead < end) {
+                    ask(i + ahead);
+                }
+                what(i);
+            }
         });
+    }
+    template <class What> void each(std::size_t size, std::size_t length, const What &what) {
+        each(size, length, what, 0, [](std::size_t) {});
     }
 
     const SharedTime &shared() const { return shared_; }
