@@ -9,7 +9,7 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 37] = [
+const SHIMS: [&str; 35] = [
     "contact_bodies",
     "contact_colours",
     "contact_homes",
@@ -17,7 +17,6 @@ const SHIMS: [&str; 37] = [
     "contact_loads",
     "contact_memory",
     "contact_solver",
-    "convert",
     "crowd",
     "crowd_probe",
     "globals",
@@ -39,7 +38,6 @@ const SHIMS: [&str; 37] = [
     "shapes",
     "sphere_pair",
     "core_distance",
-    "rounded_contact",
     "rounded_pair",
     "bodies",
     "settings",

@@ -26,7 +26,7 @@ BodyPtr make_body(const Units &units, const WorldDefinition &world,
     if (free) {
         body->setFlags(world.gyroscopic ? BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY : 0);
         body->setLinearVelocity(units.length(definition.linear_velocity));
-        body->setAngularVelocity(vector(definition.angular_velocity));
+        body->setAngularVelocity(vector(three(definition.angular_velocity.data())));
     }
     if (definition.kind == BodyKind::Kinematic) {
         body->setCollisionFlags(body->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);

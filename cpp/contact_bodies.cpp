@@ -1,5 +1,6 @@
 #include "contact_bodies.h"
 
+#include "convert.h"
 #include "prefetch.h"
 
 #include <LinearMath/btTransformUtil.h>
@@ -10,15 +11,6 @@
 namespace pluvia {
 
 namespace {
-
-Three<double> three(const btVector3 &v) {
-    return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
-}
-
-btVector3 vector(const Three<double> &v) {
-    return btVector3(static_cast<btScalar>(v.x), static_cast<btScalar>(v.y),
-                     static_cast<btScalar>(v.z));
-}
 
 // What is diagonal in body axes, in world axes.
 Symmetric<double> along(const btMatrix3x3 &basis, const btVector3 &diagonal) {
@@ -66,7 +58,7 @@ double steady(double a, double b) {
     return std::copysign(size, a);
 }
 
-Three<double> steady(const Three<double> &a, const Three<double> &b) {
+Vec steady(const Vec &a, const Vec &b) {
     return {steady(a.x, b.x), steady(a.y, b.y), steady(a.z, b.z)};
 }
 
@@ -78,9 +70,7 @@ void prefetch_body(const btRigidBody &body) {
     prefetch(&body.getInvInertiaTensorWorld(), &body.getTotalTorque() + 1);
 }
 
-Three<double> centre(const btRigidBody &body) {
-    return three(body.getWorldTransform().getOrigin());
-}
+Vec centre(const btRigidBody &body) { return three(body.getWorldTransform().getOrigin()); }
 
 SolverBody free_body(const btRigidBody &body) {
     SolverBody out;
@@ -121,8 +111,8 @@ SolverBody kinematic_body(const btRigidBody &body, double step, Drive &drive) {
     SolverBody out;
     out.velocity = three(body.getLinearVelocity());
     out.spin = three(body.getAngularVelocity());
-    const Three<double> change = out.velocity - drive.velocity;
-    const Three<double> spin_change = out.spin - drive.spin;
+    const Vec change = out.velocity - drive.velocity;
+    const Vec spin_change = out.spin - drive.spin;
     out.acceleration = steady(change, drive.change) * (1 / step);
     out.spin_up = steady(spin_change, drive.spin_change) * (1 / step);
     drive = {out.velocity, out.spin, change, spin_change};
@@ -163,11 +153,10 @@ void move_body(btRigidBody &body, const SolverBody &solved, double step, bool gy
 
 SolverBody pressed_body(const btRigidBody &body, const Press &press) {
     SolverBody out;
-    const Three<double> direction = three(press.direction);
+    const Vec direction = three(press.direction);
     if (press.turns) {
         // Velocity of the origin at unit speed about the axis.
-        const Three<double> way =
-            direction.cross(three(body.getWorldTransform().getOrigin() - press.about));
+        const Vec way = direction.cross(three(body.getWorldTransform().getOrigin() - press.about));
         const double root = std::sqrt(press.inverse_mass);
         const double speed = direction.dot(three(body.getAngularVelocity()));
         const double faster = press.force * press.inverse_mass;

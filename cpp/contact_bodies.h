@@ -13,7 +13,7 @@ namespace pluvia {
 void prefetch_body(const btRigidBody &body);
 
 // Its centre of mass.
-Three<double> centre(const btRigidBody &body);
+Vec centre(const btRigidBody &body);
 
 // A body that moves freely, by its weight and by Bullet's forces on it.
 SolverBody free_body(const btRigidBody &body);
@@ -35,8 +35,8 @@ KinematicVelocity kinematic_velocity(const btTransform &start, const btTransform
 // A kinematic body's velocities: of the last step, and their change from the one
 // before.
 struct Drive {
-    Three<double> velocity{0, 0, 0}, spin{0, 0, 0};
-    Three<double> change{0, 0, 0}, spin_change{0, 0, 0};
+    Vec velocity{0, 0, 0}, spin{0, 0, 0};
+    Vec change{0, 0, 0}, spin_change{0, 0, 0};
 };
 
 // The same of a body that was driven so in another world: its poses at the ends of

@@ -9,8 +9,6 @@
 
 namespace pluvia {
 
-#define PLUVIA_INLINE inline __attribute__((always_inline))
-
 // The law with its lengths of time, in the precision of the lanes.
 template <class N> struct LaneLaw {
     N step, inverse_step; // of a sub-step

@@ -21,13 +21,9 @@ struct Contacts {
 // A gap that nothing crosses in a step, in engine units: some tens of metres.
 constexpr double NEVER = 1e4;
 
-template <class N> Three<double> three(const N x[3]) {
-    return {static_cast<double>(x[0]), static_cast<double>(x[1]), static_cast<double>(x[2])};
-}
-
 // Two tangents of a unit normal (Duff et al. 2017, "Building an orthonormal
 // basis, revisited").
-inline void tangents(const Three<double> &n, Three<double> &t1, Three<double> &t2) {
+inline void tangents(const Vec &n, Vec &t1, Vec &t2) {
     const double sign = std::copysign(1.0, n.z);
     const double a = -1.0 / (sign + n.z);
     const double b = n.x * n.y * a;
@@ -36,24 +32,20 @@ inline void tangents(const Three<double> &n, Three<double> &t1, Three<double> &t
 }
 
 // From B to A.
-inline Three<double> normal_of(const Touching &pair) {
-    return three(pair.state->memory.last.normal) * -1.0;
-}
+inline Vec normal_of(const Touching &pair) { return three(pair.state->memory.last.normal) * -1.0; }
 
 // From the centres of mass to point `p`, in the world.
 struct Arms {
-    Three<double> a, b;
+    Vec a, b;
 
     Arms(const Touching &pair, int p) {
-        double arm[3];
-        pair.a->pose.turn(pair.state->memory.last.points[p].on_a, arm);
-        a = three(arm);
-        pair.b->pose.turn(pair.state->memory.last.points[p].on_b, arm);
-        b = three(arm);
+        const KeptPoint &point = pair.state->memory.last.points[p];
+        a = pair.a->pose.turn(three(point.on_a));
+        b = pair.b->pose.turn(three(point.on_b));
     }
 };
 
-template <class L> void set_three(Three<L> &lanes, int i, const Three<double> &value) {
+template <class L> void set_three(Three<L> &lanes, int i, const Vec &value) {
     using N = typename Lane<L>::Number;
     Lane<L>::set(lanes.x, i, static_cast<N>(value.x));
     Lane<L>::set(lanes.y, i, static_cast<N>(value.y));
@@ -126,8 +118,8 @@ void load(const std::vector<Touching> &touching, const std::vector<PairPlace> &p
         const auto put = [lane](L &lanes, double value) {
             Lane<L>::set(lanes, lane, static_cast<N>(value));
         };
-        const Three<double> normal = normal_of(pair);
-        Three<double> tangent_1, tangent_2;
+        const Vec normal = normal_of(pair);
+        Vec tangent_1, tangent_2;
         tangents(normal, tangent_1, tangent_2);
         pack.a[lane] = place.a;
         pack.b[lane] = place.b;
@@ -153,7 +145,7 @@ void load(const std::vector<Touching> &touching, const std::vector<PairPlace> &p
             put(m.arm_a.ball, -pair.a->hull->rounding);
             put(m.arm_b.ball, pair.b->hull->rounding);
             put(m.gap, static_cast<double>(contact.points[p].gap));
-            const Three<double> borne = three(load.impulse);
+            const Vec borne = three(load.impulse);
             const double kept = static_cast<double>(load.warm_start) / substeps;
             put(c.impulse, std::max(0.0, borne.dot(normal)) * kept);
             put(c.impulse_1, borne.dot(tangent_1) * kept);
@@ -172,20 +164,16 @@ void unload(const Problem<L> &problem, const std::vector<Touching> &touching,
         const auto get = [lane](const L &lanes) {
             return static_cast<double>(Lane<L>::get(lanes, lane));
         };
-        const auto three_of = [&](const Three<L> &v) {
-            return Three<double>{get(v.x), get(v.y), get(v.z)};
-        };
+        const auto three_of = [&](const Three<L> &v) { return Vec{get(v.x), get(v.y), get(v.z)}; };
         for (int p = 0; p < places[number].points; ++p) {
             const auto at = static_cast<std::size_t>(pack.first + p);
             const PointMemory<L> &m = problem.memory[at];
             const double impulse = get(m.total);
-            const Three<double> borne = three_of(pack.normal) * impulse +
-                                        three_of(pack.tangent_1) * get(m.total_1) +
-                                        three_of(pack.tangent_2) * get(m.total_2);
+            const Vec borne = three_of(pack.normal) * impulse +
+                              three_of(pack.tangent_1) * get(m.total_1) +
+                              three_of(pack.tangent_2) * get(m.total_2);
             Load &load = touching[number].state->loads[p];
-            load.impulse[0] = static_cast<float>(borne.x);
-            load.impulse[1] = static_cast<float>(borne.y);
-            load.impulse[2] = static_cast<float>(borne.z);
+            store(borne, load.impulse);
             load.warm_start = static_cast<float>(
                 impulse > 0 ? get(problem.all.points[at].impulse) * substeps / impulse : 1);
         }
@@ -196,12 +184,12 @@ template <class N>
 void pack(const SolverBody &body, int substeps, double substep, std::size_t i,
           PackedBodies<N> &packed) {
     if (body.pressed()) {
-        const Three<double> &axis = body.press_turn;
-        const Three<double> &free = body.turned() ? axis : body.press;
+        const Vec &axis = body.press_turn;
+        const Vec &free = body.turned() ? axis : body.press;
         const double root = 1 / std::sqrt(free.dot(free)); // of the mass or the moment of inertia
-        const Three<double> way = free * (root * root);    // times that root
-        const Three<double> &speed = body.turned() ? body.spin : body.velocity;
-        const Three<double> &faster = body.turned() ? body.spin_up : body.acceleration;
+        const Vec way = free * (root * root);              // times that root
+        const Vec &speed = body.turned() ? body.spin : body.velocity;
+        const Vec &faster = body.turned() ? body.spin_up : body.acceleration;
         const double motion[8] = {0, 0, 0, 0, way.dot(speed), 0, 0, 1};
         const double press[8] = {body.press.x, body.press.y, body.press.z,      axis.x,
                                  axis.y,       axis.z,       1 / (root * root), 1};
@@ -215,8 +203,8 @@ void pack(const SolverBody &body, int substeps, double substep, std::size_t i,
         return;
     }
     const bool moves = body.inverse_mass > 0;
-    Three<double> velocity = body.velocity;
-    Three<double> spin = body.spin;
+    Vec velocity = body.velocity;
+    Vec spin = body.spin;
     if (!moves) {
         // A kinematic body's velocity is its mean in the step.
         const double before = substep * (substeps + 1) / 2;
@@ -228,8 +216,8 @@ void pack(const SolverBody &body, int substeps, double substep, std::size_t i,
                               spin.x,     spin.y,     spin.z,     moves ? 1.0 : 0.0};
     const Symmetric<double> &m = body.inverse_inertia_root;
     const double root[8] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz, body.inverse_mass, 0};
-    const Three<double> v = body.acceleration * substep;
-    const Three<double> w = body.inertia_root * body.spin_up * substep;
+    const Vec v = body.acceleration * substep;
+    const Vec w = body.inertia_root * body.spin_up * substep;
     const double forced[8] = {v.x, v.y, v.z, 0, w.x, w.y, w.z, 0};
     for (int k = 0; k < 8; ++k) {
         packed.motion[i].at[k] = static_cast<N>(motion[k]);
@@ -260,7 +248,7 @@ template <class N> void unpack(const PackedBodies<N> &packed, std::size_t i, Sol
         return;
     }
     body.velocity = {m[0], m[1], m[2]};
-    body.spin = body.inverse_inertia_root * Three<double>{m[4], m[5], m[6]};
+    body.spin = body.inverse_inertia_root * Vec{m[4], m[5], m[6]};
     body.shift = {w[0], w[1], w[2]};
     body.turn = {w[4], w[5], w[6]};
 }

@@ -1,6 +1,7 @@
 #include "contact_loads.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace pluvia {
 
@@ -9,18 +10,9 @@ namespace {
 // Cosine of the angle between old and new normal from which impulses go on as they are.
 constexpr double SAME_NORMAL = 0.99;
 
-// Kept in single precision, worked on in double.
-double dot(const float a[3], const float b[3]) {
-    double sum = 0;
-    for (int i = 0; i < 3; ++i) {
-        sum += static_cast<double>(a[i]) * static_cast<double>(b[i]);
-    }
-    return sum;
-}
-
 double square(const float a[3], const float b[3]) {
     const float d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return dot(d, d);
+    return three(d).dot(three(d));
 }
 
 // For each new point the old one that it continues, or -1.
@@ -70,24 +62,15 @@ void match_points(const KeptContact &contact, const KeptContact &before, double 
 
 // A load on a contact whose normal has turned; normals lead out of A, so that
 // what presses on A points against them.
-Load turned(const Load &load, const float before[3], const float now[3]) {
+Load turned(const Load &load, const Vec &before, const Vec &now) {
     Load out = load;
     ++out.age;
-    const bool same = dot(before, now) >= SAME_NORMAL;
-    const double pressed = std::max(0.0, -dot(load.impulse, same ? before : now));
-    double rest[3];
-    double out_of_plane = 0;
-    for (int i = 0; i < 3; ++i) {
-        rest[i] = static_cast<double>(load.impulse[i]) +
-                  pressed * static_cast<double>(same ? before[i] : now[i]);
-        out_of_plane += rest[i] * static_cast<double>(now[i]);
-    }
-    for (int i = 0; i < 3; ++i) {
-        // What would pull holds by no friction.
-        out.impulse[i] = pressed > 0 ? static_cast<float>(rest[i] - (out_of_plane + pressed) *
-                                                                        static_cast<double>(now[i]))
-                                     : 0;
-    }
+    const Vec impulse = three(load.impulse);
+    const Vec &normal = before.dot(now) >= SAME_NORMAL ? before : now;
+    const double pressed = std::max(0.0, -impulse.dot(normal));
+    const Vec rest = impulse + normal * pressed;
+    // What would pull holds by no friction.
+    store(pressed > 0 ? rest - now * (rest.dot(now) + pressed) : Vec{0, 0, 0}, out.impulse);
     return out;
 }
 
@@ -97,18 +80,16 @@ void take_contact(const PairContact &contact, double match, PairState &state) {
     const KeptContact before = state.memory.last;
     KeptContact &now = state.memory.last;
     now.keep(contact);
-    Load loads[MOST_POINTS];
-    if (contact.held) {
-        for (int i = 0; i < now.count; ++i) {
-            loads[i] = turned(state.loads[i], before.normal, now.normal);
-        }
-    } else {
-        int from[MOST_POINTS];
+    const Vec old_normal = three(before.normal), new_normal = three(now.normal);
+    int from[MOST_POINTS];
+    std::iota(from, from + MOST_POINTS, 0);
+    if (!contact.held) {
         match_points(now, before, match, from);
-        for (int i = 0; i < now.count; ++i) {
-            if (from[i] >= 0) {
-                loads[i] = turned(state.loads[from[i]], before.normal, now.normal);
-            }
+    }
+    Load loads[MOST_POINTS];
+    for (int i = 0; i < now.count; ++i) {
+        if (from[i] >= 0) {
+            loads[i] = turned(state.loads[from[i]], old_normal, new_normal);
         }
     }
     std::copy(loads, loads + now.count, state.loads);

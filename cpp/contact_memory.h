@@ -42,8 +42,6 @@ class RecalledContacts {
         std::uint32_t feature, id;
     };
     std::unordered_map<std::uint64_t, std::vector<Recalled>> by_pair_;
-
-    const std::vector<Recalled> *of(const btCollisionObject &a, const btCollisionObject &b) const;
 };
 
 } // namespace pluvia

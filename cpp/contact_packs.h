@@ -44,8 +44,7 @@ template <class L> struct Arm : Three<L> { L turns, ball; };
 
 // As for any vector turned by a rotation vector, of what turns with the body.
 template <class L>
-inline __attribute__((always_inline)) Three<L> turned(const Arm<L> &arm, const Three<L> &by,
-                                                      const Three<L> &normal) {
+PLUVIA_INLINE Three<L> turned(const Arm<L> &arm, const Three<L> &by, const Three<L> &normal) {
     const Three<L> &bare = arm;
     const Three<L> ball = normal * arm.ball;
     return turned(Three<L>(bare - ball),

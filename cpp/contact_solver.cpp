@@ -30,14 +30,14 @@ constexpr std::uint16_t NOWHERE = 0xffff;
 // Whether a point of a pair may well bear something in the step.
 bool is_near(const ContactLaw &law, double step, const Touching &pair, const SolverBody &a,
              const SolverBody &b) {
-    const Three<double> normal = normal_of(pair);
+    const Vec normal = normal_of(pair);
     for (int p = 0; p < pair.points; ++p) {
         if (three(pair.state->loads[p].impulse).dot(normal) > 0) {
             return true;
         }
         const Arms arms(pair, p);
-        const Three<double> speed_a = a.velocity + a.spin.cross(arms.a);
-        const Three<double> speed_b = b.velocity + b.spin.cross(arms.b);
+        const Vec speed_a = a.velocity + a.spin.cross(arms.a);
+        const Vec speed_b = b.velocity + b.spin.cross(arms.b);
         const double parting = (speed_a - speed_b).dot(normal);
         const double gap = static_cast<double>(pair.state->memory.last.points[p].gap);
         if (gap + std::min(0.0, parting * step) <= law.closed_gap) {
@@ -147,29 +147,29 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
 // Free bodies in the order of places along the axis along which they are spread most.
 void ContactSolver::sort_places() {
     const std::size_t count = moving_.size();
-    std::vector<Three<double>> centres(count);
+    std::vector<Vec> centres(count);
     workers_.each(
         count, AT_ONCE, [&](std::size_t i) { centres[i] = centre(*moving_[i].body); }, AHEAD,
         [&](std::size_t i) { prefetch(moving_[i].body->getWorldTransform()); });
     if (count == 0) {
         return;
     }
-    Three<double> low = centres[0], high = low;
-    for (const Three<double> &c : centres) {
+    Vec low = centres[0], high = low;
+    for (const Vec &c : centres) {
         low = {std::min(low.x, c.x), std::min(low.y, c.y), std::min(low.z, c.z)};
         high = {std::max(high.x, c.x), std::max(high.y, c.y), std::max(high.z, c.z)};
     }
-    const Three<double> size = high - low;
-    const auto along = size.z >= size.x && size.z >= size.y ? &Three<double>::z
-                       : size.x >= size.y                   ? &Three<double>::x
-                                                            : &Three<double>::y;
+    const Vec size = high - low;
+    const auto along = size.z >= size.x && size.z >= size.y ? &Vec::z
+                       : size.x >= size.y                   ? &Vec::x
+                                                            : &Vec::y;
     const double length = std::max(size.*along, 1e-30);
     std::array<int, SLICES + 1> begin{};
-    const auto slice = [&](const Three<double> &c) {
+    const auto slice = [&](const Vec &c) {
         const double share = (c.*along - low.*along) / length;
         return share >= 0 && share < 1 ? static_cast<std::size_t>(share * SLICES) : SLICES - 1;
     };
-    for (const Three<double> &c : centres) {
+    for (const Vec &c : centres) {
         ++begin[slice(c) + 1];
     }
     for (std::size_t i = 1; i < begin.size(); ++i) {
@@ -210,18 +210,15 @@ void ContactSolver::take_bodies(double step) {
 }
 
 void ContactSolver::read_drives(const Units &units, rust::Vec<DriveRead> &out) const {
-    const auto metres = [&](const Three<double> &v) {
-        return std::array<double, 3>{v.x / units.scale(), v.y / units.scale(), v.z / units.scale()};
-    };
     const std::size_t first = 1 + moving_.size() + pressed_.size();
     for (std::size_t i = first; i < bodies_.size(); ++i) {
         const SolverBody &body = bodies_[i];
         DriveRead read{};
         read.id = static_cast<std::uint32_t>(driving_[i - first]->getUserIndex());
-        read.velocity = metres(body.velocity);
-        read.acceleration = metres(body.acceleration);
-        read.spin = {body.spin.x, body.spin.y, body.spin.z};
-        read.spin_up = {body.spin_up.x, body.spin_up.y, body.spin_up.z};
+        read.velocity = units.metres(body.velocity);
+        read.acceleration = units.metres(body.acceleration);
+        read.spin = array(body.spin);
+        read.spin_up = array(body.spin_up);
         out.push_back(read);
     }
 }

@@ -17,8 +17,7 @@ constexpr double TOUCHING = 1e-6;
 
 // A corner of B less a corner of A.
 struct Corner {
-    double x[3];
-    double on_a[3], on_b[3];
+    Vec x, on_a, on_b;
     int a, b;
 };
 
@@ -26,7 +25,7 @@ struct Simplex {
     Corner corners[4];
     int count = 0;
     double share[4] = {0, 0, 0, 0};
-    double x[3] = {0, 0, 0}; // its point closest to the origin
+    Vec x{0, 0, 0}; // its point closest to the origin
 
     bool has(const Corner &c) const {
         return std::any_of(corners, corners + count,
@@ -34,13 +33,11 @@ struct Simplex {
     }
 };
 
-int highest(const HullData &hull, const double d[3]) {
+int highest(const HullData &hull, const Vec &d) {
     int best = 0;
     double most = -1e300;
     for (int v = 0; v < hull.vertices; ++v) {
-        const double h = d[0] * static_cast<double>(hull.vx[v]) +
-                         d[1] * static_cast<double>(hull.vy[v]) +
-                         d[2] * static_cast<double>(hull.vz[v]);
+        const double h = d.dot(hull.vertex(v));
         if (h > most) {
             most = h;
             best = v;
@@ -49,29 +46,22 @@ int highest(const HullData &hull, const double d[3]) {
     return best;
 }
 
-void place(const HullData &hull, int v, double out[3]) {
-    out[0] = static_cast<double>(hull.vx[v]);
-    out[1] = static_cast<double>(hull.vy[v]);
-    out[2] = static_cast<double>(hull.vz[v]);
-}
-
 // Shares of the corners `chosen` in the point closest to the origin of the flat through them; false
 // where one is not positive, or the corners do not span the flat.
 bool shares(const Simplex &s, const int *chosen, int count, double share[4]) {
     // With y = x0 + Σ t_i e_i: normal equations G t = -e·x0, solved by Cramer's rule.
-    const double *x0 = s.corners[chosen[0]].x;
-    double e[3][3], g[3][3], f[3];
+    const Vec x0 = s.corners[chosen[0]].x;
+    Vec e[3];
+    double g[3][3], f[3];
     const int n = count - 1;
     for (int i = 0; i < n; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            e[i][k] = s.corners[chosen[i + 1]].x[k] - x0[k];
-        }
+        e[i] = s.corners[chosen[i + 1]].x - x0;
     }
     for (int i = 0; i < n; ++i) {
         for (int j = 0; j < n; ++j) {
-            g[i][j] = dot(e[i], e[j]);
+            g[i][j] = e[i].dot(e[j]);
         }
-        f[i] = -dot(e[i], x0);
+        f[i] = -e[i].dot(x0);
     }
     double t[3] = {0, 0, 0};
     if (n == 1) {
@@ -88,23 +78,13 @@ bool shares(const Simplex &s, const int *chosen, int count, double share[4]) {
         t[1] = (g[0][0] * f[1] - g[1][0] * f[0]) / det;
     } else if (n == 3) {
         // The origin in the frame of the edges: -x0 = Σ t_i e_i.
-        double c[3];
-        const auto cross = [](const double *p, const double *q, double out[3]) {
-            for (int i = 0; i < 3; ++i) {
-                const int j = (i + 1) % 3, k = (i + 2) % 3;
-                out[i] = p[j] * q[k] - p[k] * q[j];
-            }
-        };
-        cross(e[1], e[2], c);
-        const double det = dot(e[0], c);
+        const double det = e[0].dot(e[1].cross(e[2]));
         if (!(std::abs(det) > 1e-12 * std::sqrt(g[0][0] * g[1][1] * g[2][2]))) {
             return false;
         }
-        t[0] = -dot(x0, c) / det;
-        cross(e[2], e[0], c);
-        t[1] = -dot(x0, c) / det;
-        cross(e[0], e[1], c);
-        t[2] = -dot(x0, c) / det;
+        for (int i = 0; i < 3; ++i) {
+            t[i] = -x0.dot(e[(i + 1) % 3].cross(e[(i + 2) % 3])) / det;
+        }
     }
     double rest = 1;
     for (int i = 0; i < n; ++i) {
@@ -131,13 +111,11 @@ bool reduce(Simplex &s) {
         if (!shares(s, chosen, count, share)) {
             continue;
         }
-        double x[3] = {0, 0, 0};
+        Vec x{0, 0, 0};
         for (int i = 0; i < count; ++i) {
-            for (int k = 0; k < 3; ++k) {
-                x[k] += share[i] * s.corners[chosen[i]].x[k];
-            }
+            x = x + s.corners[chosen[i]].x * share[i];
         }
-        const double square = count == 4 ? 0 : dot(x, x);
+        const double square = count == 4 ? 0 : x.dot(x);
         if (square < least) {
             least = square;
             best.count = count;
@@ -145,65 +123,43 @@ bool reduce(Simplex &s) {
                 best.corners[i] = s.corners[chosen[i]];
                 best.share[i] = share[i];
             }
-            std::copy(x, x + 3, best.x);
+            best.x = x;
         }
     }
     s = best;
     return s.count == 4;
 }
 
-class Search {
-  public:
-    Search(const HullData &a, const HullData &b, const Rigid &b_to_a)
-        : a_(a), b_(b), b_to_a_(b_to_a) {}
-
-    // The corner of B − A that lies deepest against a direction.
-    Corner corner(const double direction[3]) const {
-        double against[3], seen[3];
-        for (int i = 0; i < 3; ++i) {
-            const double *r = b_to_a_.r;
-            seen[i] = -(r[i] * direction[0] + r[3 + i] * direction[1] + r[6 + i] * direction[2]);
-            against[i] = direction[i];
-        }
-        Corner c;
-        c.a = highest(a_, against);
-        c.b = highest(b_, seen);
-        double local[3];
-        place(a_, c.a, c.on_a);
-        place(b_, c.b, local);
-        b_to_a_.apply(local, c.on_b);
-        for (int i = 0; i < 3; ++i) {
-            c.x[i] = c.on_b[i] - c.on_a[i];
-        }
-        return c;
-    }
-
-  private:
-    const HullData &a_;
-    const HullData &b_;
-    const Rigid &b_to_a_;
-};
+// The corner of B − A that lies deepest against a direction.
+Corner corner(const HullData &a, const HullData &b, const Rigid &b_to_a, const Vec &direction) {
+    Corner c;
+    c.a = highest(a, direction);
+    c.b = highest(b, -b_to_a.turn_back(direction));
+    c.on_a = a.vertex(c.a);
+    c.on_b = b_to_a.apply(b.vertex(c.b));
+    c.x = c.on_b - c.on_a;
+    return c;
+}
 
 } // namespace
 
 CoreDistance core_distance(const HullData &a, const HullData &b, const Rigid &b_to_a,
                            double enough) {
-    const Search search(a, b, b_to_a);
     const double touching = TOUCHING * static_cast<double>(std::min(a.radius, b.radius));
     CoreDistance out{};
     Simplex simplex;
-    simplex.corners[0] = search.corner(b_to_a.t);
+    simplex.corners[0] = corner(a, b, b_to_a, b_to_a.t);
     simplex.count = 1;
     simplex.share[0] = 1;
-    std::copy(simplex.corners[0].x, simplex.corners[0].x + 3, simplex.x);
-    double square = dot(simplex.x, simplex.x);
+    simplex.x = simplex.corners[0].x;
+    double square = simplex.x.dot(simplex.x);
     for (int step = 0; step < MOST_STEPS; ++step) {
         if (square <= touching * touching) {
             return out;
         }
-        const Corner next = search.corner(simplex.x);
+        const Corner next = corner(a, b, b_to_a, simplex.x);
         // Nothing of B − A lies deeper than this plane.
-        const double above = dot(next.x, simplex.x);
+        const double above = next.x.dot(simplex.x);
         if (above > 0 && above * above > enough * enough * square) {
             out.apart = true;
             out.distance = above / std::sqrt(square);
@@ -217,7 +173,7 @@ CoreDistance core_distance(const HullData &a, const HullData &b, const Rigid &b_
         if (reduce(grown)) {
             return out;
         }
-        const double nearer = dot(grown.x, grown.x);
+        const double nearer = grown.x.dot(grown.x);
         if (!(nearer < square)) {
             break;
         }
@@ -226,12 +182,10 @@ CoreDistance core_distance(const HullData &a, const HullData &b, const Rigid &b_
     }
     out.apart = true;
     out.distance = std::sqrt(square);
-    for (int i = 0; i < 3; ++i) {
-        out.axis[i] = simplex.x[i] / out.distance;
-        for (int k = 0; k < simplex.count; ++k) {
-            out.on_a[i] += simplex.share[k] * simplex.corners[k].on_a[i];
-            out.on_b[i] += simplex.share[k] * simplex.corners[k].on_b[i];
-        }
+    out.axis = simplex.x / out.distance;
+    for (int k = 0; k < simplex.count; ++k) {
+        out.on_a = out.on_a + simplex.corners[k].on_a * simplex.share[k];
+        out.on_b = out.on_b + simplex.corners[k].on_b * simplex.share[k];
     }
     return out;
 }

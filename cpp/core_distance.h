@@ -11,9 +11,8 @@ namespace pluvia {
 
 struct CoreDistance {
     double distance; // 0 for polyhedra that overlap, a lower bound for more than `enough` apart
-    double axis[3];  // unit vector from A to B, in A's frame
-    double on_a[3];  // in A's frame
-    double on_b[3];  // in A's frame
+    Vec axis;        // unit vector from A to B, in A's frame
+    Vec on_a, on_b;  // in A's frame
     bool apart;      // false where they overlap, or nearly: then nothing else is known
 };
 

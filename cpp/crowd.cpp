@@ -18,22 +18,14 @@ constexpr double WIDE_RADII = 3;
 // cells are larger.
 constexpr double CELLS_PER_BODY = 4;
 
-double length(const double a[3], const double b[3]) {
-    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-}
-
 bool finite(const CrowdBody &body) {
-    double sum = body.radius + body.turning;
-    for (int i = 0; i < 3; ++i) {
-        sum += body.centre[i] + body.velocity[i];
-    }
-    return std::isfinite(sum);
+    const Vec sum = three(body.centre) + body.velocity;
+    return std::isfinite(body.radius + body.turning + sum.x + sum.y + sum.z);
 }
 
 } // namespace
 
-bool Crowd::lay_grid(const std::vector<CrowdBody> &bodies, const double frame[3], double step,
+bool Crowd::lay_grid(const std::vector<CrowdBody> &bodies, const Vec &frame, double step,
                      double margin) {
     double radii = 0;
     int free = 0;
@@ -57,7 +49,7 @@ bool Crowd::lay_grid(const std::vector<CrowdBody> &bodies, const double frame[3]
         }
         radius = std::max(radius, body.radius);
         turning = std::max(turning, body.turning);
-        speed = std::max(speed, length(body.velocity, frame));
+        speed = std::max(speed, length(body.velocity - frame));
         for (int i = 0; i < 3; ++i) {
             low_[i] = std::min(low_[i], body.centre[i]);
             high[i] = std::max(high[i], body.centre[i]);
@@ -97,14 +89,10 @@ void Crowd::find_means(const std::vector<CrowdBody> &bodies) {
         cell_of_[n] = static_cast<std::int32_t>(place(at[0], at[1], at[2]));
         Cell &cell = cells_[static_cast<std::size_t>(cell_of_[n])];
         cell.bodies += 1;
-        for (int i = 0; i < 3; ++i) {
-            cell.velocity[i] += body.velocity[i];
-        }
+        cell.velocity = cell.velocity + body.velocity;
     }
     for (Cell &cell : cells_) {
-        for (double &v : cell.velocity) {
-            v /= std::max(cell.bodies, 1);
-        }
+        cell.velocity = cell.velocity / std::max(cell.bodies, 1);
     }
 }
 
@@ -116,7 +104,7 @@ double Crowd::difference(int x, int y, int z) const {
             for (int i = std::max(x - 1, 0); i <= std::min(x + 1, count_[0] - 1); ++i) {
                 const Cell &other = cells_[place(i, j, k)];
                 if (other.bodies > 0) {
-                    most = std::max(most, length(own.velocity, other.velocity));
+                    most = std::max(most, length(own.velocity - other.velocity));
                 }
             }
         }
@@ -124,7 +112,7 @@ double Crowd::difference(int x, int y, int z) const {
     return most;
 }
 
-bool Crowd::gather(const std::vector<CrowdBody> &bodies, const double frame[3], double step,
+bool Crowd::gather(const std::vector<CrowdBody> &bodies, const Vec &frame, double step,
                    double margin) {
     cell_of_.resize(bodies.size());
     speeds_.resize(bodies.size());
@@ -143,16 +131,16 @@ bool Crowd::gather(const std::vector<CrowdBody> &bodies, const double frame[3], 
     }
     double fastest = 0;
     for (const CrowdBody &body : bodies) {
-        fastest = std::max(fastest, length(body.velocity, frame));
+        fastest = std::max(fastest, length(body.velocity - frame));
     }
     for (std::size_t n = 0; n < bodies.size(); ++n) {
-        const double *velocity = bodies[n].velocity;
+        const Vec &velocity = bodies[n].velocity;
         if (cell_of_[n] == WIDE) {
-            speeds_[n] = length(velocity, frame) + fastest;
+            speeds_[n] = length(velocity - frame) + fastest;
             continue;
         }
         const auto at = static_cast<std::size_t>(cell_of_[n]);
-        speeds_[n] = length(velocity, cells_[at].velocity) + differences_[at] / 2;
+        speeds_[n] = length(velocity - cells_[at].velocity) + differences_[at] / 2;
     }
     return true;
 }

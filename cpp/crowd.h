@@ -20,6 +20,8 @@
 // all besides their own speed.
 #pragma once
 
+#include "three.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -29,7 +31,7 @@ namespace pluvia {
 // What is read of a body; lengths in engine units.
 struct CrowdBody {
     double centre[3];
-    double velocity[3];
+    Vec velocity;
     double radius;
     double turning; // speed at which its farthest point turns
     bool free;
@@ -40,14 +42,13 @@ class Crowd {
     // Finds the speeds of all of them, `frame` being the velocity of the place
     // from which distances are counted. False, and nothing is found, where some
     // number is not finite or no body is free.
-    bool gather(const std::vector<CrowdBody> &bodies, const double frame[3], double step,
-                double margin);
+    bool gather(const std::vector<CrowdBody> &bodies, const Vec &frame, double step, double margin);
     // Of body number `i` of those gathered; its turning comes besides.
     double speed(std::size_t i) const { return speeds_[i]; }
 
   private:
     struct Cell {
-        double velocity[3] = {0, 0, 0}; // the mean of its bodies
+        Vec velocity{0, 0, 0}; // the mean of its bodies
         int bodies = 0;
     };
 
@@ -58,7 +59,7 @@ class Crowd {
     double low_[3], edge_;
     int count_[3];
 
-    bool lay_grid(const std::vector<CrowdBody> &bodies, const double frame[3], double step,
+    bool lay_grid(const std::vector<CrowdBody> &bodies, const Vec &frame, double step,
                   double margin);
     void find_means(const std::vector<CrowdBody> &bodies);
     double difference(int x, int y, int z) const;

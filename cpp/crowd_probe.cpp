@@ -3,7 +3,6 @@
 #include "crowd.h"
 #include "pluvia/src/world/bullet/ffi.rs.h"
 
-#include <algorithm>
 #include <vector>
 
 namespace pluvia {
@@ -12,17 +11,16 @@ rust::Vec<double> crowd_speeds(rust::Slice<const CrowdProbeBody> bodies,
                                const std::array<double, 3> &frame, double step, double margin) {
     std::vector<CrowdBody> members;
     for (const CrowdProbeBody &body : bodies) {
-        CrowdBody member{};
-        std::copy(body.centre.begin(), body.centre.end(), member.centre);
-        std::copy(body.velocity.begin(), body.velocity.end(), member.velocity);
-        member.radius = body.radius;
-        member.turning = body.turning;
-        member.free = body.free;
-        members.push_back(member);
+        const auto &c = body.centre;
+        members.push_back({{c[0], c[1], c[2]},
+                           three(body.velocity.data()),
+                           body.radius,
+                           body.turning,
+                           body.free});
     }
     Crowd crowd;
     rust::Vec<double> speeds;
-    if (crowd.gather(members, frame.data(), step, margin)) {
+    if (crowd.gather(members, three(frame.data()), step, margin)) {
         for (std::size_t i = 0; i < members.size(); ++i) {
             speeds.push_back(crowd.speed(i));
         }

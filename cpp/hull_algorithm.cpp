@@ -39,13 +39,12 @@ void HullAlgorithm::ask_for_hulls(const HullData &a, const HullData &b) const {
     }
 }
 
-namespace {
-
-double lightness_of(const HullBody &body) {
-    return static_cast<double>(btRigidBody::upcast(body.object)->getInvMass());
+double collide(const PairCase &pair) {
+    if (pair.a.is_sphere() || pair.b.is_sphere()) {
+        return collide_sphere(pair);
+    }
+    return pair.a.is_rounded() || pair.b.is_rounded() ? collide_rounded(pair) : collide_hulls(pair);
 }
-
-} // namespace
 
 void HullAlgorithm::find(const HullBody &a, const HullBody &b, double travelled,
                          PairScratch &scratch) {
@@ -57,27 +56,18 @@ void HullAlgorithm::find(const HullBody &a, const HullBody &b, double travelled,
     }
     PairContact contact;
     const PairMotion motion{a.motion, b.motion, shared_.step};
-    const bool sphere = a.hull->is_sphere() || b.hull->is_sphere();
-    if (sphere || a.hull->is_rounded() || b.hull->is_rounded()) {
-        const Lightness lightness{lightness_of(a), lightness_of(b)};
-        const double gap =
-            sphere ? collide_sphere(*a.hull, *b.hull, a.pose, b.pose, motion, lightness, settings,
-                                    contact)
-                   : collide_rounded(*shared_.kernels, *a.hull, *b.hull, a.pose, b.pose, motion,
-                                     lightness, settings, state_.memory, scratch, contact);
-        take_contact(contact, shared_.match, state_);
-        points_ = contact.count;
-        apart_until_ = points_ == 0 ? travelled + gap : -1;
-        return;
+    PairCase pair{*shared_.kernels, *a.hull,  *b.hull,       a.pose,  b.pose,
+                  motion,           settings, state_.memory, scratch, contact};
+    // Else the bodies themselves, far away in memory, are not looked at.
+    if (!a.hull->is_plain() || !b.hull->is_plain()) {
+        const auto of = [](const HullBody &body) {
+            return static_cast<double>(btRigidBody::upcast(body.object)->getInvMass());
+        };
+        pair.lightness = {of(a), of(b)};
     }
-    collide(*shared_.kernels, *a.hull, *b.hull, a.pose, b.pose, motion, settings, state_.memory,
-            scratch, contact);
+    apart_until_ = travelled + collide(pair);
     take_contact(contact, shared_.match, state_);
     points_ = contact.count;
-    const PairMemory &memory = state_.memory;
-    apart_until_ = memory.feature == Feature::None && memory.has_axis
-                       ? travelled + static_cast<double>(memory.widest)
-                       : -1;
 }
 
 HullAlgorithm::HullAlgorithm(HullCollision &shared, const PairValue &value, std::size_t at_a,

@@ -34,6 +34,10 @@ struct HullCollision {
 // In engine units, of which `scale` make a metre.
 PairSettings pair_settings(const Tolerances &tolerances, double scale);
 
+// Finds the contact of a pair of whatever shapes. Returns a distance that they are apart, where one
+// is known, or NOT_APART.
+double collide(const PairCase &pair);
+
 // One for each pair in the broadphase; holds what the pair carries from step
 // to step. No manifold of Bullet's: the solver reads the pairs themselves.
 class HullAlgorithm final : public btCollisionAlgorithm {

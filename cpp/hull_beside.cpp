@@ -16,10 +16,9 @@ struct Flat {
     int face = -1;
     double cosine = FLAT;
 
-    Flat(const HullData &hull, int edge, const double axis[3]) {
+    Flat(const HullData &hull, int edge, const Vec &axis) {
         for (const int f : {hull.edge[edge].left, hull.edge[edge].right}) {
-            const double normal[3] = {hull.nx[f], hull.ny[f], hull.nz[f]};
-            const double along = dot(normal, axis);
+            const double along = hull.normal(f).dot(axis);
             if (along > cosine) {
                 face = f;
                 cosine = along;
@@ -30,14 +29,9 @@ struct Flat {
 
 } // namespace
 
-PairFace flat_face(const HullData &a, int edge_a, const HullData &b, int edge_b,
-                   const double axis[3], const Rigid &b_to_a, const KeptContact &last) {
-    const double *r = b_to_a.r;
-    double back[3];
-    for (int i = 0; i < 3; ++i) {
-        back[i] = -(r[i] * axis[0] + r[3 + i] * axis[1] + r[6 + i] * axis[2]);
-    }
-    const Flat of_a(a, edge_a, axis), of_b(b, edge_b, back);
+PairFace flat_face(const HullData &a, int edge_a, const HullData &b, int edge_b, const Vec &axis,
+                   const Rigid &b_to_a, const KeptContact &last) {
+    const Flat of_a(a, edge_a, axis), of_b(b, edge_b, -b_to_a.turn_back(axis));
     bool is_a = of_a.cosine >= of_b.cosine;
     for (int i = 0; i < last.count; ++i) {
         const std::uint32_t id = last.points[i].id;
@@ -54,10 +48,9 @@ void keep_beside(const EdgesAt &edges, double near, double slack, std::vector<Cl
     const double lean = std::sqrt(std::max(0.0, 1 - edges.cosine * edges.cosine));
     const auto drop = [&](ClipPoint &p) {
         p.gap /= edges.cosine;
-        const double *at = edges.at;
-        const double d[3] = {p.x[0] - at[0], p.x[1] - at[1], p.x[2] - at[2]};
+        const Vec d = p.x - edges.at;
         return p.gap < edges.gap - slack || std::abs(p.gap) * lean > slack ||
-               dot(d, d) <= near * near;
+               d.dot(d) <= near * near;
     };
     points.erase(std::remove_if(points.begin(), points.end(), drop), points.end());
     for (ClipPoint &p : points) {

@@ -14,13 +14,13 @@ namespace pluvia {
 // The face that a contact of edges is almost one of: of those that meet in the edges, the one
 // that looks most along the axis, of the body whose points `last` has if it has any. Face -1
 // where none does. `b_to_a` leads from B's frame to A's.
-PairFace flat_face(const HullData &a, int edge_a, const HullData &b, int edge_b,
-                   const double axis[3], const Rigid &b_to_a, const KeptContact &last);
+PairFace flat_face(const HullData &a, int edge_a, const HullData &b, int edge_b, const Vec &axis,
+                   const Rigid &b_to_a, const KeptContact &last);
 
 // Where edges meet, in the frame of the reference hull, their gap, and the cosine
 // between their axis and the normal of the face.
 struct EdgesAt {
-    const double *at;
+    Vec at;
     double gap;
     double cosine;
 };

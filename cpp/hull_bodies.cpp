@@ -1,5 +1,6 @@
 #include "hull_bodies.h"
 
+#include "convert.h"
 #include "prefetch.h"
 #include "shapes.h"
 
@@ -45,8 +46,8 @@ Rigid rigid(const btTransform &pose) {
         for (int j = 0; j < 3; ++j) {
             out.r[3 * i + j] = static_cast<double>(pose.getBasis()[i][j]);
         }
-        out.t[i] = static_cast<double>(pose.getOrigin()[i]);
     }
+    out.t = three(pose.getOrigin());
     return out;
 }
 
@@ -58,10 +59,7 @@ HullBody hull_body(const btCollisionObject &object) {
     out.hull = &shape.data();
     out.number = object.getUserIndex();
     out.pose = rigid(object.getWorldTransform());
-    for (int i = 0; i < 3; ++i) {
-        out.motion.velocity[i] = static_cast<double>(body.getLinearVelocity()[i]);
-        out.motion.spin[i] = static_cast<double>(body.getAngularVelocity()[i]);
-    }
+    out.motion = {three(body.getLinearVelocity()), three(body.getAngularVelocity())};
     // The surface of a sphere stays where it is while the sphere turns.
     const btScalar turns = out.hull->is_sphere()    ? 0
                            : out.hull->is_rounded() ? btScalar(out.hull->core_radius())
@@ -70,24 +68,13 @@ HullBody hull_body(const btCollisionObject &object) {
     return out;
 }
 
-namespace {
-
-double length(const double a[3], const double b[3]) {
-    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-}
-
-} // namespace
-
 double approach_in_step(const HullBody &a, const HullBody &b, double step) {
-    return step * (length(a.motion.velocity, b.motion.velocity) + a.turning + b.turning);
+    return step * (length(a.motion.velocity - b.motion.velocity) + a.turning + b.turning);
 }
 
 void HullBodies::begin(const Frame &frame, const btCollisionObjectArray &objects, double step,
                        double margin) {
-    for (int i = 0; i < 3; ++i) {
-        moved_[i] = frame.origin[i] - frame_.origin[i];
-    }
+    moved_ = frame.origin - frame_.origin;
     bodies_.resize(std::max(most_, bodies_.size()));
     ranges_.resize(bodies_.size());
     frame_ = frame;
@@ -103,13 +90,12 @@ bool HullBodies::gather(const btCollisionObjectArray &objects) {
     for (int i = 0; i < objects.size(); ++i) {
         ask_ahead(objects, i);
         const HullBody &body = read(*objects[i]);
-        CrowdBody member;
-        std::copy(body.pose.t, body.pose.t + 3, member.centre);
-        std::copy(body.motion.velocity, body.motion.velocity + 3, member.velocity);
-        member.radius = static_cast<double>(body.hull->radius);
-        member.turning = body.turning;
-        member.free = !objects[i]->isStaticOrKinematicObject();
-        members_.push_back(member);
+        const Vec &t = body.pose.t;
+        members_.push_back({{t.x, t.y, t.z},
+                            body.motion.velocity,
+                            static_cast<double>(body.hull->radius),
+                            body.turning,
+                            !objects[i]->isStaticOrKinematicObject()});
     }
     return crowd_.gather(members_, frame_.velocity, step_, margin_);
 }
@@ -187,12 +173,12 @@ const HullRange &HullBodies::take(const btCollisionObjectArray &objects, int i,
             range.high[k] += ball;
         }
     }
-    const double speed = length(body.motion.velocity, frame_.velocity);
+    const double speed = length(body.motion.velocity - frame_.velocity);
     fastest = std::max(fastest, speed);
     const double against = crowded_ ? crowd_.speed(static_cast<std::size_t>(i)) : speed;
     range.around = static_cast<float>(margin_ / 2 + step_ * (against + body.turning));
+    store(body.pose.t - frame_.origin, range.centre);
     for (int k = 0; k < 3; ++k) {
-        range.centre[k] = static_cast<float>(body.pose.t[k] - frame_.origin[k]);
         range.low[k] += range.centre[k] - range.around;
         range.high[k] += range.centre[k] + range.around;
     }
@@ -200,16 +186,15 @@ const HullRange &HullBodies::take(const btCollisionObjectArray &objects, int i,
     return range;
 }
 
-// As for a pair of hulls (hull_pair.cpp): the way of the centre, and the
+// As `farthest_way` of a pair: the way of the centre, and the
 // turning times the radius.
-double HullBodies::way(const HullBody &body, const Rigid &before, const double moved[3]) {
+double HullBodies::way(const HullBody &body, const Rigid &before, const Vec &moved) {
     double turn = 0;
     for (int i = 0; i < 9; ++i) {
         turn += (body.pose.r[i] - before.r[i]) * (body.pose.r[i] - before.r[i]);
     }
-    const double from[3] = {before.t[0] + moved[0], before.t[1] + moved[1], before.t[2] + moved[2]};
     const auto radius = static_cast<double>(body.hull->core_radius());
-    return length(body.pose.t, from) + std::sqrt(turn / 2) * radius;
+    return length(body.pose.t - (before.t + moved)) + std::sqrt(turn / 2) * radius;
 }
 
 } // namespace pluvia

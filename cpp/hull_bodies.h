@@ -59,8 +59,7 @@ struct alignas(64) HullRange {
 
 // Where distances are counted from: a place that moves along.
 struct Frame {
-    double origin[3] = {0, 0, 0};
-    double velocity[3] = {0, 0, 0};
+    Vec origin{0, 0, 0}, velocity{0, 0, 0};
 };
 
 // All bodies of a world by the number of their broadphase proxy.
@@ -91,8 +90,8 @@ class HullBodies {
   private:
     std::vector<HullBody> bodies_;
     std::vector<HullRange> ranges_;
-    Frame frame_;                 // of the step
-    double moved_[3] = {0, 0, 0}; // by the frame since the last
+    Frame frame_;        // of the step
+    Vec moved_{0, 0, 0}; // by the frame since the last
     double step_ = 0, margin_ = 0;
     double fastest_ = 0;   // speed in the frame, of all read since the step began
     std::size_t most_ = 0; // numbers of bodies
@@ -112,7 +111,7 @@ class HullBodies {
     // Reads all bodies, and finds how far each stands off. False where it cannot be told.
     bool gather(const btCollisionObjectArray &objects);
     // How far any point of a body has gone from one pose to the next.
-    static double way(const HullBody &body, const Rigid &before, const double moved[3]);
+    static double way(const HullBody &body, const Rigid &before, const Vec &moved);
 };
 
 } // namespace pluvia

@@ -22,26 +22,6 @@ constexpr double CHOICE_SLACK = 1.1;
 // Square of the sine between two edges below which they have no common normal.
 constexpr double PARALLEL = 1e-8;
 
-void cross(const double a[3], const double b[3], double out[3]) {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-void minus(const double a[3], const double b[3], double out[3]) {
-    for (int i = 0; i < 3; ++i) {
-        out[i] = a[i] - b[i];
-    }
-}
-
-void vertex(const HullData &hull, int v, double out[3]) {
-    out[0] = hull.vx[v], out[1] = hull.vy[v], out[2] = hull.vz[v];
-}
-
-void face_normal(const HullData &hull, int f, double out[3]) {
-    out[0] = hull.nx[f], out[1] = hull.ny[f], out[2] = hull.nz[f];
-}
-
 std::uint32_t name(std::uint32_t kind, std::uint32_t first, std::uint32_t second) {
     // Room for 2^14 edges each; beyond, names repeat and points are reported
     // apart by their distance alone.
@@ -65,38 +45,33 @@ Rigid Rigid::inverse() const {
         for (int j = 0; j < 3; ++j) {
             out.r[3 * i + j] = r[3 * j + i];
         }
-        out.t[i] = -(r[i] * t[0] + r[3 + i] * t[1] + r[6 + i] * t[2]);
     }
+    out.t = -turn_back(t);
     return out;
 }
 
 Relative Rigid::rounded() const {
     Relative out;
     std::copy(r, r + 9, out.r);
-    std::copy(t, t + 3, out.t);
+    store(t, out.t);
     return out;
 }
 
 Rigid Rigid::between(const Rigid &from, const Rigid &to) {
     Rigid out;
-    const double d[3] = {from.t[0] - to.t[0], from.t[1] - to.t[1], from.t[2] - to.t[2]};
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
             out.r[3 * i + j] =
                 to.r[i] * from.r[j] + to.r[3 + i] * from.r[3 + j] + to.r[6 + i] * from.r[6 + j];
         }
-        out.t[i] = to.r[i] * d[0] + to.r[3 + i] * d[1] + to.r[6 + i] * d[2];
     }
+    out.t = to.turn_back(from.t - to.t);
     return out;
 }
 
-Incident incident_face(const HullData &incident, const double normal[3], int before, double slack) {
-    const auto height = [&](int v) {
-        return normal[0] * incident.vx[v] + normal[1] * incident.vy[v] + normal[2] * incident.vz[v];
-    };
-    const auto facing = [&](int f) {
-        return normal[0] * incident.nx[f] + normal[1] * incident.ny[f] + normal[2] * incident.nz[f];
-    };
+Incident incident_face(const HullData &incident, const Vec &normal, int before, double slack) {
+    const auto height = [&](int v) { return normal.dot(incident.vertex(v)); };
+    const auto facing = [&](int f) { return normal.dot(incident.normal(f)); };
     int lowest = 0;
     double low = height(0);
     for (int v = 1; v < incident.vertices; ++v) {
@@ -128,35 +103,23 @@ void clip_face(const HullData &reference, int reference_face, const HullData &in
     scratch.points.clear();
     for (int k = incident.loop_start[incident_face]; k < incident.loop_start[incident_face + 1];
          ++k) {
-        double local[3];
-        vertex(incident, incident.loop_vertex[k], local);
         Corner corner;
-        pose.apply(local, corner.x);
+        corner.x = pose.apply(incident.vertex(incident.loop_vertex[k]));
         corner.id = name(0, 0, incident.loop_vertex[k]);
         corner.edge = incident.loop_edge[k];
         polygon.push_back(corner);
     }
-    double normal[3];
-    face_normal(reference, reference_face, normal);
     const int begin = reference.loop_start[reference_face];
     const int end = reference.loop_start[reference_face + 1];
     for (int k = begin; k < end && !polygon.empty(); ++k) {
         const std::uint32_t e = reference.loop_edge[k];
         const HullEdge &ends = reference.edge[e];
-        const double forward = ends.left == reference_face ? 1 : -1;
-        const double along[3] = {forward * reference.ex[e], forward * reference.ey[e],
-                                 forward * reference.ez[e]};
-        // Loops run counter-clockwise: outside lies to the right. An edge
-        // without direction gives a zero side, which clips nothing.
-        double side[3];
-        cross(along, normal, side);
-        double from[3], to[3];
-        vertex(reference, ends.from, from);
-        vertex(reference, ends.to, to);
-        const double offset = std::max(dot(side, from), dot(side, to));
+        const Vec side = reference.beside(reference_face, static_cast<int>(e));
+        const double offset =
+            std::max(side.dot(reference.vertex(ends.from)), side.dot(reference.vertex(ends.to)));
         bool any_outside = false;
         for (Corner &corner : polygon) {
-            corner.out = dot(side, corner.x) - offset;
+            corner.out = side.dot(corner.x) - offset;
             any_outside = any_outside || corner.out > 0;
         }
         if (!any_outside) {
@@ -173,9 +136,7 @@ void clip_face(const HullData &reference, int reference_face, const HullData &in
             if (inside != (next.out <= 0)) {
                 const double share = here.out / (here.out - next.out);
                 Corner corner;
-                for (int c = 0; c < 3; ++c) {
-                    corner.x[c] = here.x[c] + share * (next.x[c] - here.x[c]);
-                }
+                corner.x = here.x + (next.x - here.x) * share;
                 corner.id = crossing(here.edge, e);
                 corner.edge = inside ? (SIDE | e) : here.edge;
                 clipped.push_back(corner);
@@ -184,16 +145,15 @@ void clip_face(const HullData &reference, int reference_face, const HullData &in
         std::swap(polygon, clipped);
     }
     for (const Corner &corner : polygon) {
-        const double gap =
-            dot(normal, corner.x) - static_cast<double>(reference.offset[reference_face]);
+        const double gap = reference.above(reference_face, corner.x);
         if (gap <= margin) {
-            scratch.points.push_back({{corner.x[0], corner.x[1], corner.x[2]}, gap, corner.id});
+            scratch.points.push_back({corner.x, gap, corner.id});
         }
     }
 }
 
-int reduce_points(std::vector<ClipPoint> &points, const double normal[3], double margin,
-                  double slack, const std::uint32_t *known, int known_count) {
+int reduce_points(std::vector<ClipPoint> &points, const Vec &normal, double margin, double slack,
+                  const std::uint32_t *known, int known_count) {
     const int count = static_cast<int>(points.size());
     const auto is_known = [&](const ClipPoint &p) {
         return std::find(known, known + known_count, p.id) != known + known_count;
@@ -204,16 +164,11 @@ int reduce_points(std::vector<ClipPoint> &points, const double normal[3], double
         return (1 - 0.5 * far) * (is_known(p) ? CHOICE_SLACK : 1);
     };
     const auto area = [&](const ClipPoint &a, const ClipPoint &b, const ClipPoint &c) {
-        double ab[3], ac[3], turned[3];
-        minus(b.x, a.x, ab);
-        minus(c.x, a.x, ac);
-        cross(ab, ac, turned);
-        return dot(turned, normal);
+        return (b.x - a.x).cross(c.x - a.x).dot(normal);
     };
     const auto square = [&](const ClipPoint &a, const ClipPoint &b) {
-        double ab[3];
-        minus(b.x, a.x, ab);
-        return dot(ab, ab);
+        const Vec ab = b.x - a.x;
+        return ab.dot(ab);
     };
     // Moves the point with the highest score to place `chosen`.
     const auto pick = [&](int chosen, double least, auto score) {
@@ -267,9 +222,8 @@ int keep_points(std::vector<ClipPoint> &points, double slack, const std::uint32_
     const auto apart = [&](const ClipPoint &p) {
         double nearest = 1e300;
         for (int i = 0; i < kept; ++i) {
-            double d[3];
-            minus(p.x, points[i].x, d);
-            nearest = std::min(nearest, dot(d, d));
+            const Vec d = p.x - points[i].x;
+            nearest = std::min(nearest, d.dot(d));
         }
         return nearest;
     };
@@ -291,50 +245,34 @@ EdgeContact edge_contact(const HullData &a, int edge_a, const HullData &b, int e
     EdgeContact out{};
     const HullEdge &ends_a = a.edge[edge_a];
     const HullEdge &ends_b = b.edge[edge_b];
-    const double along_a[3] = {a.ex[edge_a], a.ey[edge_a], a.ez[edge_a]};
-    const double local_b[3] = {b.ex[edge_b], b.ey[edge_b], b.ez[edge_b]};
-    double along_b[3], n[3];
-    pose.turn(local_b, along_b);
-    cross(along_a, along_b, n);
-    const double square = dot(n, n);
+    const Vec along_a = a.along(edge_a), along_b = pose.turn(b.along(edge_b));
+    const Vec n = along_a.cross(along_b);
+    const double square = n.dot(n);
     if (square < PARALLEL) {
         return out;
     }
-    double left[3], right[3];
-    face_normal(a, ends_a.left, left);
-    face_normal(a, ends_a.right, right);
-    double length = std::sqrt(square);
-    length = dot(n, left) + dot(n, right) < 0 ? -length : length;
-    double from_a[3], to_a[3], from_b[3], to_b[3], local[3];
-    vertex(a, ends_a.from, from_a);
-    vertex(a, ends_a.to, to_a);
-    vertex(b, ends_b.from, local);
-    pose.apply(local, from_b);
-    vertex(b, ends_b.to, local);
-    pose.apply(local, to_b);
+    const bool out_of_b = n.dot(a.normal(ends_a.left)) + n.dot(a.normal(ends_a.right)) < 0;
+    const double length = out_of_b ? -std::sqrt(square) : std::sqrt(square);
+    const Vec from_a = a.vertex(ends_a.from), from_b = pose.apply(b.vertex(ends_b.from));
+    const Vec span_a = a.vertex(ends_a.to) - from_a;
+    const Vec span_b = pose.apply(b.vertex(ends_b.to)) - from_b;
     // Where two segments come closest (Ericson, "Real-Time Collision
     // Detection", 2005, section 5.1.9): the points of the lines that face each
     // other, moved to the ends where they lie beyond, one after the other, so
     // that edges that are nearly parallel meet beside each other.
-    double apart[3], span_a[3], span_b[3], turned[3];
-    minus(from_b, from_a, apart);
-    minus(to_a, from_a, span_a);
-    minus(to_b, from_b, span_b);
-    const double length_a = std::max(0.0, dot(span_a, along_a));
-    const double length_b = std::max(0.0, dot(span_b, along_b));
-    const double cosine = dot(along_a, along_b);
-    cross(apart, along_b, turned);
-    double at_a = std::clamp(dot(turned, n) / square, 0.0, length_a);
-    const double at_b = std::clamp(at_a * cosine - dot(apart, along_b), 0.0, length_b);
-    at_a = std::clamp(at_b * cosine + dot(apart, along_a), 0.0, length_a);
-    for (int i = 0; i < 3; ++i) {
-        out.axis[i] = n[i] / length;
-        out.on_a[i] = from_a[i] + at_a * along_a[i];
-        out.on_b[i] = from_b[i] + at_b * along_b[i];
-    }
-    minus(out.on_b, out.on_a, apart);
-    out.gap = dot(out.axis, apart);
-    out.off = std::sqrt(std::max(0.0, dot(apart, apart) - out.gap * out.gap));
+    const Vec apart = from_b - from_a;
+    const double length_a = std::max(0.0, span_a.dot(along_a));
+    const double length_b = std::max(0.0, span_b.dot(along_b));
+    const double cosine = along_a.dot(along_b);
+    double at_a = std::clamp(apart.cross(along_b).dot(n) / square, 0.0, length_a);
+    const double at_b = std::clamp(at_a * cosine - apart.dot(along_b), 0.0, length_b);
+    at_a = std::clamp(at_b * cosine + apart.dot(along_a), 0.0, length_a);
+    out.axis = n / length;
+    out.on_a = from_a + along_a * at_a;
+    out.on_b = from_b + along_b * at_b;
+    const Vec left = out.on_b - out.on_a;
+    out.gap = out.axis.dot(left);
+    out.off = std::sqrt(std::max(0.0, left.dot(left) - out.gap * out.gap));
     out.defined = true;
     return out;
 }

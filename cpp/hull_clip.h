@@ -11,24 +11,19 @@
 
 namespace pluvia {
 
-inline double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 // A rigid motion x -> r x + t, r row by row.
 struct Rigid {
     double r[9];
-    double t[3];
+    Vec t;
 
-    template <class N> void apply(const N x[3], double out[3]) const {
-        for (int i = 0; i < 3; ++i) {
-            out[i] = r[3 * i] * x[0] + r[3 * i + 1] * x[1] + r[3 * i + 2] * x[2] + t[i];
-        }
+    Vec turn(const Vec &x) const {
+        return {r[0] * x.x + r[1] * x.y + r[2] * x.z, r[3] * x.x + r[4] * x.y + r[5] * x.z,
+                r[6] * x.x + r[7] * x.y + r[8] * x.z};
     }
-    template <class N> void turn(const N x[3], double out[3]) const {
-        for (int i = 0; i < 3; ++i) {
-            out[i] = r[3 * i] * x[0] + r[3 * i + 1] * x[1] + r[3 * i + 2] * x[2];
-        }
+    Vec apply(const Vec &x) const { return turn(x) + t; }
+    Vec turn_back(const Vec &x) const {
+        return {r[0] * x.x + r[3] * x.y + r[6] * x.z, r[1] * x.x + r[4] * x.y + r[7] * x.z,
+                r[2] * x.x + r[5] * x.y + r[8] * x.z};
     }
     // The inverse motion.
     Rigid inverse() const;
@@ -40,8 +35,8 @@ struct Rigid {
 
 // A point of a face contact.
 struct ClipPoint {
-    double x[3]; // on the incident face, in the frame of the reference hull
-    double gap;  // above the reference face
+    Vec x;      // on the incident face, in the frame of the reference hull
+    double gap; // above the reference face
     // What meets here: a corner of the incident face (0), one of its edges and
     // one of the reference face's (1), a corner of the reference face (2); in
     // the two highest bits, before the indices. Never negative as an int.
@@ -51,7 +46,7 @@ struct ClipPoint {
 // Buffers of one thread.
 struct ClipScratch {
     struct Corner {
-        double x[3];
+        Vec x;
         std::uint32_t id;
         std::uint32_t edge; // to the next corner; SIDE added for a side of the reference face
         double out;         // distance outside the side at hand
@@ -69,7 +64,7 @@ struct Incident {
     int face;
     double lowest; // of the whole hull along the normal
 };
-Incident incident_face(const HullData &incident, const double normal[3], int before, double slack);
+Incident incident_face(const HullData &incident, const Vec &normal, int before, double slack);
 
 // Fills `scratch.points` with all corners of the incident face inside the
 // sides of the reference face that are at most `margin` above it. `pose` leads
@@ -81,8 +76,8 @@ void clip_face(const HullData &reference, int reference_face, const HullData &in
 // the farthest from it, and those that span the largest area. Points with one
 // of the `known` ids win over others that are better by little (`slack`, a
 // length). The picked ones are moved to the front; returns their number.
-int reduce_points(std::vector<ClipPoint> &points, const double normal[3], double margin,
-                  double slack, const std::uint32_t *known, int known_count);
+int reduce_points(std::vector<ClipPoint> &points, const Vec &normal, double margin, double slack,
+                  const std::uint32_t *known, int known_count);
 
 // The same where the points with the `known` ids are to be kept whatever else
 // there is: they come first, then, up to four, those farthest from all before.
@@ -91,9 +86,8 @@ int keep_points(std::vector<ClipPoint> &points, double slack, const std::uint32_
 
 // Where two edges come closest. `pose` leads from B's frame to A's.
 struct EdgeContact {
-    double axis[3]; // unit normal of both out of A, in A's frame
-    double on_a[3]; // in A's frame
-    double on_b[3]; // in A's frame
+    Vec axis;       // unit normal of both out of A, in A's frame
+    Vec on_a, on_b; // in A's frame
     double gap;     // between the edges along the axis
     double off;     // how far the points are from facing each other
     bool defined;   // false for edges that are parallel or without direction

@@ -1,7 +1,6 @@
 #include "hull_data.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -25,18 +24,8 @@ constexpr double SKEW = 1e-4;
 // says the direction of the edge where its end points do not.
 constexpr double SHARP = 1e-2;
 
-using Vec = std::array<double, 3>;
-
-Vec operator-(const Vec &a, const Vec &b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-double dot(const Vec &a, const Vec &b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vec cross(const Vec &a, const Vec &b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 // Unit vector, or zero for a zero vector.
-Vec unit(const Vec &a) {
-    const double length = std::sqrt(dot(a, a));
-    return length > 0 ? Vec{a[0] / length, a[1] / length, a[2] / length} : Vec{0, 0, 0};
-}
+Vec unit(const Vec &a) { return length(a) > 0 ? a / length(a) : Vec{0, 0, 0}; }
 
 std::size_t aligned(std::size_t bytes) { return (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT; }
 
@@ -163,7 +152,6 @@ void HullData::allocate(int loop_length) {
 }
 
 void HullData::set_planes() {
-    const auto vertex = [this](int v) -> Vec { return {vx[v], vy[v], vz[v]}; };
     for (int f = 0; f < faces; ++f) {
         // Newell's normal: an area-weighted mean over all corners.
         const int begin = loop_start[f];
@@ -172,46 +160,41 @@ void HullData::set_planes() {
         Vec sum{0, 0, 0};
         for (int k = begin; k < end; ++k) {
             const int next = k + 1 < end ? k + 1 : begin;
-            const Vec c =
-                cross(vertex(loop_vertex[k]) - origin, vertex(loop_vertex[next]) - origin);
-            sum = {sum[0] + c[0], sum[1] + c[1], sum[2] + c[2]};
+            sum = sum + (vertex(loop_vertex[k]) - origin).cross(vertex(loop_vertex[next]) - origin);
         }
         const Vec n = unit(sum);
-        if (!(dot(n, n) > 0)) {
+        if (!(n.dot(n) > 0)) {
             throw std::runtime_error("a face of a hull has no area");
         }
-        nx[f] = static_cast<float>(n[0]);
-        ny[f] = static_cast<float>(n[1]);
-        nz[f] = static_cast<float>(n[2]);
+        nx[f] = static_cast<float>(n.x);
+        ny[f] = static_cast<float>(n.y);
+        nz[f] = static_cast<float>(n.z);
         double farthest = -std::numeric_limits<double>::infinity();
         for (int v = 0; v < vertices; ++v) {
-            farthest = std::max(farthest, dot({nx[f], ny[f], nz[f]}, vertex(v)));
+            farthest = std::max(farthest, normal(f).dot(vertex(v)));
         }
         offset[f] = static_cast<float>(farthest);
     }
 }
 
 void HullData::set_edge_directions() {
-    const auto normal = [this](int f) -> Vec { return {nx[f], ny[f], nz[f]}; };
     for (int e = 0; e < edges; ++e) {
         const HullEdge &ends = edge[e];
         const Vec left = normal(ends.left);
         const Vec right = normal(ends.right);
-        Vec direction = unit({static_cast<double>(vx[ends.to]) - vx[ends.from],
-                              static_cast<double>(vy[ends.to]) - vy[ends.from],
-                              static_cast<double>(vz[ends.to]) - vz[ends.from]});
+        Vec direction = unit(vertex(ends.to) - vertex(ends.from));
         const bool known =
-            dot(direction, direction) > 0 &&
-            std::max(std::abs(dot(direction, left)), std::abs(dot(direction, right))) <= SKEW;
+            direction.dot(direction) > 0 &&
+            std::max(std::abs(direction.dot(left)), std::abs(direction.dot(right))) <= SKEW;
         if (!known) {
-            const Vec along = cross(left, right);
+            const Vec crossing = left.cross(right);
             // Nearly in one plane and nearly without length: the faces that
             // meet here are all that can be felt of it.
-            direction = std::sqrt(dot(along, along)) >= SHARP ? unit(along) : Vec{0, 0, 0};
+            direction = length(crossing) >= SHARP ? unit(crossing) : Vec{0, 0, 0};
         }
-        ex[e] = static_cast<float>(direction[0]);
-        ey[e] = static_cast<float>(direction[1]);
-        ez[e] = static_cast<float>(direction[2]);
+        ex[e] = static_cast<float>(direction.x);
+        ey[e] = static_cast<float>(direction.y);
+        ez[e] = static_cast<float>(direction.z);
     }
 }
 

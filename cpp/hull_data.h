@@ -9,6 +9,8 @@
 // size (a thousandth of a micrometre on a grain).
 #pragma once
 
+#include "three.h"
+
 #include <cstddef>
 #include <cstdint>
 
@@ -62,8 +64,22 @@ class HullData {
     // Faces around vertex v: entries around_start[v] up to around_start[v + 1].
     std::uint16_t *around_start, *around_face;
 
+    Vec vertex(int v) const { return {vx[v], vy[v], vz[v]}; }
+    Vec normal(int f) const { return {nx[f], ny[f], nz[f]}; }
+    Vec along(int e) const { return {ex[e], ey[e], ez[e]}; }
+    // How far a point is above the plane of a face.
+    double above(int f, const Vec &x) const {
+        return normal(f).dot(x) - static_cast<double>(offset[f]);
+    }
+    // Out of a face beside one of its edges; 0 for an edge without direction. Loops run
+    // counter-clockwise: outside lies to the right.
+    Vec beside(int f, int e) const {
+        return (along(e) * (edge[e].left == f ? 1.0 : -1.0)).cross(normal(f));
+    }
+
     bool is_sphere() const { return sphere > 0; }
     bool is_rounded() const { return rounding > 0; }
+    bool is_plain() const { return !is_sphere() && !is_rounded(); }
     // Of the sphere about the origin that holds what turns when the body does: what the ball of a
     // rounded one adds, or all of a sphere, looks where it did.
     float core_radius() const { return is_sphere() ? 0 : radius - static_cast<float>(rounding); }

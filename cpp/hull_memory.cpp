@@ -1,6 +1,5 @@
 #include "hull_memory.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace pluvia {
@@ -46,11 +45,11 @@ std::uint32_t swapped_id(std::uint32_t id) {
 void KeptContact::keep(const PairContact &contact) {
     count = contact.count;
     feature = contact.feature;
-    std::copy(contact.normal, contact.normal + 3, normal);
+    store(contact.normal, normal);
     for (int i = 0; i < contact.count; ++i) {
         const PairPoint &point = contact.points[i];
-        std::copy(point.on_a, point.on_a + 3, points[i].on_a);
-        std::copy(point.on_b, point.on_b + 3, points[i].on_b);
+        store(point.on_a, points[i].on_a);
+        store(point.on_b, points[i].on_b);
         points[i].gap = static_cast<float>(point.gap);
         points[i].id = point.id;
     }

@@ -19,8 +19,8 @@ constexpr std::uint32_t FROM_EDGES = 3U << 28;
 constexpr int MOST_POINTS = 8;
 
 struct PairPoint {
-    double on_a[3]; // in A's frame
-    double on_b[3]; // in B's frame
+    Vec on_a; // in A's frame
+    Vec on_b; // in B's frame
     double gap;
     std::uint32_t id;
 };
@@ -35,9 +35,9 @@ std::uint32_t swapped_id(std::uint32_t id);
 
 struct PairContact {
     int count = 0;
-    std::uint32_t feature = 0;    // packed
-    bool held = false;            // the same points as in the last step
-    double normal[3] = {0, 0, 0}; // out of A towards B, in the world
+    std::uint32_t feature = 0; // packed
+    bool held = false;         // the same points as in the last step
+    Vec normal{0, 0, 0};       // out of A towards B, in the world
     PairPoint points[MOST_POINTS];
 };
 

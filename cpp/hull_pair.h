@@ -35,9 +35,29 @@ struct PairScratch {
     ClipScratch clip;
 };
 
-// Finds the contact of two hulls at their world poses.
-void collide(const AxisKernels &kernels, const HullData &a, const HullData &b, const Rigid &pose_a,
-             const Rigid &pose_b, const PairMotion &motion, const PairSettings &settings,
-             PairMemory &memory, PairScratch &scratch, PairContact &out);
+// Inverse masses; 0 for bodies that contacts do not move.
+struct Lightness {
+    double a, b;
+};
+
+// Two bodies at their world poses, what is known of the pair, and where its contact goes.
+struct PairCase {
+    const AxisKernels &kernels;
+    const HullData &a, &b;
+    const Rigid &pose_a, &pose_b;
+    const PairMotion &motion;
+    const PairSettings &settings;
+    PairMemory &memory;
+    PairScratch &scratch;
+    PairContact &out;      // fresh
+    Lightness lightness{}; // where one body is no plain polyhedron
+};
+
+// What is returned of bodies whose distance apart is not known.
+constexpr double NOT_APART = -1e300;
+
+// Finds the contact of two polyhedra. Returns a gap that they have along some axis, if they are
+// apart by more than the speculative margin.
+double collide_hulls(const PairCase &pair);
 
 } // namespace pluvia

@@ -7,6 +7,9 @@ namespace pluvia {
 
 namespace {
 
+// In which the moment of meeting is found.
+constexpr int MOST_STEPS = 16;
+
 // Whether a face other than the one found has a gap of `most` at most, or is as deep.
 bool has_other(const float *gaps, int count, int besides, float most) {
     for (int f = 0; f < count; ++f) {
@@ -20,21 +23,43 @@ bool has_other(const float *gaps, int count, int besides, float most) {
 } // namespace
 
 Rigid ahead(const Rigid &pose, const HullMotion &motion, double step) {
-    const double w[3] = {step * motion.spin[0], step * motion.spin[1], step * motion.spin[2]};
-    const double half = (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) / 2;
+    const Vec w = motion.spin * step;
+    const double half = w.dot(w) / 2;
     const double turn[9] = {
-        1 - half + w[0] * w[0] / 2, w[0] * w[1] / 2 - w[2],     w[0] * w[2] / 2 + w[1],
-        w[0] * w[1] / 2 + w[2],     1 - half + w[1] * w[1] / 2, w[1] * w[2] / 2 - w[0],
-        w[0] * w[2] / 2 - w[1],     w[1] * w[2] / 2 + w[0],     1 - half + w[2] * w[2] / 2};
+        1 - half + w.x * w.x / 2, w.x * w.y / 2 - w.z,      w.x * w.z / 2 + w.y,
+        w.x * w.y / 2 + w.z,      1 - half + w.y * w.y / 2, w.y * w.z / 2 - w.x,
+        w.x * w.z / 2 - w.y,      w.y * w.z / 2 + w.x,      1 - half + w.z * w.z / 2};
     Rigid out;
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
             out.r[3 * i + j] = turn[3 * i] * pose.r[j] + turn[3 * i + 1] * pose.r[3 + j] +
                                turn[3 * i + 2] * pose.r[6 + j];
         }
-        out.t[i] = pose.t[i] + step * motion.velocity[i];
     }
+    out.t = pose.t + motion.velocity * step;
     return out;
+}
+
+bool Meeting::go_on(double gap, double closing) {
+    if (gap <= 0 || steps++ == MOST_STEPS) {
+        return false;
+    }
+    double next;
+    if (closing > 0) {
+        early = time;
+        next = time + gap / closing;
+        if (next >= late) {
+            next = late < step ? (early + late) / 2 : step;
+        }
+    } else {
+        late = time;
+        next = (early + late) / 2;
+    }
+    if (std::abs(next - time) <= 1e-6 * step) {
+        return false;
+    }
+    time = next;
+    return true;
 }
 
 Rigid b_to_a_ahead(const Rigid &pose_a, const Rigid &pose_b, const PairMotion &motion) {

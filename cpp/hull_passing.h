@@ -15,8 +15,7 @@ namespace pluvia {
 
 // Velocity of a body's origin and angular velocity, in the world.
 struct HullMotion {
-    double velocity[3];
-    double spin[3];
+    Vec velocity, spin;
 };
 
 // Where the bodies go in a step if nothing stops them.
@@ -28,6 +27,17 @@ struct PairMotion {
 // Where a body is after a time if nothing stops it: turned about its origin by its spin, to the
 // second order, and moved.
 Rigid ahead(const Rigid &pose, const HullMotion &motion, double time);
+
+// When two bodies meet within a step, by Newton's method on the gap, which is convex in time, or
+// nearly: a tangent lies below it, so that no step passes the moment of meeting.
+struct Meeting {
+    double step;
+    double time = 0, early = 0, late = step;
+    int steps = 0;
+
+    // Goes on from `time`, where the bodies are `gap` apart and close at a speed; false at the end.
+    bool go_on(double gap, double closing);
+};
 
 // From B's frame to A's at the end of the step, if nothing stops the bodies.
 Rigid b_to_a_ahead(const Rigid &pose_a, const Rigid &pose_b, const PairMotion &motion);

@@ -1,9 +1,7 @@
 #include "hull_probe.h"
 
 #include "pluvia/src/world/bullet/ffi.rs.h"
-#include "rounded_pair.h"
 #include "shapes.h"
-#include "sphere_pair.h"
 
 #include <algorithm>
 #include <chrono>
@@ -24,38 +22,22 @@ rust::Vec<HullProbePoint> HullProbe::step(const HullProbePose &a, const HullProb
     const Rigid pose_b = rigid(units_.pose(b.position, b.rotation));
     find(pose_a, pose_b);
     const KeptContact &contact = state_.memory.last;
-    const btVector3 normal(static_cast<btScalar>(-contact.normal[0]),
-                           static_cast<btScalar>(-contact.normal[1]),
-                           static_cast<btScalar>(-contact.normal[2]));
-    const auto metres = [this](const double x[3]) {
-        return std::array<double, 3>{x[0] / units_.scale(), x[1] / units_.scale(),
-                                     x[2] / units_.scale()};
-    };
+    const Vec normal = three(contact.normal);
     rust::Vec<HullProbePoint> out;
     for (int i = 0; i < contact.count; ++i) {
         const KeptPoint &p = contact.points[i];
         const Load &load = state_.loads[i];
-        double on_a[3], on_b[3], rubbed[3];
-        pose_a.apply(p.on_a, on_a);
-        pose_b.apply(p.on_b, on_b);
-        double pressed = 0;
-        for (int k = 0; k < 3; ++k) {
-            pressed -=
-                static_cast<double>(load.impulse[k]) * static_cast<double>(contact.normal[k]);
-        }
-        for (int k = 0; k < 3; ++k) {
-            rubbed[k] = static_cast<double>(load.impulse[k]) +
-                        pressed * static_cast<double>(contact.normal[k]);
-        }
+        const Vec impulse = three(load.impulse);
+        const double pressed = -impulse.dot(normal);
         HullProbePoint point{};
-        point.gap = static_cast<double>(p.gap) / units_.scale();
-        point.normal = array(normal);
-        point.on_a = metres(on_a);
-        point.on_b = metres(on_b);
+        point.gap = units_.metres(static_cast<double>(p.gap));
+        point.normal = array(-normal);
+        point.on_a = units_.metres(pose_a.apply(three(p.on_a)));
+        point.on_b = units_.metres(pose_b.apply(three(p.on_b)));
         point.id = p.id;
         point.age = load.age;
-        point.impulse = pressed / units_.scale();
-        point.friction = metres(rubbed);
+        point.impulse = units_.metres(pressed);
+        point.friction = units_.metres(impulse + normal * pressed);
         out.push_back(point);
     }
     return out;
@@ -63,20 +45,8 @@ rust::Vec<HullProbePoint> HullProbe::step(const HullProbePose &a, const HullProb
 
 void HullProbe::find(const Rigid &pose_a, const Rigid &pose_b) {
     PairContact contact;
-    if (a_->is_sphere() || b_->is_sphere()) {
-        collide_sphere(*a_, *b_, pose_a, pose_b, PairMotion{}, Lightness{1, 1}, collision_.settings,
-                       contact);
-        take_contact(contact, collision_.match, state_);
-        return;
-    }
-    if (a_->is_rounded() || b_->is_rounded()) {
-        collide_rounded(*collision_.kernels, *a_, *b_, pose_a, pose_b, PairMotion{},
-                        Lightness{1, 1}, collision_.settings, state_.memory, scratch_, contact);
-        take_contact(contact, collision_.match, state_);
-        return;
-    }
-    collide(*collision_.kernels, *a_, *b_, pose_a, pose_b, PairMotion{}, collision_.settings,
-            state_.memory, scratch_, contact);
+    collide({*collision_.kernels, *a_, *b_, pose_a, pose_b, PairMotion{}, collision_.settings,
+             state_.memory, scratch_, contact, Lightness{1, 1}});
     take_contact(contact, collision_.match, state_);
 }
 
@@ -86,10 +56,8 @@ void HullProbe::set_impulse(std::size_t point, double normal,
     if (point >= static_cast<std::size_t>(contact.count)) {
         throw std::runtime_error("the pair has no such contact point");
     }
-    for (std::size_t k = 0; k < 3; ++k) {
-        state_.loads[point].impulse[k] = static_cast<float>(
-            (friction[k] - normal * static_cast<double>(contact.normal[k])) * units_.scale());
-    }
+    store((three(friction.data()) - three(contact.normal) * normal) * units_.scale(),
+          state_.loads[point].impulse);
 }
 
 void HullProbe::forget() { state_ = PairState(); }
@@ -104,14 +72,9 @@ HullProbeGap HullProbe::widest_gap(const HullProbePose &a, const HullProbePose &
     collision_.kernels->faces(*a_, *b_, pose, scratch, faces);
     const bool is_a = faces.gap_a >= faces.gap_b;
     double gap = is_a ? faces.gap_a : faces.gap_b;
-    double axis[3];
-    if (is_a) {
-        axis[0] = a_->nx[faces.face_a], axis[1] = a_->ny[faces.face_a],
-        axis[2] = a_->nz[faces.face_a];
-    } else {
-        axis[0] = -scratch.bnx[faces.face_b], axis[1] = -scratch.bny[faces.face_b],
-        axis[2] = -scratch.bnz[faces.face_b];
-    }
+    const int f = faces.face_b;
+    Vec axis =
+        is_a ? a_->normal(faces.face_a) : -Vec{scratch.bnx[f], scratch.bny[f], scratch.bnz[f]};
     const auto margin = static_cast<float>(collision_.settings.speculative_margin);
     const auto best = static_cast<float>(gap);
     EdgeGap edges;
@@ -119,11 +82,9 @@ HullProbeGap HullProbe::widest_gap(const HullProbePose &a, const HullProbePose &
                               all_edges ? -1 : std::max(margin, -best), scratch, edges);
     if (edges.edge_a >= 0) {
         gap = edges.gap;
-        std::copy(edges.axis, edges.axis + 3, axis);
+        axis = three(edges.axis);
     }
-    double world[3];
-    pose_a.turn(axis, world);
-    return {gap / units_.scale(), {world[0], world[1], world[2]}, edges.edge_a >= 0};
+    return {units_.metres(gap), array(pose_a.turn(axis)), edges.edge_a >= 0};
 }
 
 double HullProbe::time_steps(rust::Slice<const HullProbePose> poses, std::size_t rounds,

@@ -8,6 +8,8 @@
 // the bits do not depend on the instructions.
 #pragma once
 
+#include "three.h"
+
 #include <cmath>
 
 namespace pluvia {
@@ -35,8 +37,7 @@ template <class N> struct alignas(32) Record { N at[8]; };
 
 // The records of the bodies of a pack: `f[k]` gets number k of each.
 template <class N>
-inline __attribute__((always_inline)) void gather(const Record<N> *records, const int *index,
-                                                  double (&f)[8]) {
+PLUVIA_INLINE void gather(const Record<N> *records, const int *index, double (&f)[8]) {
     const double *from = records[index[0]].at;
 #pragma GCC unroll 8
     for (int k = 0; k < 8; ++k) {
@@ -46,8 +47,8 @@ inline __attribute__((always_inline)) void gather(const Record<N> *records, cons
 
 // Back again, but for the lanes whose bits are set in `except`.
 template <class N>
-inline __attribute__((always_inline)) void scatter(const double (&f)[8], const int *index,
-                                                   unsigned except, Record<N> *records) {
+PLUVIA_INLINE void scatter(const double (&f)[8], const int *index, unsigned except,
+                           Record<N> *records) {
     if (except != 0) {
         return;
     }
@@ -62,7 +63,7 @@ using Float4 = float __attribute__((vector_size(16)));
 
 // Four rows become four columns, in each half for itself; done twice,
 // everything is where it was.
-inline __attribute__((always_inline)) void transpose(Float8 (&r)[4]) {
+PLUVIA_INLINE void transpose(Float8 (&r)[4]) {
     const Float8 p = __builtin_shufflevector(r[0], r[1], 0, 8, 1, 9, 4, 12, 5, 13);
     const Float8 q = __builtin_shufflevector(r[2], r[3], 0, 8, 1, 9, 4, 12, 5, 13);
     const Float8 s = __builtin_shufflevector(r[0], r[1], 2, 10, 3, 11, 6, 14, 7, 15);
@@ -76,8 +77,7 @@ inline __attribute__((always_inline)) void transpose(Float8 (&r)[4]) {
 // Halves of records are put beside each other when they are read, and taken
 // apart when they are written, which costs less than to turn whole ones.
 template <class N>
-inline __attribute__((always_inline)) void gather(const Record<N> *records, const int *index,
-                                                  Float8 (&f)[8]) {
+PLUVIA_INLINE void gather(const Record<N> *records, const int *index, Float8 (&f)[8]) {
 #pragma GCC unroll 2
     for (int half = 0; half < 8; half += 4) {
         Float8 r[4];
@@ -96,8 +96,8 @@ inline __attribute__((always_inline)) void gather(const Record<N> *records, cons
 }
 
 template <class N>
-inline __attribute__((always_inline)) void scatter(const Float8 (&f)[8], const int *index,
-                                                   unsigned except, Record<N> *records) {
+PLUVIA_INLINE void scatter(const Float8 (&f)[8], const int *index, unsigned except,
+                           Record<N> *records) {
 #pragma GCC unroll 2
     for (int half = 0; half < 8; half += 4) {
         Float8 r[4] = {f[half], f[half + 1], f[half + 2], f[half + 3]};
@@ -118,17 +118,13 @@ inline __attribute__((always_inline)) void scatter(const Float8 (&f)[8], const i
 
 // References throughout: a vector passed by value would have another calling
 // convention in functions compiled for other instructions.
-template <class L> inline __attribute__((always_inline)) L larger(const L &a, const L &b) {
-    return a > b ? a : b;
-}
+template <class L> PLUVIA_INLINE L larger(const L &a, const L &b) { return a > b ? a : b; }
 
-template <class L> inline __attribute__((always_inline)) L smaller(const L &a, const L &b) {
-    return a < b ? a : b;
-}
+template <class L> PLUVIA_INLINE L smaller(const L &a, const L &b) { return a < b ? a : b; }
 
-inline __attribute__((always_inline)) double root(const double &a) { return std::sqrt(a); }
+PLUVIA_INLINE double root(const double &a) { return std::sqrt(a); }
 
-inline __attribute__((always_inline)) Float8 root(const Float8 &a) {
+PLUVIA_INLINE Float8 root(const Float8 &a) {
     Float8 out;
 #pragma GCC unroll 8
     for (int i = 0; i < 8; ++i) {
@@ -136,36 +132,5 @@ inline __attribute__((always_inline)) Float8 root(const Float8 &a) {
     }
     return out;
 }
-
-// Three components, each in all lanes.
-template <class L> struct Three {
-    L x, y, z;
-
-    inline __attribute__((always_inline)) L dot(const Three &o) const {
-        return x * o.x + y * o.y + z * o.z;
-    }
-    inline __attribute__((always_inline)) Three cross(const Three &o) const {
-        return {y * o.z - z * o.y, z * o.x - x * o.z, x * o.y - y * o.x};
-    }
-    inline __attribute__((always_inline)) Three operator+(const Three &o) const {
-        return {x + o.x, y + o.y, z + o.z};
-    }
-    inline __attribute__((always_inline)) Three operator-(const Three &o) const {
-        return {x - o.x, y - o.y, z - o.z};
-    }
-    inline __attribute__((always_inline)) Three operator*(const L &s) const {
-        return {x * s, y * s, z * s};
-    }
-};
-
-// A symmetric matrix.
-template <class L> struct Symmetric {
-    L xx, yy, zz, xy, xz, yz;
-
-    inline __attribute__((always_inline)) Three<L> operator*(const Three<L> &v) const {
-        return {xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z,
-                xz * v.x + yz * v.y + zz * v.z};
-    }
-};
 
 } // namespace pluvia

@@ -21,11 +21,6 @@ btDefaultCollisionConstructionInfo pool_sizes() {
     return info;
 }
 
-btVector3 vector(const float x[3]) {
-    return btVector3(static_cast<btScalar>(x[0]), static_cast<btScalar>(x[1]),
-                     static_cast<btScalar>(x[2]));
-}
-
 HullCollision hull_collision(const Units &units, const WorldDefinition &d,
                              const Materials &materials) {
     HullCollision collision;
@@ -231,11 +226,9 @@ void NativeWorld::follow(const btRigidBody *body) {
 
 void NativeWorld::renew_boxes() {
     Frame frame;
-    const btVector3 origin = place();
-    for (int i = 0; i < 3; ++i) {
-        frame.origin[i] = static_cast<double>(origin[i]);
-        frame.velocity[i] =
-            followed_ == nullptr ? 0 : static_cast<double>(followed_->getLinearVelocity()[i]);
+    frame.origin = three(place());
+    if (followed_ != nullptr) {
+        frame.velocity = three(followed_->getLinearVelocity());
     }
     const btVector3 slack(slack_, slack_, slack_);
     const btCollisionObjectArray &objects = getCollisionObjectArray();
@@ -251,8 +244,8 @@ void NativeWorld::renew_boxes() {
             btBroadphaseProxy *proxy = objects[i]->getBroadphaseHandle();
             const HullRange &range = collision_.bodies.range(HullBodies::index(*proxy));
             // Without a margin of the leaves, which Bullet has once for the whole process.
-            boxes.setAabbForceUpdate(proxy, vector(range.low) - slack, vector(range.high) + slack,
-                                     &dispatcher);
+            boxes.setAabbForceUpdate(proxy, vector(three(range.low)) - slack,
+                                     vector(three(range.high)) + slack, &dispatcher);
         }
     }
 }
@@ -294,12 +287,11 @@ PairValue NativeWorld::pair_value(const btRigidBody &a, const btRigidBody &b) co
 }
 
 void NativeWorld::read_settings(ReadBack &out) const {
-    const auto metres = [this](double length) { return length / units_.scale(); };
-    out.put("native_speculative_margin_m", metres(collision_.settings.speculative_margin));
-    out.put("native_hysteresis_m", metres(collision_.settings.hysteresis));
-    out.put("native_face_preference_m", metres(collision_.settings.face_preference));
-    out.put("native_hold_m", metres(collision_.settings.hold));
-    out.put("native_match_m", metres(collision_.match));
+    out.put("native_speculative_margin_m", units_.metres(collision_.settings.speculative_margin));
+    out.put("native_hysteresis_m", units_.metres(collision_.settings.hysteresis));
+    out.put("native_face_preference_m", units_.metres(collision_.settings.face_preference));
+    out.put("native_hold_m", units_.metres(collision_.settings.hold));
+    out.put("native_match_m", units_.metres(collision_.match));
     out.put("box_slack_m", units_.metres(slack_));
     out.put("threads", workers_.count());
     const ContactLaw &law = solver_.law();
@@ -309,10 +301,10 @@ void NativeWorld::read_settings(ReadBack &out) const {
     out.put("solver_tolerance", law.unsolved_share);
     out.put("contact_stiffness_n_per_m", law.stiffness);
     out.put("contact_damping_ratio", law.damping_ratio);
-    out.put("max_depenetration_velocity_m_per_s", metres(law.max_depenetration_velocity));
-    out.put("restitution_speed_m_per_s", metres(law.restitution_speed));
-    out.put("closed_gap_m", metres(law.closed_gap));
-    out.put("unsolved_gap_m", metres(law.unsolved_gap));
+    out.put("max_depenetration_velocity_m_per_s", units_.metres(law.max_depenetration_velocity));
+    out.put("restitution_speed_m_per_s", units_.metres(law.restitution_speed));
+    out.put("closed_gap_m", units_.metres(law.closed_gap));
+    out.put("unsolved_gap_m", units_.metres(law.unsolved_gap));
     out.put("contacts_at_once", solver_.kernels() == Kernels::OneByOne ? 1 : 8);
 }
 

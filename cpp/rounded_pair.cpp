@@ -1,114 +1,312 @@
 #include "rounded_pair.h"
 
-#include "rounded_contact.h"
+#include "core_distance.h"
+#include "hull_frames.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace pluvia {
 
 namespace {
 
-// Steps in which the moment of meeting is found.
-constexpr int MOST_STEPS = 16;
+constexpr double ANY = std::numeric_limits<double>::infinity(); // distance
+
+// The point where the bodies are closest, whichever is named first (`swapped_id`).
+constexpr std::uint32_t CLOSEST = FROM_EDGES | 0x3ffeU << 14 | 0x3ffeU;
+
+// Cosines of the angles between the axis and the normal of a face: up to 0.01 rad the face is what
+// touches (the gap along its normal is wrong by half the square of that, of the radii), up to
+// 0.02 rad it still is if it was, and up to 0.1 rad it has points beside the closest one.
+constexpr double FLAT = 1 - 0.01 * 0.01 / 2;
+constexpr double STILL_FLAT = 1 - 0.02 * 0.02 / 2;
+constexpr double NEARLY_FLAT = 1 - 0.1 * 0.1 / 2;
+
+// Share of the hysteresis within which gaps in single and in double precision agree.
+constexpr double GAP_NOISE = 1.0 / 400;
+
+// Velocity of a point of a body, in the world.
+Vec velocity_at(const Rigid &pose, const HullMotion &motion, const Vec &x) {
+    return motion.spin.cross(x - pose.t) + motion.velocity;
+}
+
+// The pair with its bodies at some poses.
+class RoundedPair : PairFrames {
+  public:
+    explicit RoundedPair(const PairCase &pair) : PairFrames(pair) {}
+
+    // Looks how far the cores are apart. Returns the gap of the bodies, or a lower bound that is
+    // above `enough`.
+    double look(double enough) {
+        cores_ = core_distance(a_, b_, b_to_a_, enough + radii_);
+        if (!cores_.apart) {
+            overlap();
+        }
+        return cores_.distance - radii_;
+    }
+
+    // How fast the closest points come nearer to each other.
+    double closing() const {
+        const Vec axis = pose_a_.turn(cores_.axis);
+        return velocity_at(pose_a_, motion_.a, pose_a_.apply(cores_.on_a)).dot(axis) -
+               velocity_at(pose_b_, motion_.b, pose_a_.apply(cores_.on_b)).dot(axis);
+    }
+
+    // The points of the last step, at the gaps they have now. False where there are none to keep.
+    bool hold() {
+        const bool is_a = memory_.feature == Feature::FaceOfA;
+        if (memory_.feature != face_of(is_a) || memory_.recalled || !holds_face()) {
+            return false;
+        }
+        const Vec normal = three(memory_.plane_normal);
+        turn_normal(is_a, normal);
+        out_.count = memory_.last.count;
+        const double top = static_cast<double>(memory_.plane_offset) + reference(is_a).rounding;
+        for (int i = 0; i < out_.count; ++i) {
+            const KeptPoint &before = memory_.last.points[i];
+            PairPoint &point = out_.points[i];
+            on_incident(is_a, point) = three(is_a ? before.on_b : before.on_a);
+            const Vec x = from_incident(is_a).apply(on_incident(is_a, point));
+            point.gap = normal.dot(x) - top;
+            on_reference(is_a, point) = x - normal * point.gap;
+            point.id = before.id;
+        }
+        out_.held = true;
+        return true;
+    }
+
+    // Makes what `look` found the contact. `end`: from B's frame to A's at the end of the step.
+    void take(const Rigid &end) {
+        bool is_a = false;
+        double cosine = 0;
+        const int face = flattest(is_a, cosine);
+        const bool flat = cosine >= (was(is_a, face) ? STILL_FLAT : FLAT);
+        if (!flat || !cores_.apart || !take_face(is_a, face, end)) {
+            memory_.feature = Feature::None;
+            memory_.has_axis = false;
+            memory_.recalled = false;
+            take_closest();
+            if (cosine >= NEARLY_FLAT && cores_.apart) {
+                add_beside(is_a, face, cosine);
+            }
+        }
+        memory_.recalled = false;
+    }
+
+  private:
+    CoreDistance cores_{};
+
+    bool was(bool is_a, int face) const {
+        return memory_.feature == face_of(is_a) && memory_.first == face;
+    }
+
+    // The axis on which overlapping cores are least deep, with a point in the overlap.
+    void overlap() {
+        AxisScratch &axes = scratch_.axis;
+        axes.fit(a_, b_);
+        FaceGaps faces;
+        EdgeGap edges;
+        const Relative pose = b_to_a_.rounded();
+        kernels_.faces(a_, b_, pose, axes, faces);
+        const bool is_a = faces.gap_a >= faces.gap_b;
+        kernels_.edges(a_, b_, pose, faces, is_a ? faces.gap_a : faces.gap_b, 1e30F, -1, axes,
+                       edges);
+        if (edges.edge_a >= 0) {
+            const EdgeContact edge = edge_contact(a_, edges.edge_a, b_, edges.edge_b, b_to_a_);
+            if (edge.defined) {
+                cores_.axis = edge.axis;
+                cores_.on_a = edge.on_a;
+                cores_.on_b = edge.on_b;
+                cores_.distance = edge.gap;
+                return;
+            }
+        }
+        const int face = is_a ? faces.face_a : faces.face_b;
+        const Vec normal = reference(is_a).normal(face);
+        const ClipPoint lowest =
+            lowest_corner(reference(is_a), face, incident(is_a), from_incident(is_a));
+        const Vec foot = lowest.x - normal * lowest.gap;
+        cores_.distance = lowest.gap;
+        cores_.axis = is_a ? normal : b_to_a_.turn(-normal);
+        cores_.on_a = is_a ? foot : b_to_a_.apply(lowest.x);
+        cores_.on_b = is_a ? lowest.x : b_to_a_.apply(foot);
+    }
+
+    // The axis out of the reference body, in its frame.
+    Vec axis_from(bool is_a) const { return is_a ? cores_.axis : a_to_b_.turn(-cores_.axis); }
+
+    // The face whose normal is nearest to the axis: that of the last step while it is flat enough.
+    int flattest(bool &is_a, double &cosine) const {
+        int best = -1;
+        cosine = -2;
+        for (const bool of_a : {true, false}) {
+            const Vec axis = axis_from(of_a);
+            for (int f = 0; f < reference(of_a).faces; ++f) {
+                const double c = reference(of_a).normal(f).dot(axis);
+                const bool still = was(of_a, f) && c >= STILL_FLAT;
+                if (still || c > cosine) {
+                    is_a = of_a;
+                    cosine = c;
+                    best = f;
+                }
+                if (still) {
+                    return best;
+                }
+            }
+        }
+        return best;
+    }
+
+    // As `clip` of the incident face, whose number is returned.
+    int clip_incident(bool is_a, int face) {
+        const int other = meet(is_a, face, was(is_a, face) ? memory_.second : -1).face;
+        clip(is_a, face, other);
+        return other;
+    }
+
+    // A point of the incident body's core, `above` the reference body's surface along `normal`, in
+    // the reference body's frame.
+    PairPoint point_at(bool is_a, const Vec &normal, const ClipPoint &from) const {
+        return pair_point(is_a, normal,
+                          {from.x - normal * incident(is_a).rounding, from.gap, from.id});
+    }
+
+    // False where the face does not hold what is closest.
+    bool take_face(bool is_a, int face, const Rigid &end) {
+        const HullData &of = reference(is_a);
+        const Vec normal = of.normal(face);
+        const int other = clip_incident(is_a, face);
+        auto &points = scratch_.clip.points;
+        double deepest = ANY;
+        for (const ClipPoint &point : points) {
+            deepest = std::min(deepest, point.gap);
+        }
+        // Where the closest points lie beside the face, they alone give the gap.
+        if (points.empty() ||
+            deepest > cores_.distance - radii_ + settings_.hysteresis * GAP_NOISE) {
+            return false;
+        }
+        int count = best_points(normal);
+        if (settings_.approach > settings_.speculative_margin / 2) {
+            for (ClipPoint &point : points) {
+                point.gap += radii_;
+            }
+            count = add_landing({of, face, incident(is_a), from_incident(is_a),
+                                 is_a ? end : end.inverse(), mark(is_a)},
+                                settings_.speculative_margin + radii_, settings_.hysteresis, points,
+                                count);
+            for (ClipPoint &point : points) {
+                point.gap -= radii_;
+            }
+        }
+        turn_normal(is_a, normal);
+        out_.count = count;
+        for (int i = 0; i < count; ++i) {
+            out_.points[i] = point_at(is_a, normal, points[static_cast<std::size_t>(i)]);
+        }
+        remember(face_of(is_a), face, other);
+        remember_plane(of, face);
+        return true;
+    }
+
+    void take_closest() {
+        out_.normal = pose_a_.turn(cores_.axis);
+        out_.points[0] = {cores_.on_a + cores_.axis * a_.rounding,
+                          a_to_b_.apply(cores_.on_b - cores_.axis * b_.rounding),
+                          cores_.distance - radii_, CLOSEST};
+        out_.count = 1;
+    }
+
+    // Points of a face along which the axis nearly looks, with their gaps along the axis: none is
+    // deeper than the closest one.
+    void add_beside(bool is_a, int face, double cosine) {
+        clip_incident(is_a, face);
+        const Vec normal = axis_from(is_a);
+        // The closest point of the incident core.
+        const Vec at = is_a ? cores_.on_b : a_to_b_.apply(cores_.on_a);
+        const double closest = cores_.distance - radii_;
+        auto &points = scratch_.clip.points;
+        for (ClipPoint &point : points) {
+            point.gap = std::max(point.gap / cosine, closest);
+        }
+        // As far from it as the bodies' curvature tells one point from another.
+        const double near = std::max(settings_.hysteresis, 0.1 * incident(is_a).rounding);
+        const auto is_near = [&](const ClipPoint &point) {
+            const Vec d = point.x - at;
+            return d.dot(d) <= near * near;
+        };
+        points.erase(std::remove_if(points.begin(), points.end(), is_near), points.end());
+        const int count = best_points(normal);
+        for (int i = 0; i < count && out_.count < MOST_POINTS; ++i) {
+            out_.points[out_.count++] = point_at(is_a, normal, points[static_cast<std::size_t>(i)]);
+        }
+    }
+};
 
 // A contact found at poses to come, as the bodies are now. The solver pushes both in one point,
 // nearer to the lighter one, and takes its two ends to lie on the normal now: they are put where
 // the one point will be right (sphere_pair.cpp).
-void bring_back(const HullData &a, const HullData &b, const Rigid &pose_a, const Rigid &pose_b,
-                const Rigid &then_a, const Rigid &then_b, const Lightness &lightness,
-                PairContact &out) {
-    const double all = std::max(lightness.a + lightness.b, std::numeric_limits<double>::min());
-    for (int p = 0; p < out.count; ++p) {
-        PairPoint &point = out.points[p];
-        // Points of the cores go with their bodies, what the balls add stays where it looks.
-        const auto arm = [&](const Rigid &then, const Rigid &now, double ball, const double on[3],
-                             double out_arm[3]) {
-            double turned[3], core[3], local[3];
-            then.turn(on, turned);
-            for (int i = 0; i < 3; ++i) {
-                core[i] = turned[i] - ball * out.normal[i];
-            }
-            then.inverse().turn(core, local);
-            now.turn(local, out_arm);
-            for (int i = 0; i < 3; ++i) {
-                out_arm[i] += ball * out.normal[i];
-            }
-        };
-        double arm_a[3], arm_b[3], apart[3], across[3];
-        arm(then_a, pose_a, a.rounding, point.on_a, arm_a);
-        arm(then_b, pose_b, -b.rounding, point.on_b, arm_b);
-        for (int i = 0; i < 3; ++i) {
-            apart[i] = arm_b[i] + pose_b.t[i] - arm_a[i] - pose_a.t[i];
-        }
-        point.gap = dot(apart, out.normal);
-        for (int i = 0; i < 3; ++i) {
-            across[i] = apart[i] - point.gap * out.normal[i];
-            arm_a[i] += lightness.b / all * across[i];
-            arm_b[i] -= lightness.a / all * across[i];
-        }
-        pose_a.inverse().turn(arm_a, point.on_a);
-        pose_b.inverse().turn(arm_b, point.on_b);
+void bring_back(const PairCase &pair, const Rigid &then_a, const Rigid &then_b) {
+    const Lightness &light = pair.lightness;
+    const double all = std::max(light.a + light.b, std::numeric_limits<double>::min());
+    const Vec &normal = pair.out.normal;
+    // Points of the cores go with their bodies, what the balls add stays where it looks.
+    const auto arm = [&](const Rigid &then, const Rigid &now, double ball, const Vec &on) {
+        return now.turn(then.turn_back(then.turn(on) - normal * ball)) + normal * ball;
+    };
+    for (int p = 0; p < pair.out.count; ++p) {
+        PairPoint &point = pair.out.points[p];
+        const Vec arm_a = arm(then_a, pair.pose_a, pair.a.rounding, point.on_a);
+        const Vec arm_b = arm(then_b, pair.pose_b, -pair.b.rounding, point.on_b);
+        const Vec apart = arm_b + pair.pose_b.t - arm_a - pair.pose_a.t;
+        point.gap = apart.dot(normal);
+        const Vec across = apart - normal * point.gap;
+        point.on_a = pair.pose_a.turn_back(arm_a + across * (light.b / all));
+        point.on_b = pair.pose_b.turn_back(arm_b - across * (light.a / all));
     }
 }
 
 } // namespace
 
-double collide_rounded(const AxisKernels &kernels, const HullData &a, const HullData &b,
-                       const Rigid &pose_a, const Rigid &pose_b, const PairMotion &motion,
-                       const Lightness &lightness, const PairSettings &settings, PairMemory &memory,
-                       PairScratch &scratch, PairContact &out) {
-    out.count = 0;
-    out.feature = 0;
-    out.held = false;
-    RoundedPair now(kernels, a, b, pose_a, pose_b, settings, memory, scratch, out);
+double collide_rounded(const PairCase &pair) {
+    PairMemory &memory = pair.memory;
+    PairContact &out = pair.out;
+    RoundedPair now(pair);
     if (now.hold()) {
         out.feature = packed(memory.feature, memory.first, memory.second);
-        double deepest = std::numeric_limits<double>::infinity();
-        for (int i = 0; i < out.count; ++i) {
-            deepest = std::min(deepest, out.points[i].gap);
-        }
-        return deepest;
+        return NOT_APART;
     }
-    const double gap = now.look(settings.speculative_margin);
-    const double margin = settings.speculative_margin;
+    const double margin = pair.settings.speculative_margin;
+    const double gap = now.look(margin);
     if (gap > margin) {
         memory.feature = Feature::None;
         memory.has_axis = false;
         memory.recalled = false;
         return gap;
     }
-    const Rigid end = b_to_a_ahead(pose_a, pose_b, motion);
-    // Newton's method on the gap, which is nearly convex in time, as for spheres.
-    double time = 0, early = 0, late = motion.step, left = gap, closing = now.closing(motion);
-    for (int i = 0; i < MOST_STEPS && gap > margin - settings.approach && left > 0; ++i) {
-        double next;
-        if (closing > 0) {
-            early = time;
-            next = time + left / closing;
-            if (next >= late) {
-                next = late < motion.step ? (early + late) / 2 : motion.step;
-            }
-        } else {
-            late = time;
-            next = (early + late) / 2;
-        }
-        if (std::abs(next - time) <= 1e-6 * motion.step) {
-            break;
-        }
-        time = next;
-        const Rigid then_a = ahead(pose_a, motion.a, time), then_b = ahead(pose_b, motion.b, time);
-        RoundedPair then(kernels, a, b, then_a, then_b, settings, memory, scratch, out);
-        left = then.look(std::numeric_limits<double>::infinity());
-        closing = then.closing(motion);
+    const HullMotion &motion_a = pair.motion.a, &motion_b = pair.motion.b;
+    // The pair at a time of the step to which `what` is done.
+    const auto at = [&](double time, const auto &what) {
+        const Rigid a = ahead(pair.pose_a, motion_a, time), b = ahead(pair.pose_b, motion_b, time);
+        RoundedPair then({pair.kernels, pair.a, pair.b, a, b, pair.motion, pair.settings, memory,
+                          pair.scratch, out});
+        const double left = then.look(ANY);
+        what(then, left, a, b);
+    };
+    Meeting meeting{pair.motion.step};
+    double left = gap, closing = now.closing();
+    while (gap > margin - pair.settings.approach && meeting.go_on(left, closing)) {
+        at(meeting.time, [&](const RoundedPair &then, double apart, auto &, auto &) {
+            left = apart;
+            closing = then.closing();
+        });
     }
-    if (time > 0) {
-        const Rigid then_a = ahead(pose_a, motion.a, time), then_b = ahead(pose_b, motion.b, time);
-        RoundedPair then(kernels, a, b, then_a, then_b, settings, memory, scratch, out);
-        then.look(std::numeric_limits<double>::infinity());
-        then.take(end);
-        bring_back(a, b, pose_a, pose_b, then_a, then_b, lightness, out);
+    const Rigid end = b_to_a_ahead(pair.pose_a, pair.pose_b, pair.motion);
+    if (meeting.time > 0) {
+        at(meeting.time, [&](RoundedPair &then, double, const Rigid &a, const Rigid &b) {
+            then.take(end);
+            bring_back(pair, a, b);
+        });
         // Nothing was found at the poses of now that could be held.
         memory.feature = Feature::None;
     } else {
@@ -117,7 +315,7 @@ double collide_rounded(const AxisKernels &kernels, const HullData &a, const Hull
     if (out.count > 0 && memory.feature != Feature::None) {
         out.feature = packed(memory.feature, memory.first, memory.second);
     }
-    return gap;
+    return NOT_APART;
 }
 
 } // namespace pluvia

@@ -3,12 +3,11 @@
 #pragma once
 
 #include "hull_pair.h"
-#include "sphere_pair.h"
 
 namespace pluvia {
 
-// The contact of two polyhedra of which one at least is rounded, as `collide` finds that of hulls.
-// Returns the gap, or where there is no contact a lower bound of it.
+// The contact of two polyhedra of which one at least is rounded, as `collide_hulls` finds that of
+// hulls. Returns the gap of a pair without contact, or a lower bound of it.
 //
 // Where the cores are closest along the normal of a face, the contact is up to four points of that
 // face and the one that meets it, with their gaps along its normal, held and named as those of
@@ -18,9 +17,6 @@ namespace pluvia {
 //
 // Bodies that are farther apart than the speculative margin without what they approach in the step
 // get the contact with which they will meet, as spheres do.
-double collide_rounded(const AxisKernels &kernels, const HullData &a, const HullData &b,
-                       const Rigid &pose_a, const Rigid &pose_b, const PairMotion &motion,
-                       const Lightness &lightness, const PairSettings &settings, PairMemory &memory,
-                       PairScratch &scratch, PairContact &out);
+double collide_rounded(const PairCase &pair);
 
 } // namespace pluvia

@@ -120,7 +120,7 @@ std::uint32_t append_corners(const Units &units, const btCollisionShape &shape, 
     if (of_bullet || static_cast<const TightHull &>(shape).data().is_sphere()) {
         const double radius = of_bullet ? static_cast<double>(bounding_radius(shape))
                                         : static_cast<const TightHull &>(shape).data().sphere;
-        for (const double x : {radius / units.scale(), 0.0, 0.0}) {
+        for (const double x : {units.metres(radius), 0.0, 0.0}) {
             coordinates.push_back(x);
         }
         return 1;
@@ -131,7 +131,7 @@ std::uint32_t append_corners(const Units &units, const btCollisionShape &shape, 
     for (int i = 0; i < count; ++i) {
         if (of_data) {
             for (const float x : {data.vx[i], data.vy[i], data.vz[i]}) {
-                coordinates.push_back(static_cast<double>(x) / units.scale());
+                coordinates.push_back(units.metres(static_cast<double>(x)));
             }
         } else {
             for (const double x : units.metres(hull.getUnscaledPoints()[i])) {
@@ -150,7 +150,7 @@ double rounding_of(const Units &units, const btCollisionShape &shape, bool of_da
     if (!hull.data().is_rounded()) {
         return 0;
     }
-    return (of_data ? hull.data().rounding : static_cast<double>(hull.getMargin())) / units.scale();
+    return units.metres(of_data ? hull.data().rounding : static_cast<double>(hull.getMargin()));
 }
 
 } // namespace pluvia

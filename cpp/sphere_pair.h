@@ -2,31 +2,24 @@
 // closest.
 #pragma once
 
-#include "hull_memory.h"
 #include "hull_pair.h"
-#include "hull_passing.h"
 
 namespace pluvia {
 
 // Where the surface of a body is closest to a point outside, or, for a point inside, where the
 // face of least penetration is. In the body's frame.
 struct Closest {
-    double distance;  // of the point from the surface, negative inside
-    double normal[3]; // out of the body, towards a point outside
-    double on[3];     // on the surface
+    double distance; // of the point from the surface, negative inside
+    Vec normal;      // out of the body, towards a point outside
+    Vec on;          // on the surface
 };
 
-// Of a polyhedron or a sphere. Exact, unless `distance` is found to be more than `enough`: then it
+// Of a body of any shape. Exact, unless `distance` is found to be more than `enough`: then it
 // is a lower bound, and `normal` and `on` are those of a face's plane.
-Closest closest(const HullData &hull, const double point[3], double enough);
+Closest closest(const HullData &hull, const Vec &point, double enough);
 
-// Inverse masses; 0 for bodies that contacts do not move.
-struct Lightness {
-    double a, b;
-};
-
-// The contact of a pair in which at least one is a sphere, as `collide` finds that of hulls:
-// at most one point, with the exact gap. Returns the gap, or where there is no contact a lower
+// The contact of a pair in which at least one is a sphere, as `collide_hulls` finds that of hulls:
+// at most one point, with the exact gap. Returns the gap of a pair without contact, or a lower
 // bound of it.
 //
 // Bodies that are farther apart than the speculative margin without what they approach in the step
@@ -34,8 +27,6 @@ struct Lightness {
 // with that of now, a sphere would be stopped by a plane where it will find no sphere.
 //
 // A pair of spheres has nothing to remember but its point.
-double collide_sphere(const HullData &a, const HullData &b, const Rigid &pose_a,
-                      const Rigid &pose_b, const PairMotion &motion, const Lightness &lightness,
-                      const PairSettings &settings, PairContact &out);
+double collide_sphere(const PairCase &pair);
 
 } // namespace pluvia

@@ -161,7 +161,7 @@ void BulletWorld::press_body(std::uint32_t id, const std::array<double, 3> &dire
     if (!body.isKinematicObject() || !(mass > 0)) {
         throw std::runtime_error("a body that is pressed is kinematic and has a mass");
     }
-    const btVector3 along = vector(direction).normalized();
+    const btVector3 along = vector(three(direction.data())).normalized();
     impl_->world->press(body,
                         Press{along, 1 / mass, 0, false, btVector3(0, 0, 0), impl_->units.scale()});
     body.setLinearVelocity(along * impl_->units.length(speed));
@@ -174,7 +174,7 @@ void BulletWorld::turn_body(std::uint32_t id, const std::array<double, 3> &axis,
         throw std::runtime_error("a body that is turned is kinematic and has a moment of inertia");
     }
     const double scale = impl_->units.scale();
-    const btVector3 along = vector(axis).normalized();
+    const btVector3 along = vector(three(axis.data())).normalized();
     const btVector3 place = impl_->units.length(about);
     impl_->world->press(body,
                         Press{along, 1 / (inertia * scale * scale), 0, true, place, scale * scale});
