@@ -12,9 +12,7 @@ namespace pluvia {
 
 template <class L> class Few {
   public:
-    // Bodies 1 to `free` move.
-    Few(Problem<L> &problem, const Contacts &contacts, int free, Workers &workers)
-        : p_(problem), contacts_(contacts), free_(free), workers_(workers) {}
+    Few(Problem<L> &problem, const Contacts &contacts) : p_(problem), contacts_(contacts) {}
 
     // Copies the pairs that active bodies have in packs that are awake, colour by
     // colour, and lists the bodies of these pairs.
@@ -54,12 +52,12 @@ template <class L> class Few {
             turn_.begin.push_back(static_cast<int>(turn_.packs.size()));
         }
         p_.few.resize(plans_.size(), static_cast<std::size_t>(points));
-        workers_.each(plans_.size(), PACKS_AT_ONCE, [&](std::size_t i) { copy(i); });
+        contacts_.workers.each(plans_.size(), PACKS_AT_ONCE, [&](std::size_t i) { copy(i); });
     }
 
     // Puts their impulses back.
     void put_back() {
-        workers_.each(plans_.size(), PACKS_AT_ONCE, [&](std::size_t i) {
+        contacts_.workers.each(plans_.size(), PACKS_AT_ONCE, [&](std::size_t i) {
             const int first = plans_[i].first;
             lanes(i, [&](int lane, std::size_t number, int to_lane) {
                 const Pack<L> &pack = p_.all.packs[number];
@@ -107,8 +105,6 @@ template <class L> class Few {
 
     Problem<L> &p_;
     const Contacts &contacts_;
-    int free_;
-    Workers &workers_;
     Turn turn_;
     std::vector<int> bodies_;
     std::vector<From> from_;
@@ -129,14 +125,14 @@ template <class L> class Few {
                 const Pack<L> &pack = p_.all.packs[i];
                 for (int n = 0; n < Lane<L>::WIDTH && pack.pair[n] >= 0; ++n) {
                     for (const int body : {pack.a[n], pack.b[n]}) {
-                        if (body > 0 && body <= free_) {
+                        if (!contacts_.moves.still(body)) {
                             what(static_cast<std::size_t>(body), static_cast<int>(8 * i) + n);
                         }
                     }
                 }
             }
         };
-        ends_.assign(static_cast<std::size_t>(free_) + 2, 0);
+        ends_.assign(static_cast<std::size_t>(contacts_.moves.all) + 2, 0);
         each([&](std::size_t body, int) { ++ends_[body + 1]; });
         std::partial_sum(ends_.begin(), ends_.end(), ends_.begin());
         at_.resize(static_cast<std::size_t>(ends_.back()));
@@ -150,7 +146,7 @@ template <class L> class Few {
             list_pairs();
         }
         taken_.assign(p_.all.packs.size(), 0);
-        for (std::size_t b = 1; b <= static_cast<std::size_t>(free_); ++b) {
+        for (std::size_t b = 1; b <= static_cast<std::size_t>(contacts_.moves.all); ++b) {
             if (p_.active[b] == 0) {
                 continue;
             }
@@ -169,7 +165,7 @@ template <class L> class Few {
     }
     void list(int body) {
         std::uint8_t &listed = listed_[static_cast<std::size_t>(body)];
-        if (body > 0 && body <= free_ && listed == 0) {
+        if (!contacts_.moves.still(body) && listed == 0) {
             listed = is_active(body) ? CHOSEN : BESIDE;
             bodies_.push_back(body);
             start_.push_back(p_.bodies.motion[static_cast<std::size_t>(body)]);

@@ -22,8 +22,7 @@ __attribute__((target("avx2"))) void avx2(Phase phase, Problem<Float8> &problem,
 }
 #endif
 
-template <class N> LaneLaw<N> lane_law(const ContactLaw &law, double step) {
-    const double substep = step / law.substeps;
+template <class N> LaneLaw<N> lane_law(const ContactLaw &law, double substep) {
     return {static_cast<N>(substep),
             static_cast<N>(1 / substep),
             static_cast<N>(law.stiffness),
@@ -37,11 +36,12 @@ template <class N> LaneLaw<N> lane_law(const ContactLaw &law, double step) {
 }
 
 template <class L>
-void run_step(Problem<L> &problem, Kernel<L> kernel, const ContactLaw &law, double step,
-              const Contacts &contacts, Moves moves, std::vector<SolverBody> &bodies,
-              Workers &workers, Look *look) {
-    const double substep = step / law.substeps;
+void run_step(Problem<L> &problem, Kernel<L> kernel, const Contacts &contacts, Look *look) {
+    const ContactLaw &law = contacts.law;
     const Colours &colours = contacts.colours;
+    const Homes &homes = contacts.homes;
+    std::vector<SolverBody> &bodies = contacts.bodies;
+    Workers &workers = contacts.workers;
     const std::size_t packs = colours.packs().size();
     const auto points = static_cast<std::size_t>(colours.points());
     problem.all.resize(packs, points);
@@ -49,9 +49,8 @@ void run_step(Problem<L> &problem, Kernel<L> kernel, const ContactLaw &law, doub
     problem.near.resize(packs);
     problem.awake.resize(packs);
     problem.pairs = &problem.all;
-    problem.law = lane_law<typename Lane<L>::Number>(law, step);
+    problem.law = lane_law<typename Lane<L>::Number>(law, contacts.substep);
     problem.bodies.resize(bodies.size());
-    const Homes &homes = contacts.homes;
     // Every pack by the thread at which it is at home.
     const auto at_home = [&](const auto &what) {
         const Share all{packs, std::max<std::size_t>(1, packs), PACKS_AT_ONCE, homes.ends()};
@@ -61,24 +60,20 @@ void run_step(Problem<L> &problem, Kernel<L> kernel, const ContactLaw &law, doub
             }
         });
     };
-    at_home([&](std::size_t i) {
-        load(contacts.touching, contacts.places, colours, moves, law.substeps, i, problem);
-    });
+    at_home([&](std::size_t i) { load(contacts, i, problem); });
     workers.each(bodies.size(), BODIES_AT_ONCE,
-                 [&](std::size_t i) { pack(bodies[i], law.substeps, substep, i, problem.bodies); });
-    Run<L> run(problem, kernel, contacts, moves.all, (law.iterations + 1) / 2, workers);
+                 [&](std::size_t i) { pack(contacts, i, problem.bodies); });
+    Run<L> run(problem, kernel, contacts);
     if (packs > 0) {
         for (int i = 0; i < law.substeps; ++i) {
             run.substep(i + 1 == law.substeps ? look : nullptr);
         }
     }
-    at_home([&](std::size_t i) {
-        unload(problem, contacts.touching, contacts.places, law.substeps, i);
-    });
+    at_home([&](std::size_t i) { unload(problem, contacts, i); });
     workers.each(bodies.size(), BODIES_AT_ONCE, [&](std::size_t i) {
         const int body = static_cast<int>(i);
-        if (!moves.still(body) && !colours.touched(body)) {
-            fly(bodies[i], law.substeps, substep);
+        if (!contacts.moves.still(body) && !colours.touched(body)) {
+            fly(bodies[i], law.substeps, contacts.substep);
         } else {
             unpack(problem.bodies, i, bodies[i]);
         }
@@ -95,10 +90,9 @@ bool has_avx2() {
 #endif
 }
 
-void Iterations::run(Kernels how, const ContactLaw &law, double step, const Contacts &contacts,
-                     Moves moves, std::vector<SolverBody> &bodies, Workers &workers, Look *look) {
+void Iterations::run(Kernels how, const Contacts &contacts, Look *look) {
     if (how == Kernels::OneByOne) {
-        run_step(single_, &single, law, step, contacts, moves, bodies, workers, look);
+        run_step(single_, &single, contacts, look);
         return;
     }
     Kernel<Float8> kernel = &portable;
@@ -107,7 +101,7 @@ void Iterations::run(Kernels how, const ContactLaw &law, double step, const Cont
         kernel = &avx2;
     }
 #endif
-    run_step(eight_, kernel, law, step, contacts, moves, bodies, workers, look);
+    run_step(eight_, kernel, contacts, look);
 }
 
 } // namespace pluvia

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "contact_load.h"
-#include "workers.h"
 
 namespace pluvia {
 
@@ -31,8 +30,7 @@ bool has_avx2();
 class Iterations {
   public:
     // `look`, or null, is filled in the last sub-step.
-    void run(Kernels how, const ContactLaw &law, double step, const Contacts &contacts, Moves moves,
-             std::vector<SolverBody> &bodies, Workers &workers, Look *look);
+    void run(Kernels how, const Contacts &contacts, Look *look);
 
   private:
     Problem<double> single_;

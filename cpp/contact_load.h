@@ -4,18 +4,24 @@
 #include "contact_homes.h"
 #include "contact_phases.h"
 #include "hull_algorithm.h"
+#include "workers.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace pluvia {
 
-// The pairs of a step and their order.
+// A step: its pairs and their order, its bodies, and how it is solved.
 struct Contacts {
+    const ContactLaw &law;
+    double substep; // length
     const std::vector<Touching> &touching;
     const std::vector<PairPlace> &places;
     const Colours &colours;
     const Homes &homes;
+    Moves moves;
+    std::vector<SolverBody> &bodies;
+    Workers &workers;
 };
 
 // A gap that nothing crosses in a step, in engine units: some tens of metres.
@@ -95,11 +101,10 @@ template <class L> void copy_lane(const Pack<L> &from, int from_lane, Pack<L> &t
 // Puts the pairs of pack number `i` into its lanes. They begin with what the last sub-step
 // of the step before bore, less its impacts: what is thrown away has to be found again in a
 // few iterations, and the packing creeps while it is not.
-template <class L>
-void load(const std::vector<Touching> &touching, const std::vector<PairPlace> &places,
-          const Colours &colours, Moves moves, int substeps, std::size_t i, Problem<L> &problem) {
+template <class L> void load(const Contacts &contacts, std::size_t i, Problem<L> &problem) {
     using N = typename Lane<L>::Number;
-    const Colours::Pack &plan = colours.packs()[i];
+    const Moves moves = contacts.moves;
+    const Colours::Pack &plan = contacts.colours.packs()[i];
     Pack<L> &pack = problem.all.packs[i];
     clear_pack(pack, plan.first, plan.points);
     problem.near[i] = plan.near;
@@ -111,9 +116,9 @@ void load(const std::vector<Touching> &touching, const std::vector<PairPlace> &p
         m.gap = L{} + static_cast<N>(NEVER);
     }
     for (int lane = 0; lane < plan.pairs; ++lane) {
-        const int number = colours.order()[static_cast<std::size_t>(plan.begin + lane)];
-        const PairPlace &place = places[static_cast<std::size_t>(number)];
-        const Touching &pair = touching[static_cast<std::size_t>(number)];
+        const int number = contacts.colours.order()[static_cast<std::size_t>(plan.begin + lane)];
+        const PairPlace &place = contacts.places[static_cast<std::size_t>(number)];
+        const Touching &pair = contacts.touching[static_cast<std::size_t>(number)];
         const KeptContact &contact = pair.state->memory.last;
         const auto put = [lane](L &lanes, double value) {
             Lane<L>::set(lanes, lane, static_cast<N>(value));
@@ -146,7 +151,7 @@ void load(const std::vector<Touching> &touching, const std::vector<PairPlace> &p
             put(m.arm_b.ball, pair.b->hull->rounding);
             put(m.gap, static_cast<double>(contact.points[p].gap));
             const Vec borne = three(load.impulse);
-            const double kept = static_cast<double>(load.warm_start) / substeps;
+            const double kept = static_cast<double>(load.warm_start) / contacts.law.substeps;
             put(c.impulse, std::max(0.0, borne.dot(normal)) * kept);
             put(c.impulse_1, borne.dot(tangent_1) * kept);
             put(c.impulse_2, borne.dot(tangent_2) * kept);
@@ -155,9 +160,7 @@ void load(const std::vector<Touching> &touching, const std::vector<PairPlace> &p
 }
 
 // Writes what was found in pack number `i` to its pairs.
-template <class L>
-void unload(const Problem<L> &problem, const std::vector<Touching> &touching,
-            const std::vector<PairPlace> &places, int substeps, std::size_t i) {
+template <class L> void unload(const Problem<L> &problem, const Contacts &contacts, std::size_t i) {
     const Pack<L> &pack = problem.all.packs[i];
     for (int lane = 0; lane < Lane<L>::WIDTH && pack.pair[lane] >= 0; ++lane) {
         const auto number = static_cast<std::size_t>(pack.pair[lane]);
@@ -165,24 +168,34 @@ void unload(const Problem<L> &problem, const std::vector<Touching> &touching,
             return static_cast<double>(Lane<L>::get(lanes, lane));
         };
         const auto three_of = [&](const Three<L> &v) { return Vec{get(v.x), get(v.y), get(v.z)}; };
-        for (int p = 0; p < places[number].points; ++p) {
+        for (int p = 0; p < contacts.places[number].points; ++p) {
             const auto at = static_cast<std::size_t>(pack.first + p);
             const PointMemory<L> &m = problem.memory[at];
             const double impulse = get(m.total);
             const Vec borne = three_of(pack.normal) * impulse +
                               three_of(pack.tangent_1) * get(m.total_1) +
                               three_of(pack.tangent_2) * get(m.total_2);
-            Load &load = touching[number].state->loads[p];
+            Load &load = contacts.touching[number].state->loads[p];
             store(borne, load.impulse);
-            load.warm_start = static_cast<float>(
-                impulse > 0 ? get(problem.all.points[at].impulse) * substeps / impulse : 1);
+            load.warm_start = static_cast<float>(impulse > 0 ? get(problem.all.points[at].impulse) *
+                                                                   contacts.law.substeps / impulse
+                                                             : 1);
         }
     }
 }
 
-template <class N>
-void pack(const SolverBody &body, int substeps, double substep, std::size_t i,
-          PackedBodies<N> &packed) {
+template <class N> void pack(const Contacts &contacts, std::size_t i, PackedBodies<N> &packed) {
+    const SolverBody &body = contacts.bodies[i];
+    const double substep = contacts.substep;
+    const auto put = [&](const double(&motion)[8], const double(&root)[8],
+                         const double(&forced)[8]) {
+        for (int k = 0; k < 8; ++k) {
+            packed.motion[i].at[k] = static_cast<N>(motion[k]);
+            packed.root[i].at[k] = static_cast<N>(root[k]);
+            packed.displacement[i].at[k] = 0;
+            packed.forced[i].at[k] = static_cast<N>(forced[k]);
+        }
+    };
     if (body.pressed()) {
         const Vec &axis = body.press_turn;
         const Vec &free = body.turned() ? axis : body.press;
@@ -190,16 +203,10 @@ void pack(const SolverBody &body, int substeps, double substep, std::size_t i,
         const Vec way = free * (root * root);              // times that root
         const Vec &speed = body.turned() ? body.spin : body.velocity;
         const Vec &faster = body.turned() ? body.spin_up : body.acceleration;
-        const double motion[8] = {0, 0, 0, 0, way.dot(speed), 0, 0, 1};
-        const double press[8] = {body.press.x, body.press.y, body.press.z,      axis.x,
-                                 axis.y,       axis.z,       1 / (root * root), 1};
-        const double forced[8] = {0, 0, 0, 0, way.dot(faster) * substep, 0, 0, 0};
-        for (int k = 0; k < 8; ++k) {
-            packed.motion[i].at[k] = static_cast<N>(motion[k]);
-            packed.root[i].at[k] = static_cast<N>(press[k]);
-            packed.displacement[i].at[k] = 0;
-            packed.forced[i].at[k] = static_cast<N>(forced[k]);
-        }
+        put({0, 0, 0, 0, way.dot(speed), 0, 0, 1},
+            {body.press.x, body.press.y, body.press.z, axis.x, axis.y, axis.z, 1 / (root * root),
+             1},
+            {0, 0, 0, 0, way.dot(faster) * substep, 0, 0, 0});
         return;
     }
     const bool moves = body.inverse_mass > 0;
@@ -207,24 +214,18 @@ void pack(const SolverBody &body, int substeps, double substep, std::size_t i,
     Vec spin = body.spin;
     if (!moves) {
         // A kinematic body's velocity is its mean in the step.
-        const double before = substep * (substeps + 1) / 2;
+        const double before = substep * (contacts.law.substeps + 1) / 2;
         velocity = velocity - body.acceleration * before;
         spin = spin - body.spin_up * before;
     }
     spin = body.inertia_root * spin;
-    const double motion[8] = {velocity.x, velocity.y, velocity.z, body.inverse_mass,
-                              spin.x,     spin.y,     spin.z,     moves ? 1.0 : 0.0};
     const Symmetric<double> &m = body.inverse_inertia_root;
-    const double root[8] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz, body.inverse_mass, 0};
     const Vec v = body.acceleration * substep;
     const Vec w = body.inertia_root * body.spin_up * substep;
-    const double forced[8] = {v.x, v.y, v.z, 0, w.x, w.y, w.z, 0};
-    for (int k = 0; k < 8; ++k) {
-        packed.motion[i].at[k] = static_cast<N>(motion[k]);
-        packed.root[i].at[k] = static_cast<N>(root[k]);
-        packed.displacement[i].at[k] = 0;
-        packed.forced[i].at[k] = static_cast<N>(forced[k]);
-    }
+    put({velocity.x, velocity.y, velocity.z, body.inverse_mass, spin.x, spin.y, spin.z,
+         moves ? 1.0 : 0.0},
+        {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz, body.inverse_mass, 0},
+        {v.x, v.y, v.z, 0, w.x, w.y, w.z, 0});
 }
 
 // A step without contacts: the sum over its sub-steps.
@@ -243,12 +244,10 @@ template <class N> void unpack(const PackedBodies<N> &packed, std::size_t i, Sol
     if (body.pressed()) {
         body.velocity = body.press * m[4];
         body.spin = body.press_turn * m[4];
-        body.shift = {w[0], w[1], w[2]};
-        body.turn = {w[4], w[5], w[6]};
-        return;
+    } else {
+        body.velocity = {m[0], m[1], m[2]};
+        body.spin = body.inverse_inertia_root * Vec{m[4], m[5], m[6]};
     }
-    body.velocity = {m[0], m[1], m[2]};
-    body.spin = body.inverse_inertia_root * Vec{m[4], m[5], m[6]};
     body.shift = {w[0], w[1], w[2]};
     body.turn = {w[4], w[5], w[6]};
 }

@@ -64,14 +64,14 @@ template <class L> class Run {
     using N = typename Lane<L>::Number;
 
   public:
-    Run(Problem<L> &problem, Kernel<L> kernel, const Contacts &contacts, int free, int iterations,
-        Workers &workers)
-        : p_(problem), kernel_(kernel), contacts_(contacts), least_(iterations),
-          now_(problem, kernel, contacts.homes, workers), few_(problem, contacts, free, workers) {
+    Run(Problem<L> &problem, Kernel<L> kernel, const Contacts &contacts)
+        : p_(problem), kernel_(kernel), contacts_(contacts),
+          least_((contacts.law.iterations + 1) / 2), now_(problem, kernel, contacts),
+          few_(problem, contacts) {
         const auto bodies = p_.bodies.motion.size();
         p_.active.assign(bodies, 0);
-        p_.unsolved.assign(static_cast<std::size_t>(workers.count()), Unsolved<L>{});
-        for (int b = 1; b <= free; ++b) {
+        p_.unsolved.assign(static_cast<std::size_t>(contacts.workers.count()), Unsolved<L>{});
+        for (int b = 1; b <= contacts.moves.all; ++b) {
             if (contacts.colours.touched(b)) {
                 touched_.push_back(b);
             }
@@ -86,7 +86,7 @@ template <class L> class Run {
             record_bodies(p_.bodies, false, *look->record);
         }
         choose_awake();
-        now_.colours(Phase::WarmStart, all_, contacts_.colours, false);
+        now_.colours(Phase::WarmStart, all_, false);
         iterate<Solved::Forces>(p_.law.unsolved_speed);
         find_motion();
         if (look != nullptr) {
@@ -126,7 +126,7 @@ template <class L> class Run {
     // rounds it once more, and a loose grain may be visited thousands of times.
     void find_motion() {
         now_.bodies(Phase::Without);
-        now_.colours(Phase::WarmStart, all_, contacts_.colours, false);
+        now_.colours(Phase::WarmStart, all_, false);
     }
 
     void choose_awake() {
@@ -203,8 +203,8 @@ template <class L> class Run {
             const Turn &turn = over_few ? few_.turn() : all_;
             const std::vector<int> &bodies = over_few ? few_.bodies() : touched_;
             p_.limit = LOCAL_SHARE * allowed;
-            now_.colours(there, turn, contacts_.colours, false);
-            now_.colours(back, turn, contacts_.colours, true);
+            now_.colours(there, turn, false);
+            now_.colours(back, turn, true);
             now_.change(IMPACTS ? Phase::ImpactsChange : Phase::ForcesChange, bodies);
             now_.run();
             left -= std::max<double>(1, static_cast<double>(turn.packs.size()));
@@ -281,7 +281,7 @@ template <class L> class Run {
             return false;
         }
         p_.beta = L{};
-        now_.colours(back, asleep_, contacts_.colours, true);
+        now_.colours(back, asleep_, true);
         now_.run();
         take_unsolved();
         bool any = false;

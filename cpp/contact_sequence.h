@@ -17,8 +17,8 @@ constexpr std::size_t BODIES_AT_ONCE = 512;
 
 template <class L> class Sequence {
   public:
-    Sequence(Problem<L> &problem, Kernel<L> kernel, const Homes &homes, Workers &workers)
-        : p_(problem), kernel_(kernel), homes_(homes), workers_(workers) {}
+    Sequence(Problem<L> &problem, Kernel<L> kernel, const Contacts &contacts)
+        : p_(problem), kernel_(kernel), contacts_(contacts) {}
 
     // Over listed packs or bodies; over all of `size` where the list is null.
     void packs(Phase phase, const int *list, std::size_t size) {
@@ -27,7 +27,8 @@ template <class L> class Sequence {
     // Over all packs, each by the thread at which it is at home.
     void packs(Phase phase) {
         chained_ = false;
-        add_at_home(phase, homes_.order().data(), homes_.order().size(), homes_.ends(), Share::ALL);
+        const Homes &homes = contacts_.homes;
+        add_at_home(phase, homes.order().data(), homes.order().size(), homes.ends(), Share::ALL);
     }
     void bodies(Phase phase, const int *list, std::size_t size) {
         add(phase, list, size, size, BODIES_AT_ONCE);
@@ -35,7 +36,8 @@ template <class L> class Sequence {
     void bodies(Phase phase) { bodies(phase, nullptr, p_.bodies.motion.size()); }
 
     // Over packs, one colour after the other; `back`: from the last to the first.
-    void colours(Phase phase, const Turn &turn, const Colours &colours, bool back) {
+    void colours(Phase phase, const Turn &turn, bool back) {
+        const Colours &colours = contacts_.colours;
         const std::size_t count = turn.begin.size() - 1;
         for (std::size_t k = 0; k < count; ++k) {
             const std::size_t c = back ? count - 1 - k : k;
@@ -45,7 +47,7 @@ template <class L> class Sequence {
                 add(phase, packs, size, size, colours.in_order(c) ? size : FEW_PACKS_AT_ONCE);
                 continue;
             }
-            const auto threads = static_cast<std::size_t>(workers_.count());
+            const auto threads = static_cast<std::size_t>(contacts_.workers.count());
             const std::size_t *const ends = turn.ends.data() + 2 * threads * c;
             const std::size_t between = ends[threads - 1];
             if (!chained_) {
@@ -68,11 +70,12 @@ template <class L> class Sequence {
 
     // Does all of it; then there is nothing left to do.
     void run() {
-        workers_.share(shares_.data(), shares_.size(),
-                       [this](std::size_t k, int worker, std::size_t begin, std::size_t end) {
-                           const Step &step = steps_[k];
-                           kernel_(step.phase, p_, {step.list, step.listed, worker, begin, end});
-                       });
+        contacts_.workers.share(
+            shares_.data(), shares_.size(),
+            [this](std::size_t k, int worker, std::size_t begin, std::size_t end) {
+                const Step &step = steps_[k];
+                kernel_(step.phase, p_, {step.list, step.listed, worker, begin, end});
+            });
         forget();
     }
 
@@ -90,8 +93,7 @@ template <class L> class Sequence {
     };
     Problem<L> &p_;
     Kernel<L> kernel_;
-    const Homes &homes_;
-    Workers &workers_;
+    const Contacts &contacts_;
     std::vector<Step> steps_;
     std::vector<Share> shares_;
     // Colours that follow each other: which share is their first, and of which all must be over
@@ -106,7 +108,7 @@ template <class L> class Sequence {
     void add(Phase phase, const int *list, std::size_t listed, std::size_t size,
              std::size_t least) {
         if (size > 0) {
-            const auto threads = static_cast<std::size_t>(workers_.count());
+            const auto threads = static_cast<std::size_t>(contacts_.workers.count());
             steps_.push_back({phase, list, listed});
             shares_.push_back({size, std::max(least, (size + threads - 1) / threads), least});
             chained_ = false;

@@ -71,8 +71,10 @@ void ContactSolver::solve(double step) {
     recorded_ = SubstepRecord{};
     look.record = recording_ ? &recorded_ : nullptr;
     const bool looks = recording_ || steps_++ % LOOK_EVERY == 0;
-    iterations_.run(kernels_, law_, step, {touching_, places_, colours_, homes_}, moves, bodies_,
-                    workers_, looks ? &look : nullptr);
+    iterations_.run(kernels_,
+                    {law_, step / law_.substeps, touching_, places_, colours_, homes_, moves,
+                     bodies_, workers_},
+                    looks ? &look : nullptr);
     if (looks) {
         const Residual &residual = look.residual;
         residual_ = residual.impulse > 0 ? std::sqrt(residual.error / residual.impulse) : 0;
@@ -107,25 +109,18 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
         return;
     }
     bodies_changed();
-    std::unordered_map<int, btRigidBody *> wholes; // those that have further parts
-    for (const auto &[part, whole] : wholes_) {
-        wholes[whole] = nullptr;
-    }
-    for (int i = 0; i < bodies.size() && !wholes.empty(); ++i) {
-        const auto found = wholes.find(bodies[i]->getUserIndex());
-        if (found != wholes.end()) {
-            found->second = btRigidBody::upcast(bodies[i]);
-        }
-    }
+    std::vector<btRigidBody *> by_number;
     for (int i = 0; i < bodies.size(); ++i) {
         btRigidBody *body = btRigidBody::upcast(bodies[i]);
         const auto number = static_cast<std::size_t>(body->getUserIndex());
         place_.resize(std::max(place_.size(), number + 1));
         place_[number] = 0;
+        by_number.resize(place_.size());
+        by_number[number] = body;
         const int whole = whole_of(body->getUserIndex());
         // What is driven counts as static with Bullet, too.
         if (whole != body->getUserIndex()) {
-            parts_.push_back({{body, number}, {wholes.at(whole), static_cast<std::size_t>(whole)}});
+            parts_.push_back({{body, number}, {nullptr, static_cast<std::size_t>(whole)}});
         } else if (is_pressed(body->getUserIndex())) {
             pressed_.push_back({body, number});
         } else if (body->isKinematicObject()) {
@@ -133,6 +128,9 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
         } else if (!body->isStaticObject()) {
             moving_.push_back({body, number});
         }
+    }
+    for (Part &part : parts_) {
+        part.whole.body = by_number.at(part.whole.number);
     }
     for (std::size_t i = 0; i < driving_.size(); ++i) {
         place_[static_cast<std::size_t>(driving_[i]->getUserIndex())] =
