@@ -4,9 +4,6 @@
 
 #include "contact_packs.h"
 
-#include <algorithm>
-#include <vector>
-
 namespace pluvia {
 
 // The law with its lengths of time, in the precision of the lanes.

@@ -4,8 +4,6 @@
 #include "contact_law.h"
 #include "unset.h"
 
-#include <vector>
-
 namespace pluvia {
 
 // Pairs beside each other. The normal leads from B to A. Lanes without a pair hold the

@@ -4,7 +4,6 @@
 #include "hull_frames.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace pluvia {
 

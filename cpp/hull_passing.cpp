@@ -1,6 +1,5 @@
 #include "hull_passing.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace pluvia {

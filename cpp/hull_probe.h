@@ -8,7 +8,6 @@
 #include "rust/cxx.h"
 
 #include <array>
-#include <cstdint>
 #include <memory>
 
 namespace pluvia {

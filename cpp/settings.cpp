@@ -37,22 +37,21 @@ void read_world(const Units &units, btDiscreteDynamicsWorld &world, ReadBack &in
     into.put("gravity_z_m_per_s2", units.metres(world.getGravity().z()));
     into.put("iterations", info.m_numIterations);
     into.put("solver_mode", info.m_solverMode);
-    into.put("erp", static_cast<double>(info.m_erp));
-    into.put("erp2", static_cast<double>(info.m_erp2));
-    into.put("friction_erp", static_cast<double>(info.m_frictionERP));
-    into.put("friction_cfm", static_cast<double>(info.m_frictionCFM));
-    into.put("global_cfm", static_cast<double>(info.m_globalCfm));
-    into.put("sor", static_cast<double>(info.m_sor));
+    into.put("erp", info.m_erp);
+    into.put("erp2", info.m_erp2);
+    into.put("friction_erp", info.m_frictionERP);
+    into.put("friction_cfm", info.m_frictionCFM);
+    into.put("global_cfm", info.m_globalCfm);
+    into.put("sor", info.m_sor);
     into.put("linear_slop_m", units.metres(info.m_linearSlop));
-    into.put("warm_starting_factor", static_cast<double>(info.m_warmstartingFactor));
+    into.put("warm_starting_factor", info.m_warmstartingFactor);
     into.put("split_impulse", info.m_splitImpulse);
     into.put("split_impulse_penetration_threshold_m",
              units.metres(info.m_splitImpulsePenetrationThreshold));
-    into.put("split_impulse_turn_erp", static_cast<double>(info.m_splitImpulseTurnErp));
+    into.put("split_impulse_turn_erp", info.m_splitImpulseTurnErp);
     into.put("restitution_velocity_threshold_m_per_s",
              units.metres(info.m_restitutionVelocityThreshold));
-    into.put("least_squares_residual_threshold",
-             static_cast<double>(info.m_leastSquaresResidualThreshold));
+    into.put("least_squares_residual_threshold", info.m_leastSquaresResidualThreshold);
     into.put("minimum_solver_batch_size", info.m_minimumSolverBatchSize);
     into.put("continuous_collision", dispatch.m_useContinuous);
     into.put("separating_axis_test_for_hulls", dispatch.m_enableSatConvex);
@@ -60,16 +59,16 @@ void read_world(const Units &units, btDiscreteDynamicsWorld &world, ReadBack &in
 }
 
 void read_body(const Units &units, const btRigidBody &body, ReadBack &into) {
-    into.put("linear_damping", static_cast<double>(body.getLinearDamping()));
-    into.put("angular_damping", static_cast<double>(body.getAngularDamping()));
+    into.put("linear_damping", body.getLinearDamping());
+    into.put("angular_damping", body.getAngularDamping());
     into.put("rigid_body_flags", body.getFlags());
     into.put("activation_state", body.getActivationState());
     into.put("collision_margin_m", units.metres(body.getCollisionShape()->getMargin()));
     // Whether it sleeps at this moment is no setting; whether it may, is.
     into.put("sleeping", body.getActivationState() != DISABLE_DEACTIVATION);
     into.put("sleeping_speed_m_per_s", units.metres(body.getLinearSleepingThreshold()));
-    into.put("sleeping_spin_rad_per_s", static_cast<double>(body.getAngularSleepingThreshold()));
-    into.put("sleeping_time_s", static_cast<double>(gDeactivationTime));
+    into.put("sleeping_spin_rad_per_s", body.getAngularSleepingThreshold());
+    into.put("sleeping_time_s", gDeactivationTime);
 }
 
 } // namespace pluvia

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 #include <vector>
 
@@ -116,28 +117,22 @@ btScalar bounding_radius(const btCollisionShape &shape) {
 
 std::uint32_t append_corners(const Units &units, const btCollisionShape &shape, bool of_data,
                              rust::Vec<double> &coordinates) {
-    const bool of_bullet = shape.getShapeType() == SPHERE_SHAPE_PROXYTYPE;
-    if (of_bullet || static_cast<const TightHull &>(shape).data().is_sphere()) {
-        const double radius = of_bullet ? static_cast<double>(bounding_radius(shape))
-                                        : static_cast<const TightHull &>(shape).data().sphere;
-        for (const double x : {units.metres(radius), 0.0, 0.0}) {
-            coordinates.push_back(x);
-        }
+    const auto put = [&](const std::array<double, 3> &corner) {
+        std::copy(corner.begin(), corner.end(), std::back_inserter(coordinates));
+    };
+    if (shape.getShapeType() == SPHERE_SHAPE_PROXYTYPE) {
+        put({units.metres(bounding_radius(shape)), 0, 0});
         return 1;
     }
     const auto &hull = static_cast<const TightHull &>(shape);
     const HullData &data = hull.data();
+    if (data.is_sphere()) {
+        put({units.metres(data.sphere), 0, 0});
+        return 1;
+    }
     const int count = of_data ? data.vertices : hull.getNumPoints();
     for (int i = 0; i < count; ++i) {
-        if (of_data) {
-            for (const float x : {data.vx[i], data.vy[i], data.vz[i]}) {
-                coordinates.push_back(units.metres(static_cast<double>(x)));
-            }
-        } else {
-            for (const double x : units.metres(hull.getUnscaledPoints()[i])) {
-                coordinates.push_back(x);
-            }
-        }
+        put(of_data ? units.metres(data.vertex(i)) : units.metres(hull.getUnscaledPoints()[i]));
     }
     return static_cast<std::uint32_t>(count);
 }
