@@ -281,7 +281,7 @@ pub const KEPT: &[Kept] = &[
             ("laboratory/triaxial-path.svg", ""),
         ],
         made: Made::Make("laboratory ARGS=--small"),
-        build: build("2026-11-26", "14 and 15"),
+        build: build("2026-11-27", "14, 15 and 18"),
         takes: "two hours with --small, else many",
     },
     Kept {
@@ -319,7 +319,7 @@ pub const KEPT: &[Kept] = &[
         what: "Sub-steps and specimens of 364 grains beside an exact solution of their contact problems",
         files: &[("referee.json", "")],
         made: Made::Make("referee ARGS=\"--only one-step,static --specimens quick\""),
-        build: build("2026-11-27", "17"),
+        build: build("2026-11-27", "18"),
         takes: "half an hour",
     },
     Kept {

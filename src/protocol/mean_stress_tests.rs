@@ -100,9 +100,9 @@ fn a_mean_stress_is_kept_while_a_lid_goes_down_or_up() {
         let end = |window_s| {
             let (outcome, seen) = go(None, begun.clone(), None, lid(speed, window_s));
             let warnings = outcome.expect("it runs").warnings;
-            // A lid that is driven may push a grain through the floor, which is another matter.
-            let limited = warnings.iter().any(|warning| warning.contains("cannot be kept"));
-            assert!(!limited, "law: no limit is come to, {warnings:?}");
+            // A lid that is driven may push a grain through the floor: that says nothing of the limit.
+            let mut others = warnings.iter().filter(|w| !w.contains("passed through a wall"));
+            assert!(others.next().is_none(), "law: no limit is come to, {warnings:?}");
             let target = seen.moments[0].0;
             let later = &seen.moments[2 * seen.moments.len() / 3..];
             let mean = later.iter().map(|(p, _)| p / target).sum::<f64>() / later.len() as f64;
