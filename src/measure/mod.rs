@@ -57,7 +57,7 @@ pub use pairs::{PairGap, neighbours, pairs_within, pairs_within_of, touching_gap
 pub use places::{Place, Places, places};
 pub use plate::{PlatePosition, plate_position};
 pub use profile::{Slice, layers, rings};
-pub use region::void_ratio_in;
+pub use region::{grains_reach, void_ratio_in};
 pub use repose::{
     FLANK, NoPile, PileSurface, Repose, Sector, base_level, over, pile_surface, pile_top,
 };

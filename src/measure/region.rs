@@ -74,6 +74,17 @@ pub fn void_ratio_in(specimen: &Specimen, region: &Region) -> Option<f64> {
     (solids > 1e-9 * region.volume()).then(|| region.volume() / solids - 1.0)
 }
 
+/// Height in m to which grains reach within a region; `None` where no grain is.
+pub fn grains_reach(specimen: &Specimen, region: &Region) -> Option<f64> {
+    let top = |i: usize| {
+        let (shape, pose) = (&specimen.grains.grains[i].shape, &specimen.state.bodies[i].body.pose);
+        let corners = || corners_at(shape, pose).into_iter();
+        (region.volume_of(shape, pose) > 0.0)
+            .then(|| corners().map(|c| c.z).fold(f64::MIN, f64::max))
+    };
+    specimen.present().filter_map(top).reduce(f64::max).map(|top| top.min(region.high.z))
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::testing::{assert_near, cube, random, random_pose, specimen_of};
@@ -115,6 +126,21 @@ mod tests {
             }
             assert_near("volume of all parts", 0.44, sum, 1e-12);
         }
+    }
+
+    #[test]
+    fn grains_reach_to_the_top_of_those_inside() {
+        let grains = vec![
+            (cube(0.2), Pose::translation(0.5, 0.5, 0.4)),
+            (cube(0.2), Pose::translation(3.0, 0.5, 0.8)),
+        ];
+        let mut specimen = specimen_of(grains);
+        let got = grains_reach(&specimen, &UNIT).expect("a grain is inside");
+        assert_near("height of the cube inside", 0.5, got, 1e-15);
+        let low = Region { high: Vector::new(1.0, 1.0, 0.45), ..UNIT };
+        assert_eq!(grains_reach(&specimen, &low), Some(0.45), "law: no higher than the region");
+        specimen = specimen_of(vec![(cube(0.2), Pose::translation(3.0, 0.5, 0.8))]);
+        assert_eq!(grains_reach(&specimen, &UNIT), None, "law: no grain, no height");
     }
 
     #[test]

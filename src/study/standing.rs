@@ -6,11 +6,12 @@ use std::sync::Arc;
 use super::{StudyError, recorder::container};
 use crate::grains::GrainSet;
 use crate::measure::{
-    Container, HeightMap, NoPile, Place, height_cell, pile_surface, places, void_ratio,
+    Container, HeightMap, NoPile, Place, grains_reach, height_cell, pile_surface, places,
+    void_ratio,
 };
 use crate::protocol::Setup;
 use crate::record::{AngleOfRepose, AzimuthAngle, StandingHeight, StoredStage, Withheld};
-use crate::specimen::{Fate, Specimen};
+use crate::specimen::{Fate, Region, Specimen};
 use crate::units::{from_mm, to_cm3, to_mm};
 
 /// Standing height and void ratio of a specimen.
@@ -96,6 +97,14 @@ fn no_height(inside: usize, count: usize) -> Option<String> {
     ((inside as f64) < LEAST_PRESENT * count as f64).then(|| {
         format!("only {inside} of {count} grains lie in the cylinder: they are not the specimen")
     })
+}
+
+/// Why the density of the grains in a region is not that of its void ratio; none where it is. More
+/// than a median grain, a size in m, of empty space above them is no void between grains.
+pub(super) fn empty_above(specimen: &Specimen, region: &Region, median: f64) -> Option<String> {
+    let empty = region.high.z - grains_reach(specimen, region)?;
+    (empty > median)
+        .then(|| format!("the region reaches {:.1} mm above the highest grain in it", to_mm(empty)))
 }
 
 /// Why a void ratio to a mean surface height in m makes no sense; none where it does. Below one

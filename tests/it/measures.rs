@@ -36,6 +36,7 @@ fn scenario() -> Value {
             ],
             "groups": [{ "name": "both", "pieces": ["floor", "walls"] }]
         },
+        "index_densities": { "e_max": 1.2, "e_min": 0.6 },
         "rest_test_s": 1.0
     })
 }
@@ -71,6 +72,22 @@ fn column(table: &str, name: &str) -> Vec<f64> {
     let headers = reader.headers().expect("a header").clone();
     let at = headers.iter().position(|h| h == name).unwrap_or_else(|| panic!("{table} has {name}"));
     reader.records().map(|record| record.expect("a row")[at].parse().unwrap_or(f64::NAN)).collect()
+}
+
+/// Law: empty space above the grains is no void between them; a region within them has a relative
+/// density, (e_max − e)/(e_max − e_min).
+#[test]
+fn a_region_above_the_grains_has_no_relative_density() {
+    let summary = summary();
+    let regions = &summary["laboratory"]["regions"];
+    let (e, got) = (number(regions, "/1/void_ratio"), number(regions, "/1/relative_density"));
+    let expected = (1.2 - e) / 0.6;
+    assert!((got - expected).abs() < 1e-12, "law: of the layer {expected}, got {got}");
+    assert!(regions[0]["relative_density"].is_null(), "law: `all` reaches above the grains");
+    let withheld: Vec<&Value> = summary["withheld"].as_array().expect("a list").iter().collect();
+    let told = |w: &&&Value| w["field"] == "laboratory.regions.all.relative_density";
+    let told = withheld.iter().filter(told).count();
+    assert_eq!(told, 1, "law: it is said why, got {withheld:?}");
 }
 
 fn number(value: &Value, pointer: &str) -> f64 {
