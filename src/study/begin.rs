@@ -1,7 +1,7 @@
 //! The specimen of another run that a run begins with: read from that run's store, and checked as
 //! a stored stage is before it is used.
 
-use std::sync::Arc;
+use std::{path::Path, sync::Arc};
 
 use serde_json::{Value, json};
 
@@ -57,11 +57,24 @@ impl Begun {
     }
 }
 
-/// The grains of the run that a scenario begins with.
-pub(super) fn grains_of(spec: &BeginSpec) -> Result<GrainSet, StudyError> {
+/// The grains of the run that a scenario begins with. `own` is the file of grains that the scenario
+/// names, if any: refused where it holds others.
+pub(super) fn grains_of(spec: &BeginSpec, own: Option<&Path>) -> Result<GrainSet, StudyError> {
+    let read = |file: &Path| -> Result<GrainSet, StudyError> {
+        let json = read_json(file)?;
+        Ok(grains::from_json(&json).map_err(|e| FileError::unfit(file, e))?)
+    };
     let file = run_file(&spec.folder(), GRAINS_FILE);
-    let json = read_json(&file)?;
-    Ok(grains::from_json(&json).map_err(|e| FileError::unfit(&file, e))?)
+    let set = read(&file)?;
+    match own.filter(|own| *own != file) {
+        Some(own) if read(own)? != set => Err(StudyError::Scenario(format!(
+            "grains.file: {} holds other grains than the run in {}: a specimen that is begun with \
+             has its grains; leave the field out",
+            own.display(),
+            spec.folder().display()
+        ))),
+        _ => Ok(set),
+    }
 }
 
 /// What a run began with, for its manifest; null where it began with loose grains.

@@ -180,7 +180,11 @@ pub(super) fn folder_of(out: &Path, run: &PlannedRun) -> PathBuf {
 /// When they cannot be made or read.
 pub fn make_grains(scenario: &Scenario) -> Result<GrainSet, StudyError> {
     if let Some(begin) = &scenario.begin {
-        return begin::grains_of(begin);
+        let own = match &scenario.grains {
+            GrainsSpec::File(file) => Some(Path::new(&file.file)),
+            GrainsSpec::Sieved(_) | GrainsSpec::Meshes(_) => None,
+        };
+        return begin::grains_of(begin, own);
     }
     match &scenario.grains {
         GrainsSpec::Sieved(sieved) => {

@@ -192,6 +192,40 @@ fn what_cannot_be_begun_with_is_refused() {
     assert!(said(&output).contains("outside of the apparatus"), "law: got {}", said(&output));
 }
 
+/// Law: grains of a file are those of the run, or the file is refused.
+#[test]
+fn a_file_of_other_grains_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut filled = small::scenario(30.0, 0.25, 0.1);
+    filled["stages"] = json!([filled["stages"][0]]);
+    let same = folder.path().join("same.json");
+    fs::copy(whole().join("grains.json"), &same).expect("a copy");
+    filled["grains"] = json!({ "file": text(&same) });
+    let filled = write(folder.path(), "filled.json", &filled);
+    let from = folder.path().join("filled");
+    let output = run(&filled, &from);
+    assert!(output.status.success(), "{}", said(&output));
+    let mut other = read(&same);
+    other["density_kg_per_m3"] = json!(2000.0);
+    let other = write(folder.path(), "other.json", &other);
+    let begun = |file: &Path| {
+        let scenario = json!({
+            "name": "begun", "grains": { "file": text(file) },
+            "begin": { "specimen": text(&from) },
+            "stages": [{ "stage": "rest", "duration_s": 0.01 }]
+        });
+        let scenario = write(folder.path(), "begun.json", &scenario);
+        run(&scenario, &folder.path().join("begun"))
+    };
+    let output = begun(&other);
+    assert_eq!(output.status.code(), Some(2), "law: it is refused, got {}", said(&output));
+    for word in ["grains.file", "other.json", "leave the field out"] {
+        assert!(said(&output).contains(word), "`{word}` is missing in: {}", said(&output));
+    }
+    let output = begun(&same);
+    assert!(output.status.success(), "law: the same grains may be named: {}", said(&output));
+}
+
 /// Law: the shipped example begins with what the README's first run leaves.
 #[test]
 fn the_example_is_sound() {
