@@ -118,9 +118,15 @@ impl Laboratory<'_> {
             .map(|n| (specimen.state.bodies[n].body.pose.translation.vector, radius(n)))
             .collect();
         let state = &specimen.state;
+        let clear = |place: &Vector| solids.is_clear(place, largest, state);
+        // What a piece parts from the area lies outside of the drum or box that is to be filled.
+        let above_area = |place: &Vector| {
+            let steps = ((place.z - area.middle.z) / largest).ceil().max(1.0);
+            let down = |n: u32| Vector::new(0.0, 0.0, f64::from(n) * largest);
+            (0..steps as u32).all(|n| clear(&(place - down(n))))
+        };
         let free = |place: &Vector| {
-            solids.is_clear(place, largest, state)
-                && there.iter().all(|(at, r)| (at - place).norm() > r + largest)
+            above_area(place) && there.iter().all(|(at, r)| (at - place).norm() > r + largest)
         };
         let places: Vec<Vector> = area
             .lattice(largest)

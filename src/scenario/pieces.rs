@@ -305,7 +305,8 @@ pub enum DepositKind {
     /// They are let go one by one, at a rate.
     #[default]
     Rain,
-    /// All of them begin at once, at rest and apart, on a lattice above the area.
+    /// All of them begin at once, at rest and apart, on a lattice above the area, below the first
+    /// piece over it.
     Lattice,
 }
 
