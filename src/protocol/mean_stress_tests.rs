@@ -27,6 +27,10 @@ fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
         }
     }));
     scenario.engine.native.checkpoint_every_s = checkpoint_every_s;
+    // What a file with the loads of `pressed` gets by itself: softer contacts let the lid push grains
+    // through the floor.
+    scenario.engine.native.contact_stiffness_n_per_m = 17_000.0;
+    scenario.engine.native.max_depenetration_velocity_m_per_s = 3.0;
     scenario
 }
 
@@ -100,9 +104,7 @@ fn a_mean_stress_is_kept_while_a_lid_goes_down_or_up() {
         let end = |window_s| {
             let (outcome, seen) = go(None, begun.clone(), None, lid(speed, window_s));
             let warnings = outcome.expect("it runs").warnings;
-            // A lid that is driven may push a grain through the floor: that says nothing of the limit.
-            let mut others = warnings.iter().filter(|w| !w.contains("passed through a wall"));
-            assert!(others.next().is_none(), "law: no limit is come to, {warnings:?}");
+            assert!(warnings.is_empty(), "law: no limit is come to, {warnings:?}");
             let target = seen.moments[0].0;
             let later = &seen.moments[2 * seen.moments.len() / 3..];
             let mean = later.iter().map(|(p, _)| p / target).sum::<f64>() / later.len() as f64;
