@@ -221,7 +221,10 @@ impl Laboratory<'_> {
             let alike = |press: &PressState| {
                 press.direction == direction && press.turns.map(|turns| turns.about) == about
             };
-            let before = state.press.filter(alike).unwrap_or_default();
+            let before = state.press.filter(alike).unwrap_or_else(|| {
+                let borne = borne(state, &direction, about);
+                PressState { force_n: borne, resistance_n: borne, ..PressState::default() }
+            });
             let force = before.force_n;
             // A force that the approach holds down must be able to come back.
             let change = if before.arrived { (target - force).abs() } else { target.max(force) };
@@ -319,6 +322,19 @@ impl Laboratory<'_> {
         let number = |name: &String| self.setup.pieces.iter().position(|p| &p.name == name);
         names.iter().map(number).collect()
     }
+}
+
+/// What grains bear of a piece in N, against a direction; or in N m, about an axis through a point.
+/// A piece that was held while it bore something is pressed on from there.
+pub(super) fn borne(state: &PieceState, direction: &Vector, about: Option<Vector>) -> f64 {
+    let by_grains = match about {
+        None => state.force_n,
+        Some(about) => {
+            let arm = state.pose.translation.vector - about;
+            state.moment_n_m + arm.cross(&state.force_n)
+        }
+    };
+    (-by_grains.dot(direction)).max(0.0)
 }
 
 /// What a pressed piece lacks of its load.

@@ -154,3 +154,16 @@ fn rain_and_motion_go_on_from_a_checkpoint_with_the_same_bits() {
         before = whole;
     }
 }
+
+/// Law: what grains bear of a piece, against a direction, or as a moment about an axis.
+#[test]
+fn what_is_borne_counts_against_the_direction() {
+    let mut state = PieceState::standing(Pose::translation(0.1, 0.0, 0.0));
+    (state.force_n, state.moment_n_m) = (Vector::new(0.0, 0.0, 6.0), Vector::new(0.0, 1.0, 0.0));
+    let down = -Vector::z();
+    assert_eq!(laboratory::borne(&state, &down, None), 6.0, "law: what pushes up is borne");
+    assert_eq!(laboratory::borne(&state, &-down, None), 0.0, "law: what pulls is not");
+    // r × F = 0.1 x̂ × 6 ẑ = −0.6 ŷ.
+    let got = laboratory::borne(&state, &-Vector::y(), Some(Vector::zeros()));
+    assert!((got - 0.4).abs() < 1e-12, "law: 1 − 0.6 N m about the origin, got {got} N m");
+}

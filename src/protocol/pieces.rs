@@ -227,7 +227,7 @@ impl Pieces {
         for pressed in &self.pressed {
             let Some(press) = &mut state.pieces[pressed.piece].press else { continue };
             press.next(step);
-            world.press(pressed.body, press.force_n)?;
+            world.press(pressed.body, press.force_n + press.stop(step))?;
         }
         let Some(drive) = &self.drive else { return Ok(()) };
         let by = drive.motion.displacement(time);

@@ -200,6 +200,48 @@ fn a_lid_stays_pressed_until_it_is_locked_or_moved() {
     near("pressed on the way, N", lifted.state.pieces[1].force_n.z, 8e3 * 0.049 * 0.049, 0.2);
 }
 
+/// Law: a lid that was locked, or moved, is pressed on from what it bears: the load neither vanishes
+/// nor begins anew from nothing, so the specimen stays as it was under the same load.
+#[test]
+fn a_locked_lid_is_pressed_on_from_what_it_bears() {
+    let _turn = crate::world::shared_turn();
+    let height = |s: &Specimen| s.state.pieces[1].pose.translation.z;
+    let pressed = go(None, filled(), None, press(8.0)).0.specimen;
+    let lock = serde_json::json!({ "stage": "press", "time_limit_s": 2,
+        "loads": [{ "piece": "lid", "locked": true }] });
+    let locked = go(None, pressed.clone(), None, lock).0.specimen;
+    let (again, seen) = go(None, locked, None, press(8.0));
+    let least = seen.lid.iter().map(|(.., force)| *force).fold(f64::MAX, f64::min);
+    let force = 8e3 * 0.049 * 0.049;
+    assert!(least > 0.9 * force, "law: the load of {force} N stays, got {least} N");
+    near("the lid stays, m", height(&again.specimen), height(&pressed), 2e-5);
+}
+
+/// Law: the springs of contacts give back what they hold where a held lid is raised, which is no
+/// energy from nowhere.
+#[test]
+fn grains_under_a_lid_that_is_raised_give_back_what_they_hold() {
+    let _turn = crate::world::shared_turn();
+    let pressed = go(None, filled(), None, press(50.0)).0.specimen;
+    let raise = serde_json::json!({ "stage": "move", "pieces": ["lid"],
+        "velocity_mm_per_s": [0, 0, 2], "travel_mm": 0.5, "ramp_s": 0.05 });
+    let raised = go(None, pressed, None, raise).0;
+    assert_eq!(raised.watch.energy.beyond, 0, "law: none is unexplained, {:?}", raised.warnings);
+}
+
+/// Law: a lid that is relieved of its load stays where grains last touched it.
+#[test]
+fn a_lid_without_load_does_not_fly_away() {
+    let _turn = crate::world::shared_turn();
+    let height = |s: &Specimen| s.state.pieces[1].pose.translation.z;
+    let pressed = go(None, filled(), None, press(8.0)).0.specimen;
+    let free = go(None, pressed.clone(), None, press(0.0)).0.specimen;
+    let rest = serde_json::json!({ "stage": "rest", "duration_s": 0.5 });
+    let later = go(None, free.clone(), None, rest).0.specimen;
+    near("it stays, m", height(&later), height(&free), 1e-6);
+    near("near to where it was, m", height(&free), height(&pressed), 3e-3);
+}
+
 /// A vane stands in the middle of the box while grains fall around it, and is turned.
 fn vane(checkpoint_every_s: Option<f64>) -> Scenario {
     let mut scenario = scenario(checkpoint_every_s);

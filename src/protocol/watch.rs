@@ -8,8 +8,8 @@
 //! momentum; along z what gravity has taken is given, too. What rises beyond is
 //! unexplained. It is summed up, and the sum falls, to zero at the least,
 //! where more is lost than given: it is the largest rise without a cause from
-//! any earlier moment to now. Where pieces are pressed, contacts are loaded springs: what pieces
-//! gave them, and what they held when the stage began, may come back.
+//! any earlier moment to now. Between the pieces of a laboratory contacts are loaded springs: what
+//! pieces gave them, and what they held when the stage began, may come back.
 
 use super::*;
 
@@ -82,7 +82,7 @@ struct Budget {
     #[serde(default)]
     way: Vector,
     gained: f64,
-    /// With pressed pieces, what contacts may have stored as springs and give back: their energy
+    /// In a laboratory, what contacts may have stored as springs and give back: their energy
     /// at the beginning, and the work of pieces since.
     #[serde(default)]
     stored: Option<f64>,
@@ -172,8 +172,8 @@ impl Watch {
         true
     }
 
-    /// Takes pressed pieces into account: their kinetic energy, and what the contacts hold as
-    /// springs, both in J.
+    /// Takes the pieces of a laboratory into account: the kinetic energy of those that are pressed,
+    /// and what the contacts hold as springs, both in J.
     pub(super) fn press(&mut self, kinetic: f64, springs: f64) {
         if let Some(budget) = &mut self.budget {
             budget.energy += kinetic;

@@ -79,6 +79,13 @@ impl PressState {
         wanted.min((self.resistance_n + faster).max(0.0))
     }
 
+    /// Force in N that stops it within a step of a length in s, where no load is on it and grains no
+    /// longer touch it: what they gave it would carry it away for ever. 0 else.
+    pub fn stop(&self, step: f64) -> f64 {
+        let is_loose = self.target_n == 0.0 && self.force_n == 0.0 && self.resistance_n == 0.0;
+        if is_loose { -self.mass_kg * self.speed_m_per_s / step } else { 0.0 }
+    }
+
     /// Whether the whole force that is wanted is on it.
     pub fn is_reached(&self) -> bool {
         (self.force_n - self.target_n).abs() <= 1e-6 * self.target_n
@@ -165,6 +172,31 @@ mod tests {
         near("nothing holds it back then", last.next_force(step), 100.0);
         assert!(!press.is_reached() && PressState { force_n: 100.0, ..press }.is_reached());
     }
+
+    #[test]
+    fn a_piece_without_load_stops_where_nothing_touches_it() {
+        let touched = PressState {
+            direction: -Vector::z(),
+            mass_kg: 0.2,
+            arrived: true,
+            resistance_n: 0.1,
+            speed_m_per_s: -0.3,
+            ..PressState::default()
+        };
+        let step = 0.002;
+        assert_eq!(touched.stop(step), 0.0, "law: what grains touch is theirs to move");
+        let loose = PressState { resistance_n: 0.0, ..touched };
+        let got = loose.stop(step);
+        assert!((got - 30.0).abs() < 1e-12, "law: m v/Δt stops it, 30 N, got {got} N");
+        let loaded = PressState { force_n: 1.0, ..loose };
+        assert_eq!(loaded.stop(step), 0.0, "law: not while there is a load");
+        assert_eq!(
+            PressState { target_n: 1.0, ..loose }.stop(step),
+            0.0,
+            "law: nor where one comes"
+        );
+    }
+
     #[test]
     fn points_of_what_turns_are_as_fast_as_they_are_far() {
         let turns = TurnState { about: Vector::zeros(), reach_m: 0.05, turned_rad: 0.0 };

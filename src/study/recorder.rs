@@ -12,7 +12,7 @@ use crate::measure::{
 use crate::protocol::{Midway, Moment, Observer, Setup};
 use crate::record::{Checkpoints, EnergyRow, FileError, FrameWriter, Observed, SeriesRow};
 use crate::scenario::StageSpec;
-use crate::specimen::Specimen;
+use crate::specimen::{FreeState, Specimen};
 use crate::units::to_mm;
 use crate::world::BodyState;
 
@@ -103,6 +103,25 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
         grain_energy(specimen, gravity, &still).potential + plate + pieces
     }
 
+    /// Kinetic energy in J of what moves, relative to a table of a velocity in m/s.
+    fn kinetic(&self, specimen: &Specimen, table: &Vector) -> f64 {
+        let gravity = self.setup.gravity;
+        let of = |body: &BodyState, mass: f64, inertia: &Vector| {
+            body_energy(body, mass, inertia, gravity, table).kinetic()
+        };
+        let plate = &self.setup.plate;
+        let of_plate = specimen.state.top_plate.as_ref();
+        let of_plate = of_plate.map_or(0.0, |body| of(body, plate.mass, &plate.inertia));
+        let pieces = self.setup.pieces.iter().zip(&specimen.state.pieces);
+        let of_pieces = pieces.map(|(piece, state)| {
+            let free = |free: FreeState| {
+                of(&free.body, free.mass_kg, &(piece.principal_frame().1 * free.mass_kg))
+            };
+            state.press.map_or(0.0, |press| press.kinetic_energy()) + state.free.map_or(0.0, free)
+        });
+        grain_energy(specimen, gravity, table).kinetic() + of_plate + of_pieces.sum::<f64>()
+    }
+
     /// Looks once more, at a finished stage of a length in s.
     pub fn end(&mut self, specimen: &Specimen, length: f64) {
         let (overlap, time) = (&mut self.observed.overlap, self.start + length);
@@ -172,11 +191,7 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
         };
         let plate = &self.setup.plate;
         let position = state.top_plate.map(|p| plate_position(&p, plate.thickness));
-        let mut kinetic = grain_energy(specimen, self.setup.gravity, &table).kinetic();
-        if let Some(p) = &state.top_plate {
-            kinetic +=
-                body_energy(p, plate.mass, &plate.inertia, self.setup.gravity, &table).kinetic();
-        }
+        let kinetic = self.kinetic(specimen, &table);
         let plate_height_mm = position.map(|p| to_mm(p.height));
         let mean_surface_mm = to_mm(surface);
         let before = &mut self.observed.reference.before_vibration_mm;
