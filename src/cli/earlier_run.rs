@@ -3,7 +3,7 @@
 use std::fs;
 
 use super::*;
-use crate::record::write_json;
+use crate::record::{AtWork, RunLock, write_json};
 
 /// Says which scenario a folder's unfinished run is of; removed once the run is finished.
 const UNFINISHED: &str = "unfinished.json";
@@ -48,22 +48,36 @@ pub(super) const WORDS: [&str; 2] = ["description", "notes"];
 
 /// Begins a run of a scenario in a folder, unless this holds what would be written over: the
 /// results of another scenario, finished or not, or of another command. A run of the same
-/// scenario goes on, or is done again from its stored stages.
+/// scenario goes on, or is done again from its stored stages; several programs may do so together.
+/// The run lasts until what is given back is dropped.
 ///
 /// # Errors
 /// [`FileError`], refused, that says what the folder holds; the system's where it does not let
 /// the folder be written.
-pub(super) fn begin(folder: &Path, scenario: &Scenario, force: bool) -> Result<(), CliError> {
+pub(super) fn begin(folder: &Path, scenario: &Scenario, force: bool) -> Result<RunLock, CliError> {
     let own = serde_json::to_value(scenario).map_err(std::io::Error::other)?;
-    if force {
-        remove(folder)?;
-    } else if let Some(held) = held(folder, &own) {
-        let reason = format!("{held}; name another folder, or give --force to replace them");
-        let error = FileError::new("write results into", folder, reason);
-        return Err(FileError { refused: true, ..error }.into());
-    }
-    write_json(&folder.join(UNFINISHED), &json!({ "scenario": own }))?;
-    Ok(())
+    RunLock::take(folder, |at_work| {
+        match (held(folder, &own, at_work), at_work) {
+            // Two runs that write over each other would leave the results of neither.
+            (Some(held), AtWork::Somebody) => {
+                let why = format!("{held}, and a run is at work in it; name another folder");
+                return Err(refused(folder, &why));
+            }
+            (Some(held), _) if !force => {
+                let why = format!("{held}; name another folder, or give --force to replace them");
+                return Err(refused(folder, &why));
+            }
+            // What the others of the same run have written is this one's, too.
+            (None, AtWork::Somebody) => {}
+            _ if force => remove(folder)?,
+            _ => {}
+        }
+        Ok(write_json(&folder.join(UNFINISHED), &json!({ "scenario": own }))?)
+    })
+}
+
+fn refused(folder: &Path, why: &str) -> CliError {
+    FileError { refused: true, ..FileError::new("write results into", folder, why) }.into()
 }
 
 /// Says that the run of a folder is finished.
@@ -73,13 +87,13 @@ pub(super) fn finished(folder: &Path) {
 }
 
 /// What a folder holds that a run of a scenario would write over; none where it may write.
-fn held(folder: &Path, own: &Value) -> Option<String> {
+fn held(folder: &Path, own: &Value, at_work: AtWork) -> Option<String> {
     for (file, what) in [(MANIFEST, "a run"), (UNFINISHED, "an unfinished run")] {
         let path = folder.join(file);
         if !path.is_file() {
             continue;
         }
-        if file == UNFINISHED && !has_stages(folder) {
+        if file == UNFINISHED && at_work == AtWork::Nobody && !has_stages(folder) {
             return None;
         }
         let Ok(Value::Object(mut of)) = read_json::<Value>(&path) else {
@@ -102,8 +116,7 @@ fn held(folder: &Path, own: &Value) -> Option<String> {
     Some(format!("it holds the results of another command ({there})"))
 }
 
-/// Whether a stage is stored in a folder: a run that ended before, as for a fault in its grains,
-/// left nothing to lose.
+/// Whether a stage is stored in a folder: a run that ended before left nothing to lose.
 fn has_stages(folder: &Path) -> bool {
     let entries = fs::read_dir(folder.join("stages")).into_iter().flatten().flatten();
     entries.into_iter().any(|entry| entry.path().is_dir())
@@ -198,6 +211,27 @@ mod tests {
         assert!(out.join("rest_test.csv").exists(), "law: nothing is removed by a refusal");
         begin(out, &scenario("a", 240.0), true).expect("law: --force replaces them");
         assert!(!out.join("rest_test.csv").exists(), "law: nothing of the other run stays");
+    }
+
+    /// Law: while a run is at work in a folder, before its first stage and after, another scenario
+    /// is refused there, by force, too; the same scenario is not.
+    #[test]
+    fn a_run_at_work_is_left_alone() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let out = folder.path();
+        let (own, other) = (scenario("a", 480.0), scenario("b", 480.0));
+        let first = begin(out, &own, false).expect("law: nobody is there");
+        for force in [false, true] {
+            let said = begin(out, &other, force).expect_err("law: somebody is there").to_string();
+            assert!(said.contains("`a`") && said.contains("at work"), "law: said, got `{said}`");
+        }
+        fs::write(out.join("series.csv"), "").expect("written");
+        let second = begin(out, &own, true).expect("law: the same run goes on together");
+        assert!(out.join("series.csv").exists(), "law: and removes nothing of the first");
+        drop(first);
+        assert!(begin(out, &other, true).is_err(), "law: the second is at work still");
+        drop(second);
+        assert_eq!(said(out, &other), "", "law: both are gone, and left no stage");
     }
 
     #[test]

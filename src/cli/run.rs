@@ -35,7 +35,7 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
     tracing::info!(files = ?loaded.files, "the scenario `{}` is sound", loaded.scenario.name);
     tell_warnings([&loaded.scenario], context.progress.as_ref());
     output_folder::prepare(&args.out)?;
-    earlier_run::begin(&args.out, &loaded.scenario, args.force)?;
+    let _at_work = earlier_run::begin(&args.out, &loaded.scenario, args.force)?;
     context.stop_on_ctrl_c();
     let options = RunOptions { frames: true, ..context.run_options(&args.out, args.jobs) };
     let record = run_scenario(&loaded.scenario, &options)?;

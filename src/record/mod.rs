@@ -1,5 +1,6 @@
 //! What a run leaves on disk.
 
+mod at_work;
 mod atomic;
 mod checkpoint;
 mod checks;
@@ -23,6 +24,7 @@ mod tables;
 mod unfinished;
 mod variations;
 
+pub use at_work::{AtWork, RunLock};
 pub use atomic::{
     FileError, create_folder, json_text, read_file, read_json, read_unchanged, write_csv,
     write_file, write_json,

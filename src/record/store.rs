@@ -355,8 +355,8 @@ impl StageStore {
     }
 }
 
-/// Opens a file of a store that is there to be locked.
-fn open_lock(root: &Path, name: &str) -> Result<File, FileError> {
+/// Opens a file of a folder that is there to be locked.
+pub(super) fn open_lock(root: &Path, name: &str) -> Result<File, FileError> {
     let lock = File::options().create(true).append(true).open(root.join(name));
     lock.map_err(|e| FileError::new("open", root, e))
 }

@@ -1,0 +1,84 @@
+//! Who is at work in the folder of a run, told by a lock that ends with the program.
+
+use super::*;
+
+/// Held by whoever begins there, one after the other.
+const TURN: &str = ".begin.lock";
+
+/// Held by everybody who runs there, together with others.
+const RUN: &str = ".run.lock";
+
+/// Whether others are at work in a folder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AtWork {
+    /// Nobody is.
+    Nobody,
+    /// Somebody is.
+    Somebody,
+    /// The file system has no locks.
+    Unknown,
+}
+
+/// A folder that somebody is at work in until this is dropped.
+#[derive(Debug)]
+pub struct RunLock {
+    _held: File,
+}
+
+impl RunLock {
+    /// Has `begin` decide, told who is at work in a folder, whether to begin there, and write what
+    /// says so; then holds the folder, together with others. All who begin do so one after the
+    /// other: each sees what those before it have written.
+    ///
+    /// # Errors
+    /// What `begin` says; [`FileError`] where the locks cannot be made.
+    pub fn take<E: From<FileError>>(
+        folder: &Path,
+        begin: impl FnOnce(AtWork) -> Result<(), E>,
+    ) -> Result<Self, E> {
+        // A lock of its own: one that is held alone cannot be turned into a shared one without
+        // letting others in between.
+        let turn = open_lock(folder, TURN)?;
+        wait_alone(&turn);
+        let held = open_lock(folder, RUN)?;
+        let at_work = match ask_alone(&held) {
+            Asked::Given => AtWork::Nobody,
+            Asked::Busy => AtWork::Somebody,
+            Asked::Unknown => AtWork::Unknown,
+        };
+        if at_work == AtWork::Nobody {
+            let _ = held.unlock();
+        }
+        begin(at_work)?;
+        wait_shared(&held);
+        Ok(Self { _held: held })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn take(folder: &Path, expected: AtWork) -> RunLock {
+        let begin = |found: AtWork| {
+            assert_eq!(found, expected, "law: who is at work is told");
+            Ok::<(), FileError>(())
+        };
+        RunLock::take(folder, begin).expect("law: all who may begin hold it together")
+    }
+
+    /// Law: whoever begins is told of those who have begun before and have not ended.
+    #[test]
+    fn those_at_work_are_told() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let first = take(folder.path(), AtWork::Nobody);
+        let second = take(folder.path(), AtWork::Somebody);
+        drop(first);
+        let third = take(folder.path(), AtWork::Somebody);
+        drop((second, third));
+        let refuse = |_: AtWork| Err(FileError::new("begin in", folder.path(), "refused"));
+        let refused = RunLock::take(folder.path(), refuse);
+        assert!(refused.is_err(), "law: what is refused is not begun");
+        drop(take(folder.path(), AtWork::Nobody));
+    }
+}
