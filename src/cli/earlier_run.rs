@@ -63,10 +63,7 @@ pub(super) fn begin(folder: &Path, scenario: &Scenario, force: bool) -> Result<R
                 let why = format!("{held}, and a run is at work in it; name another folder");
                 return Err(refused(folder, &why));
             }
-            (Some(held), _) if !force => {
-                let why = format!("{held}; name another folder, or give --force to replace them");
-                return Err(refused(folder, &why));
-            }
+            (Some(held), _) if !force => return Err(in_the_way(folder, &held)),
             // What the others of the same run have written is this one's, too.
             (None, AtWork::Somebody) => {}
             _ if force => remove(folder)?,
@@ -74,6 +71,22 @@ pub(super) fn begin(folder: &Path, scenario: &Scenario, force: bool) -> Result<R
         }
         Ok(write_json(&folder.join(UNFINISHED), &json!({ "scenario": own }))?)
     })
+}
+
+/// Refuses at once what [`begin`] would refuse without force, though the work that comes before
+/// it takes long. What others do meanwhile is seen there.
+///
+/// # Errors
+/// [`FileError`], refused, that says what the folder holds.
+pub(super) fn refuse(folder: &Path, scenario: &Scenario) -> Result<(), CliError> {
+    let own = serde_json::to_value(scenario).map_err(std::io::Error::other)?;
+    let held = held(folder, &own, AtWork::Nobody);
+    held.map_or(Ok(()), |held| Err(in_the_way(folder, &held)))
+}
+
+fn in_the_way(folder: &Path, held: &str) -> CliError {
+    let why = format!("{held}; name another folder, or give --force to replace them");
+    refused(folder, &why)
 }
 
 fn refused(folder: &Path, why: &str) -> CliError {

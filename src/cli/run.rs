@@ -1,7 +1,8 @@
 //! `pluvia run`.
 
 use super::*;
-use crate::study::{run_scenario, tell_warnings};
+use crate::scenario::GrainsSpec;
+use crate::study::{ReadyRun, tell_warnings};
 
 /// Run one scenario
 #[derive(Debug, Args)]
@@ -32,13 +33,21 @@ pub(super) struct RunArgs {
 
 pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let loaded = load_scenario(&args.scenario, &args.changes.overrides())?;
-    tracing::info!(files = ?loaded.files, "the scenario `{}` is sound", loaded.scenario.name);
-    tell_warnings([&loaded.scenario], context.progress.as_ref());
+    let scenario = &loaded.scenario;
+    tracing::info!(files = ?loaded.files, "the scenario `{}` is sound", scenario.name);
+    tell_warnings([scenario], context.progress.as_ref());
     output_folder::prepare(&args.out)?;
-    let _at_work = earlier_run::begin(&args.out, &loaded.scenario, args.force)?;
     context.stop_on_ctrl_c();
+    // Cutting grains may take minutes. Those that are read are tried first: where they cannot be,
+    // the scenario may seem to be another than that of the folder.
+    if !args.force && scenario.begin.is_none() && matches!(scenario.grains, GrainsSpec::Sieved(_)) {
+        earlier_run::refuse(&args.out, scenario)?;
+    }
+    // Before anything is written or removed it is known that the run can begin.
+    let ready = ReadyRun::new(scenario)?;
+    let _at_work = earlier_run::begin(&args.out, scenario, args.force)?;
     let options = RunOptions { frames: true, ..context.run_options(&args.out, args.jobs) };
-    let record = run_scenario(&loaded.scenario, &options)?;
+    let record = ready.carry_out(&options)?;
     earlier_run::finished(&args.out);
     let mut text = table::of_summary(&record.summary);
     text += &format!("results in {}\n", plain_path(&args.out));

@@ -9,12 +9,11 @@ use std::sync::Arc;
 
 use super::{
     RunOptions, StudyError,
-    plan::{PlannedRun, Prepared},
+    plan::{Plan, PlannedRun, Prepared},
     run::{carry_out, folder_of, make_grains, write_grains},
     summarise::standard,
     told::tell_warnings,
 };
-use crate::record::create_folder;
 use crate::report::{self, CompareRecord, CompareRun, ComparedQuantity};
 use crate::scenario::{Backend, Scenario, StageSpec};
 
@@ -36,17 +35,18 @@ pub fn compare(
     backends: &[Backend],
     options: &RunOptions,
 ) -> Result<CompareRecord, StudyError> {
-    create_folder(&options.out)?;
     let grains = Arc::new(make_grains(scenario)?);
-    write_grains(&options.out, scenario, &grains)?;
     let handed_on = scenario
         .stages
         .iter()
         .position(|s| matches!(s, StageSpec::Vibrate { .. }))
         .unwrap_or(scenario.stages.len());
     let runs = planned(scenario, backends, &grains, handed_on);
+    // What cannot be built is refused before a file is written.
+    let plan = Plan::new(&runs)?;
+    write_grains(&options.out, scenario, &grains)?;
     tell_warnings(runs.iter().map(|run| &run.scenario), options.progress.as_ref());
-    let records = carry_out(&runs, options, |run| folder_of(&options.out, run))?.records;
+    let records = carry_out(&plan, &runs, options, |run| folder_of(&options.out, run))?.records;
     for record in &records {
         let folder = options.out.join("runs").join(&record.name).join("figures");
         report::run_figures(&folder, record)?;

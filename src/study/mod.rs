@@ -47,7 +47,7 @@ pub use interpretations::Interpretation;
 pub use presets::preset;
 pub use recorder::container;
 pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
-pub use run::{RunOptions, grain_files, make_grains, run_scenario};
+pub use run::{ReadyRun, RunOptions, grain_files, make_grains};
 pub use sensitivity::{Parameter, ParameterDesign, SensitivityDesign, SensitivityStudy};
 pub use side_by_side::{InterpretationsOptions, InterpretationsOutcome, interpretations};
 pub use slurm::{SlurmJob, SlurmRequest, quoted, submit as submit_to_slurm, this_program};

@@ -11,7 +11,7 @@ use super::{
     StudyError, beside,
     described::described,
     interpretations::Interpretation,
-    plan::PlannedRun,
+    plan::{Plan, PlannedRun},
     presets::preset,
     run::{CarriedOut, RunOptions, carry_out, folder_of, make_grains, write_grains},
     summarise::standard,
@@ -23,7 +23,7 @@ use crate::paper::{
     constants::{FALLING_HEIGHTS_MM, VIBRATED_FALLING_HEIGHT_MM},
 };
 use crate::picture;
-use crate::record::{RunKind, RunRecord, create_folder, read_json, write_json};
+use crate::record::{RunKind, RunRecord, read_json, write_json};
 use crate::report::{self, Column, Figure, MeanSettlement, Picture, ReportInput};
 use crate::scale::Scale;
 use crate::scenario::{EngineSettings, GrainsSpec, Override, Scenario, StageSpec};
@@ -67,15 +67,16 @@ pub struct ReproduceOutcome {
 /// # Errors
 /// [`StudyError`].
 pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyError> {
-    create_folder(&options.run.out)?;
     let interpretation = options.interpretation.as_ref();
     let scenarios = Scenarios::load(options.quick, interpretation, &options.changes)?;
     let grains = Arc::new(make_grains(&scenarios.pluviation)?);
-    write_grains(&options.run.out, &scenarios.pluviation, &grains)?;
     let runs = programme(&scenarios, &grains, options.configurations, options.placements);
+    // What cannot be built is refused before a file is written.
+    let plan = Plan::new(&runs)?;
+    write_grains(&options.run.out, &scenarios.pluviation, &grains)?;
     tell_warnings(runs.iter().map(|run| &run.scenario), options.run.progress.as_ref());
     let CarriedOut { records, effective } =
-        carry_out(&runs, &options.run, |run| folder_of(&options.run.out, run))?;
+        carry_out(&plan, &runs, &options.run, |run| folder_of(&options.run.out, run))?;
     finish(options, &scenarios, &grains, records, &effective)
 }
 

@@ -48,35 +48,54 @@ pub struct RunOptions {
     pub progress: Arc<dyn Progress>,
 }
 
-/// Runs a scenario and writes `manifest.json`, `summary.json`,
-/// `series.csv`, `rest_test.csv`, `grains.csv`, `grains.json`, `specimen.json`
-/// and figures.
-///
-/// # Errors
-/// [`StudyError`].
-pub fn run_scenario(scenario: &Scenario, options: &RunOptions) -> Result<RunRecord, StudyError> {
-    create_folder(&options.out)?;
-    let grains = Arc::new(make_grains(scenario)?);
-    write_grains(&options.out, scenario, &grains)?;
-    for warning in of_grains(scenario, &grains) {
-        options.progress.message(&format!("warning: {warning}"));
+/// A scenario whose grains are made and whose laboratory is built: what can refuse it has been
+/// tried, and nothing is written yet.
+pub struct ReadyRun {
+    run: PlannedRun,
+    plan: Plan,
+}
+
+impl ReadyRun {
+    /// Makes or reads the grains of a scenario and builds its laboratory.
+    ///
+    /// # Errors
+    /// [`StudyError`] where one of them cannot be had.
+    pub fn new(scenario: &Scenario) -> Result<Self, StudyError> {
+        let grains = Arc::new(make_grains(scenario)?);
+        let run = PlannedRun::new(scenario.name.clone(), scenario.clone(), grains);
+        let plan = Plan::new(std::slice::from_ref(&run))?;
+        Ok(Self { run, plan })
     }
-    let run = PlannedRun::new(scenario.name.clone(), scenario.clone(), grains.clone());
-    for (n, facts) in vibrations(scenario) {
-        options.progress.message(&format!("stage {n}, vibrate: {}", facts.line()));
+
+    /// Runs the scenario and writes `manifest.json`, `summary.json`,
+    /// `series.csv`, `rest_test.csv`, `grains.csv`, `grains.json`, `specimen.json`
+    /// and figures.
+    ///
+    /// # Errors
+    /// [`StudyError`].
+    pub fn carry_out(&self, options: &RunOptions) -> Result<RunRecord, StudyError> {
+        let PlannedRun { scenario, grains, .. } = &self.run;
+        write_grains(&options.out, scenario, grains)?;
+        for warning in of_grains(scenario, grains) {
+            options.progress.message(&format!("warning: {warning}"));
+        }
+        for (n, facts) in vibrations(scenario) {
+            options.progress.message(&format!("stage {n}, vibrate: {}", facts.line()));
+        }
+        let runs = std::slice::from_ref(&self.run);
+        let mut done = carry_out(&self.plan, runs, options, |_| options.out.clone())?;
+        let record = done.records.remove(0);
+        let (figures, known) = (options.out.join("figures"), described(grains));
+        crate::report::run_figures(&figures, &record)?;
+        let specified = ParticleSizeDistribution::of(grains).ok();
+        crate::report::grain_figures(&figures, &known.sieved, specified.as_ref(), &known.shapes)?;
+        match crate::picture::of_run(&options.out) {
+            Ok(pictures) => pictures.iter().try_for_each(|p| p.write(&figures))?,
+            // The numbers are there; a run is not lost for want of a picture.
+            Err(error) => options.progress.message(&format!("there are no pictures: {error}")),
+        }
+        Ok(record)
     }
-    let record =
-        carry_out(std::slice::from_ref(&run), options, |_| options.out.clone())?.records.remove(0);
-    let (figures, known) = (options.out.join("figures"), described(&grains));
-    crate::report::run_figures(&figures, &record)?;
-    let specified = ParticleSizeDistribution::of(&grains).ok();
-    crate::report::grain_figures(&figures, &known.sieved, specified.as_ref(), &known.shapes)?;
-    match crate::picture::of_run(&options.out) {
-        Ok(pictures) => pictures.iter().try_for_each(|p| p.write(&figures))?,
-        // The numbers are there; a run is not lost for want of a picture.
-        Err(error) => options.progress.message(&format!("there are no pictures: {error}")),
-    }
-    Ok(record)
 }
 
 /// Runs run together.
@@ -87,17 +106,17 @@ pub(super) struct CarriedOut {
     pub effective: EffectiveSettings,
 }
 
-/// Runs runs, taking from the store in the output folder what is there,
+/// Runs the runs of a plan, taking from the store in the output folder what is there,
 /// and writes each run's files into its folder.
 pub(super) fn carry_out(
+    plan: &Plan,
     runs: &[PlannedRun],
     options: &RunOptions,
     folder: impl Fn(&PlannedRun) -> PathBuf,
 ) -> Result<CarriedOut, StudyError> {
-    let plan = Plan::new(runs)?;
     let store = StageStore::open(&options.out.join("stages"))?.with_frames(options.frames);
     let done = execute(
-        &plan,
+        plan,
         &store,
         options.jobs,
         &crate::world::create,
@@ -107,7 +126,7 @@ pub(super) fn carry_out(
     let records = runs
         .iter()
         .zip(&plan.runs)
-        .map(|(run, nodes)| write_run(&folder(run), run, &plan, nodes, &done))
+        .map(|(run, nodes)| write_run(&folder(run), run, plan, nodes, &done))
         .collect::<Result<_, StudyError>>()
         .map_err(|error| error.keeping(&store))?;
     let effective = done.first().map(|d| d.record.effective.clone()).unwrap_or_default();

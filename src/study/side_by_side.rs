@@ -85,8 +85,8 @@ fn carry_out_interpretation(
     let scenarios = Scenarios::load(options.quick, Some(interpretation), &options.changes)?;
     let grains = Arc::new(make_grains(&scenarios.pluviation)?);
     let runs = programme(&scenarios, &grains, options.configurations, 1);
-    let store = StageStore::open(&options.run.out.join("stages"))?;
     let plan = Plan::new(&runs)?;
+    let store = StageStore::open(&options.run.out.join("stages"))?;
     let each = carry_out_each(&crate::world::create, &plan, &runs, &store, &options.run)?;
     let mut records: Vec<RunRecord> = Vec::new();
     let mut failures = Vec::new();

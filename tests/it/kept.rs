@@ -2,7 +2,13 @@
 
 use std::{fs, path::Path, process::Command};
 
-use super::interruption::{copy, finished, write_scenario};
+use serde_json::{Value, json};
+
+use super::{
+    interruption::{copy, finished, write_scenario},
+    same::assert_same_files,
+    small,
+};
 
 fn run(scenario: &Path, out: &Path, more: &[&str]) -> (Option<i32>, String, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
@@ -36,6 +42,85 @@ fn a_run_does_not_write_over_another() {
     assert!(printed.contains("NOT VALID"), "law: with what the other gives, got {printed}");
     assert!(!out.join("rest_test.csv").exists(), "law: nothing of the first run stays");
     assert!(!out.join("unfinished.json").exists(), "law: it is finished");
+}
+
+/// A box, and a lid that stands in it.
+fn overlapping() -> Value {
+    json!({
+        "name": "overlapping",
+        "grains": {
+            "total_mass_g": 20, "density_kg_per_m3": 2650,
+            "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
+        },
+        "pieces": [
+            { "name": "box", "shape": { "box": { "inner_mm": [100, 100, 100] } } },
+            { "name": "lid", "shape": { "plate": { "size_mm": [90, 90, 10] } }, "at_mm": [0, 0, 2] }
+        ],
+        "stages": [
+            { "stage": "deposit", "at_mm": [0, 0, 90], "area_mm": [80, 80], "rate_g_per_s": 50 }
+        ],
+        "rest_test_s": 0.1
+    })
+}
+
+/// Law: what a folder holds is kept, by force, too, where the run that would replace it cannot
+/// begin; grains that cannot be read are reported, and not that the scenario is another.
+#[test]
+fn results_are_kept_where_the_next_run_cannot_begin() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    copy(finished(), &out);
+    let mut unread = small::scenario(40.0, 0.5, 0.2);
+    unread["grains"] = json!({ "file": "gone.json" });
+    for (name, scenario, code, word) in [
+        ("unread", unread, Some(4), "cannot read"),
+        ("overlapping", overlapping(), Some(2), "overlap"),
+    ] {
+        let path = folder.path().join(format!("{name}.json"));
+        fs::write(&path, scenario.to_string()).expect("a scenario");
+        let mut tried = vec![&["--force"][..]];
+        if name == "unread" {
+            tried.push(&[]);
+        }
+        for more in tried {
+            let (got, _, said) = run(&path, &out, more);
+            assert_eq!(got, code, "law: {name} {more:?} is refused, got {said}");
+            assert!(said.contains(word), "`{word}` is missing in: {said}");
+            assert!(!said.contains("another scenario"), "law: {name}: the reason, got {said}");
+            assert_same_files(finished(), &out, name);
+        }
+        let bare = folder.path().join(name);
+        assert_eq!(run(&path, &bare, &[]).0, code, "law: {name} is refused anywhere");
+        let left = fs::read_dir(&bare).expect("a folder").count();
+        assert_eq!(left, 0, "law: {name}: nothing is written");
+    }
+}
+
+/// Law: a study of what cannot be built leaves no results, so that its folder is free for the
+/// scenario without the fault.
+#[test]
+fn a_study_that_cannot_begin_leaves_its_folder_free() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("overlapping.json");
+    fs::write(&path, overlapping().to_string()).expect("a scenario");
+    let friction = "contact.grain_grain_friction";
+    let calibrate = ["--target", "void_ratio=0.8", "--unknown", friction, "--between", "0.2..0.9"];
+    let mut studies = vec![("calibrate", &calibrate[..])];
+    if cfg!(feature = "rapier") {
+        studies.push(("compare", &[]));
+    }
+    for (study, more) in studies {
+        let out = folder.path().join(study);
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+        command.arg(study).arg(&path).arg("--out").arg(&out).args(more);
+        let output = command.output().expect("it starts");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "law: {study} is refused, got {said}");
+        assert!(said.contains("overlap"), "law: with the reason, got {said}");
+        let left = fs::read_dir(&out).expect("a folder").flatten().map(|e| e.file_name());
+        let left: Vec<_> = left.filter(|name| name != "command.json").collect();
+        assert!(left.is_empty(), "law: {study} leaves nothing, got {left:?}");
+    }
 }
 
 /// Law: quietly, nothing is printed but errors, and what `--json` asks for.

@@ -24,8 +24,7 @@ use crate::grains::GrainSet;
 use crate::grains::load_scenario;
 use crate::protocol::WorldMaker;
 use crate::record::{
-    RunRow, StageStore, VariationRow, create_folder, hash_json, to_csv, variations_csv, write_csv,
-    write_json,
+    RunRow, StageStore, VariationRow, hash_json, to_csv, variations_csv, write_csv, write_json,
 };
 use crate::scenario::{Backend, Fault, Override, Scenario, ScenarioErrors};
 
@@ -197,9 +196,12 @@ fn open(
     varied: &Varied,
     options: &RunOptions,
 ) -> Result<(GrainSets, Arc<GrainSet>, StageStore), StudyError> {
-    create_folder(&options.out)?;
     let mut grains = GrainSets::default();
     let own = grains.of(&varied.base)?;
+    // What cannot be built is refused before a file is written.
+    let first = planned(varied, 0, &mut grains)?;
+    let first: Vec<PlannedRun> = first.into_iter().map(|(run, _)| run).collect();
+    Plan::new(&first)?;
     write_grains(&options.out, &varied.base, &own)?;
     let store = StageStore::open(&options.out.join("stages"))?;
     Ok((grains, own, store))
