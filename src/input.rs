@@ -1,6 +1,7 @@
 //! The one way in which files that users name are read: regular files alone, and no
 //! larger than can be meant. A device, a pipe or a file of the system may go on for
-//! ever, and would be read until there is no memory left.
+//! ever, and would be read until there is no memory left. And how it is told whether
+//! a file is still as it was.
 
 use std::{
     fmt,
@@ -8,6 +9,8 @@ use std::{
     io::{self, Read},
     path::Path,
 };
+
+use sha2::{Digest, Sha256};
 
 /// Largest scenario or design in bytes: some hundred times the longest that makes sense.
 pub const LARGEST_SCENARIO: u64 = 4 << 20;
@@ -75,6 +78,16 @@ pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
     let mut content = Vec::new();
     file.take(length).read_to_end(&mut content)?;
     Ok(content)
+}
+
+/// SHA-256 of bytes, in lower-case hexadecimal.
+pub fn sha256(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+/// Bytes in lower-case hexadecimal.
+pub fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
 /// Whether a folder is there.

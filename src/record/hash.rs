@@ -6,9 +6,11 @@ use sha2::{Digest, Sha256};
 
 use super::*;
 
+pub(super) use crate::input::hexadecimal;
+
 /// SHA-256 of bytes, in lower-case hexadecimal.
 pub fn hash_bytes(bytes: &[u8]) -> String {
-    hexadecimal(&Sha256::digest(bytes))
+    input::sha256(bytes)
 }
 
 /// SHA-256 of a file's content, read in pieces.
@@ -33,11 +35,6 @@ pub(super) fn hash_of(from: &mut impl Read, hash: &mut Sha256) -> io::Result<u64
             Err(error) => return Err(error),
         }
     }
-}
-
-/// Bytes in lower-case hexadecimal.
-pub(super) fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
 /// SHA-256 of a value's JSON. Maps must be ordered (structs and `BTreeMap` are); numbers are

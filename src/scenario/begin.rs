@@ -44,6 +44,9 @@ const OWN: [&str; 5] = ["name", "description", "notes", "stages", "begin"];
 /// Largest manifest in bytes, scenario with a recorded motion included.
 const LARGEST_MANIFEST: u64 = 64 << 20;
 
+/// Name of the file that may be named in place of a run's folder.
+const SPECIMEN_FILE: &str = "specimen.json";
+
 impl BeginSpec {
     /// Folder of the run.
     pub fn folder(&self) -> PathBuf {
@@ -111,6 +114,10 @@ fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>
     if !named.exists() {
         return Err(of_specimen(format!("{} is not there", named.display())));
     }
+    let is_file = !named.is_dir();
+    if is_file && named.file_name().is_none_or(|name| name != SPECIMEN_FILE) {
+        return Err(of_specimen(format!("{} is no specimen of a run", named.display())));
+    }
     let manifest = input::read(&file, LARGEST_MANIFEST).map_err(|e| e.to_string());
     let manifest: Value = manifest
         .and_then(|text| serde_json::from_slice(&text).map_err(|e| e.to_string()))
@@ -166,6 +173,13 @@ fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>
         }
     };
     let entry = entry.ok_or_else(|| of_specimen("the run has no stage".to_owned()))?;
+    if is_file {
+        let noted = match &stored {
+            Some(_) => &entry["specimen_sha256"],
+            None => &manifest["files_sha256"][SPECIMEN_FILE],
+        };
+        check_unchanged(&named, noted).map_err(of_specimen)?;
+    }
     // What a specimen began with itself has been done, too.
     let earlier = scenario.get("begin").and_then(|begin| begin["after"].as_array());
     let earlier = earlier.into_iter().flatten().filter_map(Value::as_str).map(str::to_owned);
@@ -185,6 +199,23 @@ fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>
         *typed = Some(own);
     }
     Ok(scenario)
+}
+
+/// Whether a file is as its run wrote it: what is begun with is read from the run's store, and who
+/// names another file means another specimen.
+fn check_unchanged(file: &Path, noted: &Value) -> Result<(), String> {
+    let Some(noted) = noted.as_str() else {
+        return Err(format!(
+            "the run's manifest does not say what {} held: name the folder of the run",
+            file.display()
+        ));
+    };
+    let content = input::read(file, input::LARGEST_OF_RUN)
+        .map_err(|why| format!("{} cannot be read: {why}", file.display()))?;
+    if input::sha256(&content) != noted {
+        return Err(format!("{} is not what the run has written", file.display()));
+    }
+    Ok(())
 }
 
 /// A path of a document from here.

@@ -192,6 +192,41 @@ fn what_cannot_be_begun_with_is_refused() {
     assert!(said(&output).contains("outside of the apparatus"), "law: got {}", said(&output));
 }
 
+/// Law: a file is begun with that is a specimen of the run as it was written, and no other.
+#[test]
+fn a_file_that_is_no_specimen_of_the_run_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = folder.path().join("run");
+    copy(whole(), &run);
+    let loaded = |specimen: &Path| {
+        let stages = json!([{ "stage": "rest", "duration_s": 0.1 }]);
+        let scenario =
+            json!({ "name": "rests", "begin": { "specimen": specimen }, "stages": stages });
+        let path = write(folder.path(), "rests.json", &scenario);
+        load_scenario(&path, &[]).map(|_| ()).map_err(|e| e.to_string())
+    };
+    let manifest = read(&run.join("manifest.json"));
+    let key = manifest["stages"][1]["key"].as_str().expect("a key");
+    let stored = run.join("stages").join(&key[..24]).join("specimen.json");
+    for file in [run.join("specimen.json"), stored] {
+        assert_eq!(loaded(&file), Ok(()), "law: as it was written");
+        let was = fs::read_to_string(&file).expect("a specimen");
+        for other in [was.replacen("0.0", "0.1", 1), was[..was.len() / 2].to_owned()] {
+            fs::write(&file, other).expect("changed");
+            let said = loaded(&file).expect_err("law: it is another");
+            for word in ["begin.specimen", "specimen.json", "not what the run has written"] {
+                assert!(said.contains(word), "`{word}` is missing in: {said}");
+            }
+        }
+        fs::write(&file, was).expect("as it was");
+    }
+    fs::write(run.join("notes.txt"), "no specimen").expect("written");
+    for name in ["notes.txt", "manifest.json", "grains.json"] {
+        let said = loaded(&run.join(name)).expect_err("law: it is no specimen");
+        assert!(said.contains("begin.specimen") && said.contains(name), "law: got {said}");
+    }
+}
+
 /// Law: grains of a file are those of the run, or the file is refused.
 #[test]
 fn a_file_of_other_grains_is_refused() {
