@@ -135,7 +135,7 @@ class Run:
             raise FileError(str(error)) from None
 
     def at(self, stage: str | int | None = None) -> Specimen:
-        """The specimen at the end of a stage: its number from 0, its name (the first of that name), or `"rest_test"`."""
+        """The specimen at the end of a stage: its number from 0, a name that it alone has, or `"rest_test"`."""
         return Specimen(self.folder, stage)
 
     @cached_property

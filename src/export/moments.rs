@@ -54,8 +54,8 @@ pub struct Moment<'a> {
     pub end: Option<&'a SpecimenState>,
 }
 
-/// Reads the stages of a run folder, or one of them: its number from 0, its
-/// name (the first of that name), or `rest_test`.
+/// Reads the stages of a run folder, or one of them, by the names and numbers of
+/// [`super::read_run`].
 ///
 /// # Errors
 /// [`ExportError`], naming the file or what was asked for.

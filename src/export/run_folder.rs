@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 use super::*;
 use crate::input::{self, Refusal};
 use crate::record::{read_json, read_unchanged};
-use crate::scenario::{self, StageSpec};
+use crate::scenario::{self, MeantStage, StageSpec};
 
 /// Why a run cannot be exported.
 #[derive(Debug, thiserror::Error)]
@@ -24,6 +24,19 @@ pub enum ExportError {
         asked: String,
         /// The stages there are.
         stages: String,
+        /// The file that lists them.
+        manifest: PathBuf,
+    },
+    /// The run has several stages of that name.
+    #[error(
+        "{}: several stages are named `{asked}`; give the number of one: {choice}",
+        manifest.display()
+    )]
+    SeveralStages {
+        /// What was asked for.
+        asked: String,
+        /// Their numbers.
+        choice: String,
         /// The file that lists them.
         manifest: PathBuf,
     },
@@ -85,7 +98,7 @@ impl Exported {
 }
 
 /// Reads a run folder as `pluvia run`, `reproduce` and `compare` write it.
-/// `stage` is a stage's number from 0, its name (the first of that name), or
+/// `stage` is a stage's number from 0, its name, where one stage alone has it, or
 /// `rest_test`; without it, the last stage is taken.
 ///
 /// # Errors
@@ -221,10 +234,14 @@ impl Manifest {
             return Ok((None, REST_TEST.to_owned(), entry));
         }
         let stages = &self.stages;
-        let number = asked.parse().ok().filter(|&n: &usize| n < stages.len());
-        match number.or_else(|| stages.iter().position(|s| s.stage == asked)) {
-            Some(n) => Ok((Some(n), stages[n].stage.clone(), &stages[n])),
-            None => {
+        match MeantStage::of(asked, stages.iter().map(|s| s.stage.as_str())) {
+            MeantStage::One(n) => Ok((Some(n), stages[n].stage.clone(), &stages[n])),
+            MeantStage::Several(numbers) => Err(ExportError::SeveralStages {
+                asked: asked.to_owned(),
+                choice: MeantStage::choice(&numbers),
+                manifest: path.to_owned(),
+            }),
+            MeantStage::None => {
                 let mut known: Vec<String> =
                     stages.iter().enumerate().map(|(n, s)| format!("{n} {}", s.stage)).collect();
                 known.extend(self.rest_test.as_ref().map(|_| REST_TEST.to_owned()));

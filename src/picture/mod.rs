@@ -38,6 +38,7 @@ use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
 use crate::grains::GrainSet;
 use crate::plain::three_decimals as number;
 use crate::record::{FileError, Frame};
+use crate::scenario::MeantStage;
 use crate::units::to_mm;
 use {
     camera::*, colour::*, light::*, moment::*, paint::*, scene::*, scenery::*, sheet::*, shot::*,
@@ -60,6 +61,14 @@ pub enum PictureError {
         asked: String,
         /// The stages there are.
         stages: String,
+    },
+    /// The run has several stages of that name.
+    #[error("several stages are named `{asked}`; give the number of one: {choice}")]
+    SeveralStages {
+        /// What was asked for.
+        asked: String,
+        /// Their numbers.
+        choice: String,
     },
     /// Nothing was kept of that time.
     #[error("no frame is stored at {asked_s} s; {allowed}")]

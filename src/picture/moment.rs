@@ -19,7 +19,8 @@ const NEAR: f64 = 0.0801;
 /// a stage any may have that time; without both it is the end of the run.
 ///
 /// # Errors
-/// [`PictureError::NoStage`] and [`PictureError::NoTime`], saying what there is.
+/// [`PictureError::NoStage`], [`PictureError::SeveralStages`] and [`PictureError::NoTime`], saying
+/// what there is.
 pub fn at(run: &Playback, stage: Option<&str>, time: Option<f64>) -> Result<At, PictureError> {
     let chosen = stage.map(|asked| stage_of(run, asked)).transpose()?;
     let nothing = || PictureError::NoStage { asked: "the last".into(), stages: "none".into() };
@@ -53,14 +54,20 @@ pub fn at(run: &Playback, stage: Option<&str>, time: Option<f64>) -> Result<At, 
     })
 }
 
-/// Number of a stage named by its number or its name.
+/// Number of a stage named by its number or by a name that it alone has.
 pub fn stage_of(run: &Playback, asked: &str) -> Result<usize, PictureError> {
-    let number = asked.parse().ok().filter(|&n: &usize| n < run.stages.len());
-    number.or_else(|| run.stages.iter().position(|s| s.name == asked)).ok_or_else(|| {
-        let known: Vec<String> =
-            run.stages.iter().enumerate().map(|(n, s)| format!("{n} {}", s.name)).collect();
-        PictureError::NoStage { asked: asked.to_owned(), stages: known.join(", ") }
-    })
+    match MeantStage::of(asked, run.stages.iter().map(|s| s.name.as_str())) {
+        MeantStage::One(number) => Ok(number),
+        MeantStage::Several(numbers) => Err(PictureError::SeveralStages {
+            asked: asked.to_owned(),
+            choice: MeantStage::choice(&numbers),
+        }),
+        MeantStage::None => {
+            let known: Vec<String> =
+                run.stages.iter().enumerate().map(|(n, s)| format!("{n} {}", s.name)).collect();
+            Err(PictureError::NoStage { asked: asked.to_owned(), stages: known.join(", ") })
+        }
+    }
 }
 
 /// A moment with what came before it. A stage whose frames were not kept began as
@@ -123,6 +130,17 @@ pub(super) mod tests {
                 assert!(said.contains(word), "law: `{word}` is said, got `{said}`");
             }
         }
+    }
+
+    /// Law: of several stages of a name none is taken; each has its number.
+    #[test]
+    fn several_stages_of_a_name_are_told_apart_by_number() {
+        let mut run = canned();
+        run.stages[0].name = "pour".to_owned();
+        let said = at(&run, Some("pour"), None).expect_err("law: which of them?").to_string();
+        assert!(said.contains("`pour`") && said.contains("0 or 1"), "law: said, got `{said}`");
+        let found = at(&run, Some("0"), None).expect("law: by its number");
+        assert_eq!(found, At { stage: 0, frame: 3 });
     }
 
     #[test]

@@ -150,16 +150,8 @@ fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>
         None => entries.len().checked_sub(1),
         Some("rest_test") if rest_test.is_some() => None,
         Some(asked) => {
-            let number = asked.parse().ok().filter(|n: &usize| *n < entries.len());
-            let number = number.or_else(|| after.iter().position(|name| name == asked));
-            Some(number.ok_or_else(|| {
-                let mut known: Vec<&str> = after.iter().map(String::as_str).collect();
-                known.extend(rest_test.map(|_| "rest_test"));
-                let near = nearest(asked, known.iter().copied());
-                let meant = near.map(|near| format!(", did you mean `{near}`?"));
-                let message = format!("the run has no such stage{}", meant.unwrap_or_default());
-                fault("stage", asked, &format!("one of {}", known.join(", ")), message)
-            })?)
+            let is_noted = |n: usize| spec.key == Some(key(entries[n]));
+            Some(number_of(asked, &after, rest_test.is_some(), is_noted)?)
         }
     };
     let entry = match number {
@@ -199,6 +191,37 @@ fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>
         *typed = Some(own);
     }
     Ok(scenario)
+}
+
+/// Number of the stage that is asked for among those of these names; of several of one name the
+/// one that is noted, as in a scenario that was loaded before.
+fn number_of(
+    asked: &str,
+    names: &[String],
+    has_rest_test: bool,
+    is_noted: impl Fn(usize) -> bool,
+) -> Result<usize, Fault> {
+    let fault = |message: String, allowed: String| {
+        Fault::new(message, Value::from(asked), allowed).at("begin.stage")
+    };
+    match MeantStage::of(asked, names.iter().map(String::as_str)) {
+        MeantStage::One(number) => Ok(number),
+        MeantStage::Several(numbers) => {
+            let noted = numbers.iter().copied().find(|n| is_noted(*n));
+            noted.ok_or_else(|| {
+                let allowed = format!("its number, as a text: {}", MeantStage::choice(&numbers));
+                fault("the run has several stages of this name".to_owned(), allowed)
+            })
+        }
+        MeantStage::None => {
+            let mut known: Vec<&str> = names.iter().map(String::as_str).collect();
+            known.extend(has_rest_test.then_some("rest_test"));
+            let near = nearest(asked, known.iter().copied());
+            let meant = near.map(|near| format!(", did you mean `{near}`?"));
+            let message = format!("the run has no such stage{}", meant.unwrap_or_default());
+            Err(fault(message, format!("one of {}", known.join(", "))))
+        }
+    }
 }
 
 /// Whether a file is as its run wrote it: what is begun with is read from the run's store, and who

@@ -192,6 +192,39 @@ fn what_cannot_be_begun_with_is_refused() {
     assert!(said(&output).contains("outside of the apparatus"), "law: got {}", said(&output));
 }
 
+/// Law: a name that several stages have means none of them, unless a key says which; each has its
+/// number.
+#[test]
+fn of_several_stages_of_a_name_the_number_is_asked_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = folder.path().join("run");
+    copy(whole(), &run);
+    let mut manifest = read(&run.join("manifest.json"));
+    manifest["stages"][2]["stage"] = json!("pour");
+    write(&run, "manifest.json", &manifest);
+    let loaded = |stage: &str, key: Option<&String>| {
+        let mut begin = json!({ "specimen": run, "stage": stage });
+        if let Some(key) = key {
+            begin["key"] = json!(key);
+        }
+        let stages = json!([{ "stage": "rest", "duration_s": 0.1 }]);
+        let scenario = json!({ "name": "rests", "begin": begin, "stages": stages });
+        let path = write(folder.path(), "rests.json", &scenario);
+        let loaded = load_scenario(&path, &[]).map_err(|e| e.to_string())?;
+        Ok::<_, String>(loaded.scenario.begin.expect("it begins with a specimen"))
+    };
+    let said = loaded("pour", None).expect_err("law: which of them?");
+    for word in ["begin.stage", "several", "1 or 2"] {
+        assert!(said.contains(word), "`{word}` is missing in: {said}");
+    }
+    for number in ["1", "2"] {
+        let meant = loaded(number, None).expect("law: a number says which").key;
+        assert!(meant.is_some(), "law: its key is noted");
+        let noted = loaded("pour", meant.as_ref()).expect("law: so does the key");
+        assert_eq!(noted.key, meant, "law: the stage of number {number}");
+    }
+}
+
 /// Law: a file is begun with that is a specimen of the run as it was written, and no other.
 #[test]
 fn a_file_that_is_no_specimen_of_the_run_is_refused() {

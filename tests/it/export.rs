@@ -368,4 +368,10 @@ fn what_cannot_be_exported_is_said_in_one_line() {
     manifest["files_sha256"] = serde_json::json!({});
     fs::write(damaged.join("manifest.json"), manifest.to_string()).expect("an old manifest");
     refused(&damaged, &["--format", "csv"], 2, &["specimen.json", "table_x"]);
+    // Of two stages of a name none is meant.
+    manifest["stages"][2]["stage"] = serde_json::json!("pour");
+    fs::write(damaged.join("manifest.json"), manifest.to_string()).expect("another manifest");
+    for format in ["json", "vtk", "glb"] {
+        refused(&damaged, &["--format", format, "--stage", "pour"], 2, &["`pour`", "1 or 2"]);
+    }
 }

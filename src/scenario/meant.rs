@@ -1,0 +1,64 @@
+//! Which stage of a run is meant by a number or a name.
+
+/// What a number or a name means among the stages of a run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum MeantStage {
+    /// The stage of this number.
+    One(usize),
+    /// Several stages of that name, by their numbers: which of them is not said.
+    Several(Vec<usize>),
+    /// No stage.
+    None,
+}
+
+impl MeantStage {
+    /// What a text means among the stages of these names: a number from 0, or else a name.
+    pub fn of<'a>(asked: &str, names: impl IntoIterator<Item = &'a str>) -> Self {
+        let names: Vec<&str> = names.into_iter().collect();
+        if let Some(number) = asked.parse().ok().filter(|n: &usize| *n < names.len()) {
+            return Self::One(number);
+        }
+        let of_name: Vec<usize> = (0..names.len()).filter(|n| names[*n] == asked).collect();
+        match of_name.len() {
+            0 => Self::None,
+            1 => Self::One(of_name[0]),
+            _ => Self::Several(of_name),
+        }
+    }
+
+    /// Numbers of stages as a choice: `1, 3 or 5`.
+    pub fn choice(numbers: &[usize]) -> String {
+        let texts: Vec<String> = numbers.iter().map(usize::to_string).collect();
+        match texts.split_last() {
+            Some((last, others)) if !others.is_empty() => {
+                format!("{} or {last}", others.join(", "))
+            }
+            _ => texts.concat(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Law: a number is itself, a name the one stage that has it; several stages of a name are
+    /// told, and none of them is taken.
+    #[test]
+    fn a_name_means_one_stage_alone() {
+        let names = ["deposit", "press", "rest", "press", "press"];
+        for (asked, expected) in [
+            ("0", MeantStage::One(0)),
+            ("4", MeantStage::One(4)),
+            ("rest", MeantStage::One(2)),
+            ("press", MeantStage::Several(vec![1, 3, 4])),
+            ("5", MeantStage::None),
+            ("pres", MeantStage::None),
+            ("", MeantStage::None),
+        ] {
+            assert_eq!(MeantStage::of(asked, names), expected, "law: what `{asked}` means");
+        }
+        assert_eq!(MeantStage::choice(&[1, 3, 4]), "1, 3 or 4", "law: each is listed");
+        assert_eq!(MeantStage::choice(&[1, 3]), "1 or 3", "law: each is listed");
+    }
+}
