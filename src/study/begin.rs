@@ -9,6 +9,7 @@ use super::{StudyError, believed::end_of};
 use crate::grains::{self, GrainSet};
 use crate::protocol::{Setup, plausible};
 use crate::record::{FileError, StageRecord, StageStore, read_json, run_file};
+use crate::scale::Scale;
 use crate::scenario::BeginSpec;
 use crate::specimen::{Specimen, SpecimenState};
 
@@ -50,9 +51,15 @@ impl Begun {
             return Err(unfit(format!("it has {there} pieces, the scenario {asked}")).into());
         }
         let specimen = Specimen { grains: grains.clone(), state };
-        plausible(setup, &specimen, 0.0, 0.0).map_err(unfit)?;
+        // It has come to its end under the gravity of its own run, which may be another.
+        let gravity = identity.determined_by["gravity_m_per_s2"].as_f64();
+        let gravity =
+            gravity.ok_or_else(|| unfit("it does not say under which gravity it was".into()))?;
+        let scale = Scale { gravity, ..setup.scale };
+        let made_in = Setup { gravity, scale, ..setup.clone() };
+        plausible(&made_in, &specimen, 0.0, 0.0).map_err(unfit)?;
         let recorded = record.end.ok_or_else(|| unfit("it does not say how it ended".into()))?;
-        end_of(setup, &specimen).is(&recorded).map_err(unfit)?;
+        end_of(gravity, &specimen).is(&recorded).map_err(unfit)?;
         Ok(Arc::new(Self { key, record, state: specimen.state }))
     }
 }

@@ -4,7 +4,7 @@
 use super::plan::{Node, Plan};
 use crate::geometry::Vector;
 use crate::measure::{grain_energy, overlap_statistics, pairs_within};
-use crate::protocol::{Midway, Setup, plausible};
+use crate::protocol::{Midway, plausible};
 use crate::record::{AskedStage, StageEnd, StageStore, StoredStage};
 use crate::scenario::StageSpec;
 use crate::specimen::{Specimen, SpecimenState};
@@ -13,11 +13,11 @@ use crate::specimen::{Specimen, SpecimenState};
 /// a step in single precision.
 const ROUNDING: f64 = 1e-6;
 
-/// What a specimen is at the end of a stage, to know it again.
-pub(super) fn end_of(setup: &Setup, specimen: &Specimen) -> StageEnd {
+/// What a specimen is at the end of a stage, to know it again; gravity of that stage in m/s².
+pub(super) fn end_of(gravity: f64, specimen: &Specimen) -> StageEnd {
     let present: Vec<usize> = specimen.present().collect();
     let overlap = overlap_statistics(specimen, &pairs_within(specimen, &present, 0.0));
-    let energy = grain_energy(specimen, setup.gravity, &Vector::zeros());
+    let energy = grain_energy(specimen, gravity, &Vector::zeros());
     StageEnd {
         grains: present.len(),
         kinetic_energy_j: energy.kinetic(),
@@ -40,7 +40,7 @@ pub(super) fn stage(
     stands(&node.stage, before, &stored.state)?;
     times(&node.stage, before, stored)?;
     let recorded = stored.record.end.ok_or("it does not say how it ended")?;
-    end_of(&node.setup, &specimen).is(&recorded)
+    end_of(node.setup.gravity, &specimen).is(&recorded)
 }
 
 /// The same of a checkpoint of a node's stage.

@@ -317,7 +317,7 @@ impl Shop<'_> {
                 // It went on from a checkpoint of before it was recorded.
                 Vec::new()
             },
-            end: Some(believed::end_of(&node.setup, &outcome.specimen)),
+            end: Some(believed::end_of(node.setup.gravity, &outcome.specimen)),
             ..StageRecord::default()
         };
         let series = observed.rows;

@@ -108,6 +108,26 @@ fn shaken_from_a_stored_specimen_is_as_shaken_at_once() {
     }
 }
 
+/// Law: a specimen may be taken to another gravity: what was recorded of it was under its own.
+#[test]
+fn a_specimen_may_be_taken_to_another_gravity() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rest = json!([{ "stage": "rest", "duration_s": 0.1 }]);
+    let mut from = whole().to_owned();
+    // Begun with what has been there, too, and taken back.
+    for (name, gravity) in [("moon", 1.62), ("earth", 9.81)] {
+        let scenario = json!({
+            "name": name, "begin": { "specimen": from }, "gravity_m_per_s2": gravity,
+            "stages": rest, "rest_test_s": 0
+        });
+        let scenario = write(folder.path(), &format!("{name}.json"), &scenario);
+        let out = folder.path().join(name);
+        let output = run(&scenario, &out);
+        assert!(output.status.success(), "law: from the {name}: {}", said(&output));
+        from = out;
+    }
+}
+
 /// Law: the file of a stored stage means that stage, and the grains are those of the run.
 #[test]
 fn the_file_of_a_stage_means_that_stage() {
