@@ -15,7 +15,7 @@ use super::{
     told::tell_warnings,
 };
 use crate::report::{self, CompareRecord, CompareRun, ComparedQuantity};
-use crate::scenario::{Backend, Scenario, StageSpec};
+use crate::scenario::{Backend, Scenario, StageSpec, StockSettings, check};
 
 /// Largest difference of standing height between two engines that is not a finding, as a fraction
 /// of the height: pours of a few hundred grains differ by up to 4 % from one mixing to the next, of
@@ -35,6 +35,7 @@ pub fn compare(
     backends: &[Backend],
     options: &RunOptions,
 ) -> Result<CompareRecord, StudyError> {
+    check_each(scenario, backends)?;
     let grains = Arc::new(make_grains(scenario)?);
     let handed_on = scenario
         .stages
@@ -82,29 +83,41 @@ fn name(backend: Backend) -> String {
     crate::world::info(backend).name
 }
 
+/// A scenario in an engine of the comparison, with the settings that this one has.
+fn with(scenario: &Scenario, backend: Backend) -> Scenario {
+    let mut own = scenario.clone();
+    own.engine.backend = backend;
+    if backend != scenario.engine.backend {
+        own.engine.stock = StockSettings::default();
+    }
+    own
+}
+
+/// Whether every engine can do a scenario: the first may run for hours before the turn of one that
+/// cannot.
+fn check_each(scenario: &Scenario, backends: &[Backend]) -> Result<(), StudyError> {
+    let can = |backend: &Backend| check(&with(scenario, *backend)).map_err(StudyError::Faults);
+    backends.iter().try_for_each(can)
+}
+
 fn planned(
     scenario: &Scenario,
     backends: &[Backend],
     grains: &Arc<crate::grains::GrainSet>,
     handed_on: usize,
 ) -> Vec<PlannedRun> {
-    let with = |backend: Backend| {
-        let mut scenario = scenario.clone();
-        scenario.engine.backend = backend;
-        scenario
-    };
     let run = |name: String, scenario, prepared| PlannedRun {
         prepared,
         ..PlannedRun::new(name, scenario, grains.clone())
     };
     let mut runs: Vec<PlannedRun> =
-        backends.iter().map(|b| run(name(*b), with(*b), None)).collect();
+        backends.iter().map(|b| run(name(*b), with(scenario, *b), None)).collect();
     if let Some((first, others)) = backends.split_first() {
-        let engine = with(*first).engine;
+        let engine = with(scenario, *first).engine;
         runs.extend(others.iter().map(|other| {
             let title = format!("{}-from-{}-specimen", name(*other), name(*first));
             let prepared = Prepared { stages: handed_on, engine: engine.clone() };
-            run(title, with(*other), Some(prepared))
+            run(title, with(scenario, *other), Some(prepared))
         }));
     }
     runs
@@ -223,6 +236,49 @@ mod tests {
 
     fn verdicts(runs: &[CompareRun]) -> Vec<bool> {
         quantities(runs).iter().filter_map(|q| q.within_band).collect()
+    }
+
+    /// Law: what one of the engines cannot do is refused before any of them runs, with its place;
+    /// settings of one engine alone are nothing against the others.
+    #[test]
+    fn each_engine_is_asked_before_one_runs() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("compared.json");
+        let scenario = |change: serde_json::Value| {
+            let mut value = serde_json::json!({
+                "name": "compared",
+                "grains": { "total_mass_g": 20, "density_kg_per_m3": 2650, "sieve_table":
+                    [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }] },
+                "stages": [{ "stage": "fill_funnel" }, { "stage": "pour", "falling_height_mm": 0 }]
+            });
+            for (field, to) in change.as_object().expect("fields") {
+                value[field] = to.clone();
+            }
+            std::fs::write(&path, value.to_string()).expect("a scenario");
+            crate::grains::load_scenario(&path, &[]).unwrap_or_else(|e| panic!("{e}")).scenario
+        };
+        let both = [Backend::Bullet, Backend::Rapier];
+        let poured = scenario(serde_json::json!({}));
+        check_each(&poured, &both).expect("law: both can pour");
+        let stock = serde_json::json!({
+            "contact_solver": "stock", "stock": { "collision_margin_mm": 0.2 }
+        });
+        let stock = scenario(serde_json::json!({ "engine": stock }));
+        check_each(&stock, &both).expect("law: settings of one engine are for that one");
+        let pressed = scenario(serde_json::json!({
+            "pieces": [
+                { "name": "box", "shape": { "box": { "inner_mm": [50, 50, 50] } } },
+                { "name": "lid", "shape": { "plate": { "size_mm": [48, 48, 5] } },
+                    "at_mm": [0, 0, 100] }
+            ],
+            "stages": [
+                { "stage": "deposit", "at_mm": [0, 0, 60], "area_mm": [40, 40], "rate_g_per_s": 50 },
+                { "stage": "press", "loads": [{ "piece": "lid", "force_n": 5 }] }
+            ]
+        }));
+        check_each(&pressed, &both[..1]).expect("law: one engine can press");
+        let said = check_each(&pressed, &both).expect_err("law: the other cannot").to_string();
+        assert!(said.contains("stages[1]") && said.contains("rapier"), "law: where, got {said}");
     }
 
     /// Law: bands are judged between runs that count, in both directions; with a run that lacks

@@ -73,6 +73,41 @@ fn csv_rows(text: &str) -> Vec<Vec<String>> {
     text.lines().map(|l| l.split(',').map(str::to_owned).collect()).collect()
 }
 
+/// Law: what one of the engines cannot do is refused before the other runs.
+#[test]
+fn what_an_engine_cannot_do_is_refused_before_the_other_runs() {
+    if !cfg!(feature = "rapier") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("pressed.json");
+    let scenario = json!({
+        "name": "pressed",
+        "grains": {
+            "total_mass_g": 20, "density_kg_per_m3": 2650,
+            "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
+        },
+        "pieces": [
+            { "name": "box", "shape": { "box": { "inner_mm": [50, 50, 50] } } },
+            { "name": "lid", "shape": { "plate": { "size_mm": [48, 48, 5] } }, "at_mm": [0, 0, 100] }
+        ],
+        "stages": [
+            { "stage": "deposit", "at_mm": [0, 0, 60], "area_mm": [40, 40], "rate_g_per_s": 50 },
+            { "stage": "press", "loads": [{ "piece": "lid", "force_n": 5 }] }
+        ],
+        "rest_test_s": 0
+    });
+    fs::write(&path, scenario.to_string()).expect("a scenario file");
+    let out = folder.path().join("out");
+    let output = compare(&path, "bullet,rapier", &out);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "law: it is a fault of the scenario, got {said}");
+    for word in ["stages[1]", "rapier"] {
+        assert!(said.contains(word), "`{word}` is missing in: {said}");
+    }
+    assert!(!out.join("stages").exists(), "law: nothing is run");
+}
+
 #[test]
 fn one_engine_alone_is_no_comparison() {
     let folder = tempfile::tempdir().expect("a folder");
