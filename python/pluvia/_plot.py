@@ -76,7 +76,10 @@ def _stages(run: Run, ax: Axes) -> None:
 
 def _heights(run: Run, ax: Axes) -> None:
     series = run.series
-    ax.plot(series["time_s"], series["mean_surface_mm"], label="mean surface")
+    # A laboratory of pieces has no surface, but grains.
+    has_surface = series["mean_surface_mm"].notna().any()
+    column, label = ("mean_surface_mm", "mean surface") if has_surface else ("mean_grain_height_mm", "mean grain")
+    ax.plot(series["time_s"], series[column], label=label)
     if series["plate_height_mm"].notna().any():
         ax.plot(series["time_s"], series["plate_height_mm"], label="top plate")
     _stages(run, ax)

@@ -19,17 +19,25 @@ pub struct Container {
 
 impl Container {
     /// The smallest about the z axis that holds every grain present, for a laboratory without
-    /// a cylinder; grains below z = 0 do not count.
+    /// a cylinder; grains whose centroid is not above z = 0 do not count. Without grains it is as
+    /// small as the largest of them.
     pub fn around(specimen: &Specimen) -> Self {
         let (mut radius, mut height) = (0.0_f64, 0.0_f64);
         for i in specimen.present() {
-            let reach = specimen.grains.grains[i].shape.radius_about_origin();
-            let at = specimen.state.bodies[i].body.pose.translation.vector;
-            radius = radius.max(at.xy().norm() + reach);
-            height = height.max(at.z + reach);
+            let pose = &specimen.state.bodies[i].body.pose;
+            if pose.translation.z > 0.0 {
+                let shape = &specimen.grains.grains[i].shape;
+                radius = radius.max(reach_from_axis(shape, pose));
+                height = height.max(shape.heights(pose).1);
+            }
         }
-        let or_any = |length: f64| if length > 0.0 { length } else { 1.0 };
-        Self { centre_x: 0.0, radius: or_any(radius), height: or_any(height) }
+        if radius > 0.0 && height > 0.0 {
+            return Self { centre_x: 0.0, radius, height };
+        }
+        // A metre would be too many cells of a height map for fine grains.
+        let sizes = specimen.grains.grains.iter().map(|grain| grain.equivalent_diameter);
+        let largest = sizes.reduce(f64::max).unwrap_or(1.0);
+        Self { centre_x: 0.0, radius: largest, height: largest }
     }
 
     /// Inner cross-section in m².
@@ -84,9 +92,21 @@ impl Container {
     }
 }
 
+/// Largest distance in m of any point of a shape at a pose from the z axis. The distance is convex,
+/// so that a corner has it; the ball that sweeps a rounded polyhedron, or is a sphere, adds its
+/// radius.
+fn reach_from_axis(shape: &ConvexPolyhedron, pose: &Pose) -> f64 {
+    let from_axis = |at: &Point| (pose * at).coords.xy().norm();
+    if let Some(sphere) = shape.sphere() {
+        return from_axis(&sphere.centre) + sphere.radius;
+    }
+    let (core, ball) = shape.rounded().map_or((shape, 0.0), |r| (&r.core, r.radius));
+    core.vertices().iter().map(from_axis).fold(0.0, f64::max) + ball
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{cube, specimen_of};
+    use super::super::testing::{assert_near, cube, specimen_of};
     use super::*;
     use crate::specimen::{Fate, FunnelState};
 
@@ -119,6 +139,52 @@ mod tests {
         assert_eq!(CUP.members(&specimen), [0, 1], "a spilled grain is gone");
         specimen.state.funnel = Some(FunnelState { opening_height: 0.08, lid: false });
         assert_eq!(CUP.members(&specimen), [0], "a grain above the opening is in the funnel");
+    }
+
+    /// Law: the smallest cylinder reaches to the farthest corner, not to the sphere about a grain.
+    #[test]
+    fn the_smallest_cylinder_reaches_to_corners() {
+        let slab = || ConvexPolyhedron::cuboid(Vector::new(0.02, 0.002, 0.002)).expect("a slab");
+        // Its long side lies along x, across the way from the axis.
+        let across = Pose::translation(0.0, 0.03, 0.001);
+        let got = Container::around(&specimen_of(vec![(slab(), across)]));
+        assert_near(
+            "radius: 10 mm along x, 31 mm along y, m",
+            0.01_f64.hypot(0.031),
+            got.radius,
+            1e-12,
+        );
+        assert_near("height of its upper side, m", 0.002, got.height, 1e-12);
+        let ball = (ConvexPolyhedron::ball(0.004), Pose::translation(0.03, 0.0, 0.01));
+        let got = Container::around(&specimen_of(vec![ball]));
+        assert_near("a sphere: centre and radius, m", 0.034, got.radius, 1e-12);
+        assert_near("its top, m", 0.014, got.height, 1e-12);
+        let rounded = ConvexPolyhedron::of_rounded(cube(0.006), 0.001).expect("rounded");
+        let got =
+            Container::around(&specimen_of(vec![(rounded, Pose::translation(0.0, 0.0, 0.004))]));
+        assert_near(
+            "corners of the core and the ball, m",
+            0.003 * 2f64.sqrt() + 0.001,
+            got.radius,
+            1e-9,
+        );
+        assert_near("its top, m", 0.008, got.height, 1e-9);
+    }
+
+    /// Law: what does not lie above z = 0 does not count; without grains there is a cylinder all
+    /// the same, no larger than a grain.
+    #[test]
+    fn the_smallest_cylinder_is_that_of_grains_above_zero() {
+        let at = |x: f64, z: f64| (cube(0.01), Pose::translation(x, 0.0, z));
+        let mut specimen = specimen_of(vec![at(0.0, 0.005), at(0.5, -0.3)]);
+        let got = Container::around(&specimen);
+        assert_near("radius of the grain on the floor, m", 0.005 * 2f64.sqrt(), got.radius, 1e-12);
+        for grain in &mut specimen.state.bodies {
+            grain.fate = Fate::Spilled;
+        }
+        let got = Container::around(&specimen);
+        assert_eq!(got.check(), Ok(()));
+        assert!(got.radius < 0.02, "law: as small as a grain, got {} m", got.radius);
     }
 
     #[test]

@@ -22,8 +22,9 @@ pub struct SeriesRow {
     pub kinetic_energy_j: f64,
     /// Displacement of the table in mm.
     pub table_x_mm: f64,
-    /// Height of the mean surface above the floor in mm (height map).
-    pub mean_surface_mm: f64,
+    /// Height of the mean surface above the floor in mm (height map); empty in a laboratory of
+    /// pieces, which has no floor of its own.
+    pub mean_surface_mm: Option<f64>,
     /// Mean height of the centroids of the grains in the cylinder in mm.
     pub mean_grain_height_mm: f64,
     /// Grains with their centroid inside the cylinder.
@@ -366,8 +367,8 @@ pub struct RestTest {
     pub duration_s: f64,
     /// Drop of the mean grain height in mm.
     pub mean_grain_height_drop_mm: f64,
-    /// Drop of the mean surface in mm.
-    pub mean_surface_drop_mm: f64,
+    /// Drop of the mean surface in mm; null in a laboratory of pieces.
+    pub mean_surface_drop_mm: Option<f64>,
     /// Drop of the plate in mm, where there is one.
     pub plate_drop_mm: Option<f64>,
 }

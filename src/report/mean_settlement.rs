@@ -85,7 +85,9 @@ fn sinking(rest_test: &[SeriesRow]) -> Curve {
     let Some(first) = rest_test.first() else { return Vec::new() };
     rest_test
         .iter()
-        .map(|r| (r.time_s - first.time_s, first.mean_surface_mm - r.mean_surface_mm))
+        .filter_map(|r| {
+            Some((r.time_s - first.time_s, first.mean_surface_mm? - r.mean_surface_mm?))
+        })
         .filter(|(t, s)| t.is_finite() && s.is_finite())
         .collect()
 }

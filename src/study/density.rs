@@ -354,7 +354,8 @@ impl Mould {
             let Some((first, last)) = shaken.first().zip(shaken.last()) else { continue };
             let half = first.time_s + options.duration_s / 2.0;
             let Some(middle) = shaken.iter().find(|r| r.time_s >= half) else { continue };
-            found.push((1.0 + e) * (middle.mean_surface_mm / last.mean_surface_mm - 1.0));
+            let surfaces = middle.mean_surface_mm.zip(last.mean_surface_mm);
+            found.extend(surfaces.map(|(middle, last)| (1.0 + e) * (middle / last - 1.0)));
         }
         Ok(found)
     }

@@ -163,11 +163,13 @@ pub fn note(row: &SeriesRow) -> String {
             row.grains_in_cylinder,
             row.pile_height_mm.unwrap_or(0.0)
         ),
-        None if row.mean_surface_mm > 0.0 => {
-            format!("{} grains in, surface {:.0} mm", row.grains_in_cylinder, row.mean_surface_mm)
-        }
-        None if row.grains_in_cylinder > 0 => format!("{} grains in", row.grains_in_cylinder),
-        None => String::new(),
+        None => match row.mean_surface_mm.filter(|surface| *surface > 0.0) {
+            Some(surface) => {
+                format!("{} grains in, surface {surface:.0} mm", row.grains_in_cylinder)
+            }
+            None if row.grains_in_cylinder > 0 => format!("{} grains in", row.grains_in_cylinder),
+            None => String::new(),
+        },
     }
 }
 
@@ -183,20 +185,24 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
             let surface = HeightMap::of(specimen, &container, height_cell(&specimen.grains))
                 .map_or(0.0, |map| map.standing_height().mean_surface);
             let content = content(specimen, &container);
-            (surface, content.grains, content.mean_grain_height)
+            (Some(surface), content.grains, content.mean_grain_height)
         } else {
             let present: Vec<usize> = specimen.present().collect();
-            let inside = if state.pieces.is_empty() { 0 } else { present.len() };
-            (0.0, inside, mean_grain_height(specimen, &present))
+            // The built-in cylinder is empty until it stands; pieces have no such surface.
+            let (surface, inside) = match state.pieces.is_empty() {
+                true => (Some(0.0), 0),
+                false => (None, present.len()),
+            };
+            (surface, inside, mean_grain_height(specimen, &present))
         };
         let plate = &self.setup.plate;
         let position = state.top_plate.map(|p| plate_position(&p, plate.thickness));
         let kinetic = self.kinetic(specimen, &table);
         let plate_height_mm = position.map(|p| to_mm(p.height));
-        let mean_surface_mm = to_mm(surface);
+        let mean_surface_mm = surface.map(to_mm);
         let before = &mut self.observed.reference.before_vibration_mm;
         if matches!(self.stage, StageSpec::Vibrate { .. }) && before.is_none() {
-            *before = Some((plate_height_mm, mean_surface_mm));
+            *before = mean_surface_mm.map(|surface| (plate_height_mm, surface));
         }
         let before = *before;
         let [moves_y, moves_z] = self.table_moves;
@@ -205,7 +211,7 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
             stage: 0,
             plate_height_mm,
             settlement_mm: before.and_then(|(p, _)| Some(p? - plate_height_mm?)),
-            surface_settlement_mm: before.map(|(_, s)| s - mean_surface_mm),
+            surface_settlement_mm: before.and_then(|(_, s)| Some(s - mean_surface_mm?)),
             kinetic_energy_j: kinetic,
             table_x_mm: to_mm(state.table_x),
             mean_surface_mm,

@@ -78,7 +78,8 @@ pub fn summarise(
     let rest_test = nodes.rest_test.map(|n| &*done[n]);
     let specimen = inside::at_end(&run.grains, &stages);
     let container = container(setup, &specimen);
-    let series = series(&stages);
+    let series = series(&stages, setup);
+    let rest_rows = rest_test.map_or_else(Vec::new, |stage| rows(stage, setup));
     let is_poured = scenario.stages.iter().any(|s| matches!(s, StageSpec::Pour { .. }));
     let end = Standing::of(&specimen, &container, is_poured)?;
     let poured = scenario
@@ -109,9 +110,9 @@ pub fn summarise(
     let specs = scenario.stages.iter().zip(&stages);
     let periods: Vec<Period> = specs.flat_map(|(spec, stage)| periods(spec, stage)).collect();
     let plate = settlement(&series, &periods, |r| r.plate_height_mm)?;
-    let surface = settlement(&series, &periods, |r| Some(r.mean_surface_mm))?;
-    let rest_test_figures = rest_test.and_then(|c| self::rest_test(&c.series));
-    let creep = rest_test.and_then(|c| self::creep_um_per_s(&c.series));
+    let surface = settlement(&series, &periods, |r| r.mean_surface_mm)?;
+    let rest_test_figures = self::rest_test(&rest_rows);
+    let creep = creep_um_per_s(&rest_rows);
     let all = stages.iter().copied().chain(rest_test);
     let mut warnings: Vec<String> =
         all.clone().flat_map(|s| s.record.warnings.iter().cloned()).collect();
@@ -159,11 +160,12 @@ pub fn summarise(
             g.limit.unwrap_or(f64::NAN)
         ));
     }
-    let rows = super::laboratory::rows(&stages);
+    let laboratory_rows = super::laboratory::rows(&stages);
     let at_rest = inside::AtRest::of(setup, &specimen, rest_test);
     let end_of = (&at_rest.specimen, &at_rest.contacts[..]);
     let relative = |e: Option<f64>| Some(scenario.index_densities.as_ref()?.relative_density(e?));
-    let mut laboratory = laboratory_summary(setup, &specimen, end_of, (&series, &rows), rest_test);
+    let both = (&series[..], &laboratory_rows[..]);
+    let mut laboratory = laboratory_summary(setup, &specimen, end_of, both, rest_test);
     let mut withheld = withheld_figures(&end, poured.as_ref());
     let boxes = super::laboratory::regions(setup);
     let summaries = laboratory.iter_mut().flat_map(|laboratory| &mut laboratory.regions);
@@ -244,13 +246,12 @@ pub fn summarise(
         warnings,
     }
     .judged();
-    let rest_test = rest_test.map_or_else(Vec::new, |c| c.series.clone());
     let void_profile = inside::void_profile(setup, &specimen, &container, surface_m);
     Ok(Summarised {
         summary,
         series,
-        laboratory: rows,
-        rest_test,
+        laboratory: laboratory_rows,
+        rest_test: rest_rows,
         energy: inside::energy_rows(&stages),
         turned: inside::turned_in_last(&stages),
         void_profile,
@@ -265,15 +266,23 @@ pub fn grains_hash(grains: &GrainSet) -> String {
     hash_json(&cells)
 }
 
-fn series(stages: &[&StoredStage]) -> Vec<SeriesRow> {
+fn series(stages: &[&StoredStage], setup: &Setup) -> Vec<SeriesRow> {
     let numbered = |(number, stage): (usize, &&StoredStage)| {
-        stage
-            .series
-            .iter()
-            .map(|row| SeriesRow { stage: number as u32, ..*row })
-            .collect::<Vec<_>>()
+        let rows = rows(stage, setup).into_iter();
+        rows.map(move |row| SeriesRow { stage: number as u32, ..row })
     };
     stages.iter().enumerate().flat_map(numbered).collect()
+}
+
+/// Rows of a stage. One of a laboratory that was stored when rows still gave every stage a mean
+/// surface says 0.
+fn rows(stage: &StoredStage, setup: &Setup) -> Vec<SeriesRow> {
+    let has_surface = setup.pieces.is_empty();
+    let row = |row: &SeriesRow| SeriesRow {
+        mean_surface_mm: row.mean_surface_mm.filter(|_| has_surface),
+        ..*row
+    };
+    stage.series.iter().map(row).collect()
 }
 
 /// Periods of a stage's vibration in the run's time.
@@ -336,11 +345,12 @@ fn settlement(
 fn rest_test(series: &[SeriesRow]) -> Option<RestTest> {
     let (first, last) = (series.first()?, series.last()?);
     let duration_s = last.time_s - first.time_s;
+    let drop = |of: fn(&SeriesRow) -> Option<f64>| Some(of(first)? - of(last)?);
     (duration_s > 0.0).then(|| RestTest {
         duration_s,
         mean_grain_height_drop_mm: first.mean_grain_height_mm - last.mean_grain_height_mm,
-        mean_surface_drop_mm: first.mean_surface_mm - last.mean_surface_mm,
-        plate_drop_mm: first.plate_height_mm.zip(last.plate_height_mm).map(|(a, b)| a - b),
+        mean_surface_drop_mm: drop(|row| row.mean_surface_mm),
+        plate_drop_mm: drop(|row| row.plate_height_mm),
     })
 }
 

@@ -22,6 +22,7 @@ mod interruption;
 mod kept;
 mod laboratory;
 mod laboratory_ends;
+mod laboratory_runs;
 mod leaks;
 #[cfg(target_os = "linux")]
 mod limits;

@@ -96,7 +96,7 @@ fn plate_down(study: &StudyView) -> Claim {
 fn placed_gently(study: &StudyView) -> Claim {
     let drop = |r: &RunRecord| {
         let first = r.series.iter().find(|s| s.settlement_mm.is_some())?;
-        Some(r.summary.poured_height_mm?.mean_surface - first.mean_surface_mm)
+        Some(r.summary.poured_height_mm?.mean_surface - first.mean_surface_mm?)
     };
     let drops: Vec<f64> = vibrated(study).filter_map(drop).filter(|d| d.is_finite()).collect();
     Draft::of("plate-placed-without-settlement")

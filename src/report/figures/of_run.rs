@@ -48,7 +48,7 @@ fn over_time(run: &RunRecord, y: Axis) -> Plot {
 
 fn heights(run: &RunRecord) -> Result<Figure, ReportError> {
     let series = [
-        curve(run, 0, "Mean surface", |r| Some(r.mean_surface_mm)),
+        curve(run, 0, "Mean surface", |r| r.mean_surface_mm),
         curve(run, 1, "Mean height of the grains", |r| Some(r.mean_grain_height_mm)),
         curve(run, 2, "Lower face of the plate", |r| r.plate_height_mm),
         curve(run, 3, "Top of the pile above its base", |r| r.pile_height_mm),
