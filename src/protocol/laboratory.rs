@@ -4,7 +4,7 @@ use super::*;
 use crate::plain::three_decimals;
 use crate::scenario::DepositKind;
 use crate::specimen::TurnState;
-use crate::units::from_kpa;
+use crate::units::{from_kpa, to_g};
 
 /// Places of a lattice that are tried for each grain before there counts as no room.
 const TRIES: usize = 1000;
@@ -54,6 +54,8 @@ impl Laboratory<'_> {
         if chosen.is_empty() {
             return Err(self.refused("no grains of that kind are waiting any more"));
         }
+        let short = mass_g.and_then(|asked| too_few(&specimen.grains, &chosen, asked));
+        let fallen_before = fallen_out(&specimen);
         let mut course = Course::until_settled(time_limit_s);
         match (how, rate_g_per_s) {
             (DepositKind::Lattice, _) => self.lay_out(&mut specimen, &area, &chosen)?,
@@ -69,7 +71,17 @@ impl Laboratory<'_> {
         }
         let left = "of the deposit had not been let go: each waits until others and the pieces \
                     are out of its way";
-        self.feed(specimen, &course, "depositing", left)
+        let mut outcome = self.feed(specimen, &course, "depositing", left)?;
+        outcome.warnings.extend(short);
+        let fallen = fallen_out(&outcome.specimen) - fallen_before;
+        if fallen > 0 {
+            let all = fallen + outcome.specimen.present().count();
+            outcome.warnings.push(format!(
+                "{fallen} of {all} grains fell out during the deposit: they missed the pieces, or \
+                 ran over them"
+            ));
+        }
+        Ok(outcome)
     }
 
     /// Grains that wait, of sieve fractions between two openings in m, up to a mass in kg, in
@@ -335,6 +347,25 @@ pub(super) fn borne(state: &PieceState, direction: &Vector, about: Option<Vector
         }
     };
     (-by_grains.dot(direction)).max(0.0)
+}
+
+/// Says that fewer grains were left than a deposit asks for, in g; none where those that were
+/// chosen lack less than one of them: each layer before may have taken a part of a grain more.
+fn too_few(set: &GrainSet, chosen: &[usize], asked: f64) -> Option<String> {
+    let masses = || chosen.iter().map(|&grain| to_g(set.grains[grain].mass));
+    let (there, heaviest) = (masses().sum::<f64>(), masses().fold(0.0, f64::max));
+    (there < asked - heaviest).then(|| {
+        format!(
+            "the deposit asks for {} g of grains, and only {} g were waiting",
+            three_decimals(asked),
+            three_decimals(there)
+        )
+    })
+}
+
+/// Number of grains that have fallen below all pieces.
+fn fallen_out(specimen: &Specimen) -> usize {
+    specimen.state.bodies.iter().filter(|grain| grain.fate == Fate::Spilled).count()
 }
 
 /// What a pressed piece lacks of its load.

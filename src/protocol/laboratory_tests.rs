@@ -85,6 +85,29 @@ fn rain_falls_at_its_rate_and_only_as_much_as_is_asked_for() {
     );
 }
 
+/// Law: a deposit says how many grains fell out, and that fewer were there than it asks for; one
+/// that gets what it asks for says nothing.
+#[test]
+fn a_deposit_says_what_is_lost_and_what_it_lacks() {
+    let lattice = |z: f64, mass_g: f64| {
+        let stage = stage(json!({ "stage": "deposit", "how": "lattice", "at_mm": [0, 0, z],
+            "area_mm": [50, 50], "mass_g": mass_g, "time_limit_s": 1 }));
+        carry_out(specimen(), &stage).expect("a deposit")
+    };
+    let outcome = lattice(100.0, 15.0);
+    assert_eq!(outcome.warnings, [""; 0], "law: 15 of 40 g fall into the box");
+    let outcome = lattice(100.0, 41.0);
+    assert_eq!(outcome.warnings, [""; 0], "law: less than a grain short of what was typed");
+    let outcome = lattice(100.0, 300.0);
+    let told = "asks for 300 g of grains, and only 40 g were waiting";
+    assert!(outcome.warnings.iter().any(|text| text.contains(told)), "{:?}", outcome.warnings);
+    let outcome = lattice(-1000.0, 15.0);
+    let fallen = outcome.specimen.state.bodies.iter().filter(|g| g.fate == Fate::Spilled).count();
+    assert!(fallen > 0 && present(&outcome.specimen).is_empty(), "law: all of them fall out");
+    let told = format!("{fallen} of {fallen} grains fell out during the deposit");
+    assert!(outcome.warnings.iter().any(|text| text.contains(&told)), "{:?}", outcome.warnings);
+}
+
 #[test]
 fn pieces_move_as_prescribed_stay_there_and_are_removed() {
     let turn = stage(json!({ "stage": "move", "pieces": ["box"], "travel_deg": 90,

@@ -32,6 +32,23 @@ impl Summary {
     pub fn counts_in_means(&self) -> bool {
         self.why_left_out().is_empty()
     }
+
+    /// Whether grains have run out of a laboratory until no two of them touch, so that its end has
+    /// no overlap to judge: what flowed counts if the overlap was within the standard while they
+    /// touched, at the ends of stages. The creep of those that are left is judged as ever, by its
+    /// check.
+    pub fn ran_out(&self) -> bool {
+        // Where grains never touched every look found 0.
+        let within = |check: &CheckSummary| {
+            check.passed == Some(true) && check.worst.is_some_and(|worst| worst > 0.0)
+        };
+        let checks = self.checks.as_ref();
+        self.laboratory.is_some()
+            && self.overlap.pairs == 0
+            && self.grains.spilled > 0
+            && (self.grains.in_cylinder == 0 || self.creep_um_per_s.is_some())
+            && checks.is_some_and(|c| within(&c.overlap_mean) && within(&c.overlap_p99))
+    }
 }
 
 impl GrainsSummary {
@@ -143,6 +160,57 @@ mod tests {
             !silent.counts_in_means(),
             "law: what does not say that it is valid does not count"
         );
+    }
+
+    /// A laboratory out of which so many of ten grains have fallen, and no two of the others touch;
+    /// `worst` is the largest overlap that was seen, within its limit.
+    fn emptied(fallen: usize, worst: f64, creep: Option<f64>) -> Summary {
+        let of = summary(false, Some(true));
+        let mut checks = of.checks.clone().expect("checks");
+        for check in [&mut checks.overlap_mean, &mut checks.overlap_p99] {
+            check.worst = Some(worst);
+        }
+        let balance =
+            Balance { weight_n: 0.0, carried_n: 0.0, sideways_n: 0.0, difference_percent: None };
+        let (pieces, groups, openings, regions) = Default::default();
+        Summary {
+            laboratory: Some(LaboratorySummary { pieces, groups, balance, openings, regions }),
+            grains: GrainsSummary {
+                count: 10,
+                in_cylinder: 10 - fallen,
+                spilled: fallen,
+                ..of.grains
+            },
+            checks: Some(checks),
+            creep_um_per_s: creep,
+            ..of
+        }
+        .judged()
+    }
+
+    /// Law: a hopper that has run empty is valid where its grains met the standard of overlap while
+    /// they were there; where none ever touched another, or none fell, nothing was measured.
+    #[test]
+    fn a_laboratory_that_ran_empty_is_judged_by_what_was_there() {
+        for (fallen, worst, creep, expected) in [
+            (10, 0.1, None, true),
+            (10, 0.0, None, false),
+            (9, 0.1, Some(0.1), true),
+            (9, 0.1, None, false),
+            (0, 0.1, Some(0.1), false),
+        ] {
+            let got = emptied(fallen, worst, creep);
+            let case = format!("{fallen} of 10 fell out, overlap {worst} %, creep {creep:?}");
+            assert_eq!(got.valid, expected, "law: {case}");
+            assert!(!got.meets_standard, "law: the end is not measured, {case}");
+            assert_eq!(got.counts_in_means(), expected, "law: {case}");
+        }
+        let mut soft = emptied(10, 0.9, None);
+        let checks = soft.checks.as_mut().expect("checks");
+        (checks.overlap_mean.passed, checks.passed) = (Some(false), Some(false));
+        assert!(!soft.judged().valid, "law: beyond the standard while they were there");
+        let built_in = Summary { laboratory: None, ..emptied(10, 0.1, None) };
+        assert!(!built_in.judged().valid, "law: what is poured into a cylinder stays there");
     }
 
     /// Law: a mean is that of the runs that count, with the number left out beside it; overlap

@@ -117,14 +117,15 @@ pub struct Summary {
     /// Energy and rotation of the grains, stage by stage.
     #[serde(default)]
     pub stages: Vec<StageSummary>,
-    /// Sinking rate of the mean grain height in the second half of the rest test, in µm/s; null where none was run.
+    /// Sinking rate of the mean grain height in the second half of the rest test, in µm/s; null where none was run
+    /// or no grain is left.
     pub creep_um_per_s: Option<f64>,
     /// The rest test in full.
     pub rest_test: Option<RestTest>,
-    /// Whether overlap and creep meet the accuracy standard (docs/accuracy.md).
+    /// Whether overlap and creep are measured and meet the accuracy standard (docs/accuracy.md).
     pub meets_standard: bool,
-    /// Whether the standard is met and no run-time check found anything; false
-    /// where the summary is of before this was recorded.
+    /// Whether the standard is met, or was met before the grains ran out of a laboratory, and no
+    /// run-time check found anything; false where the summary is of before this was recorded.
     #[serde(default)]
     pub valid: bool,
     /// Why the run is left out of means, valid or not (`docs/accuracy.md`); empty where it counts.
@@ -174,8 +175,8 @@ impl Summary {
 
     /// Why the run is not valid, for a reader; none where it is. `valid` says whether it is.
     pub fn why_not_valid(&self) -> Option<String> {
-        let standard =
-            (!self.meets_standard).then(|| "the accuracy standard is not met".to_owned());
+        let below = !self.meets_standard && !self.ran_out();
+        let standard = below.then(|| "the accuracy standard is not met".to_owned());
         let checks = self.checks.as_ref().filter(|g| g.passed == Some(false));
         let checks = checks.map(|g| format!("checks {}", g.line()));
         let why: Vec<String> = standard.into_iter().chain(checks).collect();

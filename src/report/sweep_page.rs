@@ -23,9 +23,12 @@ const HOW_TO_READ: &str = "Every point is run in the same configurations, each a
 pub(super) fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
     let failed = of.failed().count();
     let done = of.runs.len() - failed;
-    let below = of.runs.iter().filter(|r| r.meets_standard == Some(false)).count();
+    // What has run out of a laboratory is valid without an end to judge.
+    let is_below = |r: &&SweepRun| r.meets_standard == Some(false) && r.valid != Some(true);
+    let below = of.runs.iter().filter(is_below).count();
     let not_valid = of.runs.iter().filter(|r| r.valid == Some(false)).count();
-    let found = not_valid.saturating_sub(below);
+    let is_found = |r: &&SweepRun| r.meets_standard == Some(true) && r.valid == Some(false);
+    let found = of.runs.iter().filter(is_found).count();
     let left_out = of.left_out().count();
     let say = |count: usize, text: String| if count > 0 { text } else { String::new() };
     let lead = format!(

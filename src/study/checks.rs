@@ -1,7 +1,7 @@
 //! Checks that need measures: overlap while a stage goes on, creep where it
 //! rests; and what all checks of a run found together.
 
-use super::summarise::{creep_um_per_s, standard};
+use super::{accuracy::standard, summarise::creep_um_per_s};
 use crate::measure::{overlap_statistics, pairs_within};
 use crate::protocol::Watched;
 use crate::record::{

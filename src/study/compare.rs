@@ -9,9 +9,9 @@ use std::sync::Arc;
 
 use super::{
     RunOptions, StudyError,
+    accuracy::standard,
     plan::{Plan, PlannedRun, Prepared},
     run::{carry_out, folder_of, make_grains, write_grains},
-    summarise::standard,
     told::tell_warnings,
 };
 use crate::report::{self, CompareRecord, CompareRun, ComparedQuantity};

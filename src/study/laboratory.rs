@@ -229,7 +229,8 @@ pub(super) fn laboratory_summary(
 
 /// Weight in N against the force of grains on all pieces in N.
 pub(super) fn balance(weight_n: f64, force: &Vector) -> Balance {
-    let carried_n = -force.z;
+    // The sum of no weights is −0.
+    let [weight_n, carried_n] = [weight_n, -force.z].map(|force| force + 0.0);
     let difference_percent = (weight_n > 0.0).then(|| 100.0 * (carried_n / weight_n - 1.0));
     Balance { weight_n, carried_n, sideways_n: force.xy().norm(), difference_percent }
 }
@@ -244,6 +245,9 @@ mod tests {
         assert_eq!((of.carried_n, of.sideways_n), (19.0, 5.0), "law: down is positive");
         let off = of.difference_percent.expect("a difference");
         assert!((off + 5.0).abs() < 1e-12, "law: 5 % too little, got {off} %");
-        assert_eq!(balance(0.0, &Vector::zeros()).difference_percent, None, "law: no grains");
+        let empty = balance(-0.0, &Vector::zeros());
+        assert_eq!(empty.difference_percent, None, "law: no grains");
+        let signs = [empty.weight_n, empty.carried_n].map(f64::is_sign_negative);
+        assert_eq!(signs, [false; 2], "law: nothing is 0, not −0");
     }
 }

@@ -1,5 +1,6 @@
 //! Many runs, one answer.
 
+mod accuracy;
 mod begin;
 mod believed;
 mod beside;
@@ -33,6 +34,7 @@ mod told;
 mod variations;
 
 pub use crate::report::{CompareRecord, CompareRun};
+pub use accuracy::standard;
 pub use calibrate::{
     CalibrationOptions, CalibrationRange, CalibrationStudy, CalibrationTarget, GRAIN_FRICTION,
 };
@@ -51,7 +53,6 @@ pub use run::{ReadyRun, RunOptions, grain_files, make_grains};
 pub use sensitivity::{Parameter, ParameterDesign, SensitivityDesign, SensitivityStudy};
 pub use side_by_side::{InterpretationsOptions, InterpretationsOutcome, interpretations};
 pub use slurm::{SlurmJob, SlurmRequest, quoted, submit as submit_to_slurm, this_program};
-pub use summarise::standard;
 pub use sweep::{
     Design, Factor, PLAN_FILE, PlannedPoint, Point, SCENARIO_FILE, SNAKEFILE, SampledRange,
     SweepOptions, SweepPlan, SweepStage, SweepStatus, SweepStudy, SweepTasks, write_snakefile,

@@ -8,13 +8,14 @@ use std::{
 };
 
 use super::{
-    StudyError, beside,
+    StudyError,
+    accuracy::standard,
+    beside,
     described::described,
     interpretations::Interpretation,
     plan::{Plan, PlannedRun},
     presets::preset,
     run::{CarriedOut, RunOptions, carry_out, folder_of, make_grains, write_grains},
-    summarise::standard,
     told::tell_warnings,
 };
 use crate::grains::{GrainSet, ParticleSizeDistribution};

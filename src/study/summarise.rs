@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use super::{
-    StudyError, checks,
+    StudyError,
+    accuracy::{AtEnd, standard},
+    checks,
     described::{described, secondary_sieve},
     inside,
     laboratory::laboratory_summary,
@@ -27,21 +29,9 @@ use crate::record::{
     ShapeSummary, SieveSummary, SolverResidual, StoredStage, Summary, VibrationSummary, Withheld,
     hash_json,
 };
-use crate::report::Standard;
-use crate::scale::{self, Scale};
 use crate::scenario::{self, Scenario, StageSpec};
 use crate::specimen::Specimen;
 use crate::units::{from_mm, to_cm3, to_g, to_mm};
-
-/// The accuracy standard at a scale (docs/accuracy.md): 0.5 % of the equivalent
-/// diameter on average, 3 % at the 99th percentile, and creep that grows as speeds do.
-pub fn standard(scale: &Scale) -> Standard {
-    Standard {
-        overlap_mean_percent: 0.5,
-        overlap_p99_percent: 3.0,
-        creep_um_per_s: scale::CREEP_LIMIT.at(scale) * 1e6,
-    }
-}
 
 /// Times in s that differ by less are the same.
 const ROUNDING: f64 = 1e-9;
@@ -112,7 +102,7 @@ pub fn summarise(
     let plate = settlement(&series, &periods, |r| r.plate_height_mm)?;
     let surface = settlement(&series, &periods, |r| r.mean_surface_mm)?;
     let rest_test_figures = self::rest_test(&rest_rows);
-    let creep = creep_um_per_s(&rest_rows);
+    let creep = creep_um_per_s(&rest_rows).filter(|_| !members.is_empty());
     let all = stages.iter().copied().chain(rest_test);
     let mut warnings: Vec<String> =
         all.clone().flat_map(|s| s.record.warnings.iter().cloned()).collect();
@@ -127,22 +117,15 @@ pub fn summarise(
         }
         None => None,
     };
-    let Standard { overlap_mean_percent: mean, overlap_p99_percent: p99, creep_um_per_s: limit } =
-        standard(&setup.scale);
-    let meets_standard = overlap.mean_percent < mean
-        && overlap.p99_percent < p99
-        && creep.is_some_and(|c| c.abs() < limit);
+    let standard = standard(&setup.scale);
+    let at_end = AtEnd {
+        grains: members.len(),
+        overlap: (!pairs.is_empty()).then_some(&overlap),
+        creep_um_per_s: creep,
+    };
+    let meets_standard = at_end.meets(&standard);
     if !meets_standard {
-        let creep = creep.map_or("not measured".into(), |c| format!("{c:.1} µm/s"));
-        warnings.push(format!(
-            "the accuracy standard is not met: overlap mean {:.2} % (standard {mean} %), 99th \
-             percentile {:.2} % ({p99} %), creep {creep} ({limit:.3} µm/s)",
-            overlap.mean_percent, overlap.p99_percent
-        ));
-        let over = (overlap.mean_percent / mean).max(overlap.p99_percent / p99);
-        if over >= 1.0 && scenario.engine.solver_name() == "native" {
-            warnings.push(stiffer(scenario.engine.native.contact_stiffness_n_per_m, over));
-        }
+        warnings.extend(at_end.shortcomings(&standard, &scenario.engine));
     }
     let pressed = pressed_through(&run.grains, all.clone(), setup);
     if pressed > 0 {
@@ -392,7 +375,8 @@ fn grains_summary(
         mass_g: to_g(grains.grains.iter().map(|g| g.mass).sum()),
         solids_volume_cm3: to_cm3(grains.grains.iter().map(|g| g.volume).sum()),
         in_cylinder: places.in_cylinder,
-        mass_in_cylinder_g: to_g(content.mass),
+        // The sum of no masses is −0.
+        mass_in_cylinder_g: to_g(content.mass) + 0.0,
         escaped: places.escaped,
         spilled: places.spilled,
         left_in_funnel: places.left_in_funnel,
@@ -408,19 +392,6 @@ fn peak_memory_mib() -> f64 {
         .find_map(|line| line.strip_prefix("VmHWM:"))
         .and_then(|rest| rest.split_whitespace().next()?.parse::<f64>().ok())
         .map_or(0.0, |kib| kib / 1024.0)
-}
-
-/// What stiffness in N/m is likely to meet the standard of overlap, which is missed by a factor.
-/// Half as stiff again as in inverse proportion: under twice the stiffness, overlaps of a pressed
-/// specimen of 110 grains fell to 0.6 of what they were.
-fn stiffer(stiffness: f64, over: f64) -> String {
-    let asked = 1.5 * over * stiffness;
-    // To two digits.
-    let asked = format!("{asked:.1e}").parse().unwrap_or(asked);
-    format!(
-        "contacts are too soft for these loads: set engine.native.contact_stiffness_n_per_m (now \
-         {stiffness}) to about {asked}"
-    )
 }
 
 #[cfg(test)]
@@ -442,13 +413,6 @@ mod tests {
         let for_ever = [at(0.0, 80.0), at(1.0, 79.0), at(2.0, 78.0)];
         let got = creep_um_per_s(&for_ever).expect("a creep");
         assert!((got - 1000.0).abs() < 1e-6, "law: 1000 µm/s, got {got}");
-    }
-
-    #[test]
-    fn a_stiffness_is_proposed_to_two_digits() {
-        let told = stiffer(17_000.0, 1.95);
-        assert!(told.contains("(now 17000) to about 50000"), "law: 1.5 · 1.95 · 17000, got {told}");
-        assert!(stiffer(0.2, 2.0).contains("about 0.6"), "law: of fine grains, too");
     }
 
     fn row(time_s: f64, plate_height_mm: f64) -> SeriesRow {

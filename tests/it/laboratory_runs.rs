@@ -55,3 +55,77 @@ fn a_laboratory_has_no_mean_surface_over_time() {
     let height = summary["standing_height_mm"]["mean_surface"].as_f64().expect("a height");
     assert!(height > 2.0, "law: as high as their solids over the area at least, got {height} mm");
 }
+
+/// The warnings of a summary that contain some words.
+fn warned<'a>(summary: &'a Value, words: &str) -> Vec<&'a str> {
+    let warnings = summary["warnings"].as_array().expect("warnings").iter();
+    let texts = warnings.map(|text| text.as_str().expect("a text"));
+    texts.filter(|text| text.contains(words)).collect()
+}
+
+/// Law: where every grain has missed the box there is no specimen: nothing is measured, and the run
+/// is not valid.
+#[test]
+fn a_deposit_that_misses_its_box_is_no_specimen() {
+    let folder = Folder::new();
+    let (summary, printed) = ran(&folder, "beside", &boxed(&json!({ "at_mm": [120, 0, 30] })));
+    assert_eq!(summary["grains"]["spilled"], summary["grains"]["count"], "law: all fell out");
+    for field in ["meets_standard", "valid"] {
+        assert_eq!(summary[field], false, "law: {field} of nothing");
+    }
+    assert_eq!(summary["creep_um_per_s"], Value::Null, "law: no creep of nothing");
+    for words in ["30 of 30 grains fell out during the deposit", "as no grain is left"] {
+        assert_eq!(warned(&summary, words).len(), 1, "law: `{words}` in {}", summary["warnings"]);
+    }
+    assert!(!printed.contains("-0.000"), "law: no balance of −0.000 N: {printed}");
+    assert!(printed.contains("NOT VALID"), "law: the last line says so: {printed}");
+    let half = json!({ "how": "lattice", "rate_g_per_s": null, "at_mm": [40, 0, 62],
+        "area_mm": [90, 40] });
+    let (summary, _) = ran(&folder, "half", &boxed(&half));
+    assert!(summary["grains"]["in_cylinder"].as_u64() > Some(0), "law: some are in the box");
+    let fallen = &summary["grains"]["spilled"];
+    let told = warned(&summary, &format!("{fallen} of 30 grains fell out"));
+    assert_eq!(told.len(), 1, "law: those that missed it are counted: {}", summary["warnings"]);
+}
+
+/// Law: grains that no deposit took are counted, and a mass that is not there is lacking.
+#[test]
+fn what_is_left_over_and_what_is_lacking_is_said() {
+    let folder = Folder::new();
+    let (summary, printed) = ran(&folder, "part", &boxed(&json!({ "mass_g": 10 })));
+    let [inside, left] =
+        ["in_cylinder", "left_in_funnel"].map(|field| summary["grains"][field].clone());
+    assert!(left.as_u64() > Some(10), "law: 20 of 30 g wait, got {left}");
+    let places = format!("{inside} in the laboratory, {left} left over, 0 fallen out of it");
+    assert!(printed.contains(&places), "law: `{places}` in {printed}");
+    assert_eq!(summary["valid"], true, "law: a part is a specimen: {}", summary["warnings"]);
+    let (summary, _) = ran(&folder, "much", &boxed(&json!({ "mass_g": 300 })));
+    let told = warned(&summary, "asks for 300 g of grains, and only 30 g were waiting");
+    assert_eq!(told.len(), 1, "law: 270 g are lacking: {}", summary["warnings"]);
+}
+
+/// Law: a hopper that runs empty into nothing has a flow that counts: its grains met the standard
+/// while they were in it, and there is nothing to judge afterwards.
+#[test]
+fn a_hopper_that_runs_empty_is_valid_and_its_flow_counts() {
+    let folder = Folder::new();
+    let mut scenario = boxed(&json!({ "at_mm": [0, 0, 180], "area_mm": [36, 36] }));
+    scenario["pieces"] = json!([
+        { "name": "hopper", "at_mm": [0, 0, 100], "shape": { "hopper": { "opening_diameter_mm": 50,
+            "top_diameter_mm": 60, "half_angle_deg": 30, "collar_mm": 100 } } },
+        { "name": "gate", "at_mm": [0, 0, 95], "shape": { "plate": { "size_mm": [100, 100, 10] } } }
+    ]);
+    let remove = json!({ "stage": "remove", "pieces": ["gate"] });
+    scenario["stages"].as_array_mut().expect("stages").push(remove);
+    scenario["measures"] = json!({ "openings": [
+        { "name": "mouth", "at_mm": [0, 0, 85], "diameter_mm": 80 }] });
+    let (summary, printed) = ran(&folder, "hopper", &scenario);
+    assert_eq!(summary["grains"]["in_cylinder"], 0, "law: it is empty");
+    let opening = &summary["laboratory"]["openings"][0];
+    assert!(opening["rate_g_per_s"].as_f64() > Some(0.0), "law: it flowed, got {opening}");
+    assert_eq!(summary["meets_standard"], false, "law: nothing is measured at the end");
+    assert_eq!(summary["valid"], true, "law: its flow counts: {}", summary["warnings"]);
+    assert_eq!(summary["left_out_of_means"], json!([]));
+    assert!(warned(&summary, "fell out during the deposit").is_empty(), "law: not in the deposit");
+    assert!(!printed.contains("NOT VALID"), "{printed}");
+}

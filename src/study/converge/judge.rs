@@ -170,7 +170,7 @@ pub(super) fn cheapest(rows: &[ConvergenceRow], standard: &Standard) -> Cheapest
         not_shown_to_miss: pick(&|r| {
             let v = &r.result;
             v.failed == 0
-                && v.meeting_standard == v.valid
+                && v.meeting_standard <= v.valid
                 && below(v.overlap_mean_percent, standard.overlap_mean_percent)
                 && below(v.overlap_p99_percent, standard.overlap_p99_percent)
                 && below(v.creep_um_per_s, standard.creep_um_per_s)

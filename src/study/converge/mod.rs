@@ -14,8 +14,8 @@ use std::path::PathBuf;
 
 use super::{
     RunOptions, StudyError,
+    accuracy::standard,
     presets::DesignFile,
-    summarise::standard,
     told::tell_warnings,
     variations::{conclude_so_far, keep_and_read, write_variations},
 };
