@@ -69,7 +69,7 @@ pub fn from_meshes(spec: &MeshGrains, seed: u64) -> Result<GrainSet, ScenarioErr
         };
         for object in objects {
             let file = path.display().to_string();
-            let found = each_surface(&object, spec, |surface, name| {
+            let found = each_surface(&object, spec, to_mm(1.0), |surface, name| {
                 let (prototype, record) = prototype(surface, spec)?;
                 let (file, object) = (file.clone(), name.to_owned());
                 records.push(MeshRecord { file, object, ..record });
@@ -102,14 +102,16 @@ pub fn from_meshes(spec: &MeshGrains, seed: u64) -> Result<GrainSet, ScenarioErr
         .map_err(|fault| ScenarioErrors::Faults(vec![fault]))
 }
 
-/// Makes something of each surface of an object, by its name; faults tell that name.
+/// Makes something of each surface of an object, by its name; faults tell that name, and volumes in
+/// mm³ by the millimetres of the surfaces' unit of length.
 fn each_surface(
     object: &Object,
     spec: &MeshGrains,
+    to_mm: f64,
     mut make: impl FnMut(&Surface, &str) -> Result<(), Fault>,
 ) -> Vec<Fault> {
     let named = |fault: Fault, name: &str| Fault { path: name.to_owned(), ..fault };
-    let surfaces = match surfaces(object, spec) {
+    let surfaces = match surfaces(object, spec, to_mm) {
         Ok(surfaces) => surfaces,
         Err(faults) => return faults.into_iter().map(|f| named(f, &object.name)).collect(),
     };

@@ -36,7 +36,7 @@ pub fn parts_of_piece(file: &Path, scale_to_mm: f64) -> Result<Vec<MeshPart>, Ve
     };
     let (mut parts, mut faults) = (Vec::new(), Vec::new());
     for object in objects {
-        let found = each_surface(&object, &spec, |surface, _| {
+        let found = each_surface(&object, &spec, scale_to_mm, |surface, _| {
             let split = |fault| Fault { allowed: SPLIT.to_owned(), ..fault };
             let shape = shape::convex(surface, &spec).map_err(split)?.shape;
             let vertices = shape.vertices().iter().map(|v| (v.coords * scale_to_mm).into());
@@ -106,6 +106,27 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Law: a cube of one unit of 10 mm that is turned inside out encloses −1000 mm³, and a sheet of
+    /// it a volume in mm³, too.
+    #[test]
+    fn volumes_are_given_in_the_unit_of_the_file() {
+        let turned = |line: &str| match line.strip_prefix("f ") {
+            Some(corners) => {
+                format!("f {}\n", corners.split(' ').rev().collect::<Vec<_>>().join(" "))
+            }
+            None => format!("{line}\n"),
+        };
+        let cube = obj(&[[[0.0; 3], [1.0; 3]]], false);
+        let inside_out: String = cube.lines().map(turned).collect();
+        let found = read("cube.obj", &inside_out).expect_err("law: it is inside out");
+        let Fault { message, found, .. } = &found[0];
+        assert!(message.contains("inside out") && found == "-1000 mm³", "{message}, got {found}");
+        let sheet = obj(&[[[0.0; 3], [1.0, 1.0, 1e-5]]], false);
+        let found = read("sheet.obj", &sheet).expect_err("law: it has no volume to speak of");
+        let Fault { found, allowed, .. } = &found[0];
+        assert_eq!((found.as_str(), allowed.as_str()), ("0.01 mm³", "more than 0.1 mm³"));
     }
 
     #[test]

@@ -4,23 +4,27 @@ use std::collections::HashMap;
 
 use super::*;
 
-/// A closed surface with outward faces, in m.
+/// A closed surface with outward faces, in m; of a piece, in the file's unit of length.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Surface {
     /// Vertices, no two at one place.
     pub vertices: Vec<Point>,
     /// Faces as loops of vertex numbers, counter-clockwise seen from outside.
     pub faces: Vec<Vec<u32>>,
-    /// Enclosed volume in m³, positive.
+    /// Enclosed volume, positive.
     pub volume: f64,
 }
 
 /// The closed surfaces of an object: one, or as many as it holds where the
-/// scenario lets them be split.
+/// scenario lets them be split. `to_mm` are the millimetres of their unit of length, for people.
 ///
 /// # Errors
 /// Everything that is wrong with the object, without file and object.
-pub(super) fn surfaces(object: &Object, spec: &MeshGrains) -> Result<Vec<Surface>, Vec<Fault>> {
+pub(super) fn surfaces(
+    object: &Object,
+    spec: &MeshGrains,
+    to_mm: f64,
+) -> Result<Vec<Surface>, Vec<Fault>> {
     if let Some(vertex) =
         object.vertices.iter().position(|v| !v.coords.iter().all(|c| c.is_finite()))
     {
@@ -58,7 +62,7 @@ pub(super) fn surfaces(object: &Object, spec: &MeshGrains) -> Result<Vec<Surface
     };
     let surfaces: Vec<Surface> = pieces.iter().map(part).collect();
     for surface in &surfaces {
-        faults.extend(volume_fault(surface));
+        faults.extend(volume_fault(surface, to_mm));
     }
     if faults.is_empty() { Ok(surfaces) } else { Err(faults) }
 }
@@ -176,10 +180,10 @@ pub(super) fn volume(vertices: &[Point], faces: &[Vec<u32>]) -> f64 {
 /// dimension: a sheet a thousandth as thick as it is wide is none.
 const LEAST_VOLUME: f64 = 1e-4;
 
-fn volume_fault(surface: &Surface) -> Option<Fault> {
+fn volume_fault(surface: &Surface, to_mm: f64) -> Option<Fault> {
     let largest = extent(&surface.vertices);
     let least = LEAST_VOLUME * largest.powi(3);
-    let in_mm3 = |m3: f64| format!("{} mm³", rounded(m3 * 1e9));
+    let in_mm3 = |volume: f64| format!("{} mm³", rounded(volume * to_mm.powi(3)));
     if surface.volume < -least {
         return Some(Fault::new(
             "the surface is turned inside out: it encloses a negative volume",
