@@ -218,9 +218,10 @@ impl From<&Place> for BodyState {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ApparatusPiece {
     /// `cylinder_00` and so on, `floor`, `funnel_00` and so on, `lid`;
-    /// `base_0000` and so on, the last of them the floor under a pile.
+    /// `base_0000` and so on, the last of them the floor under a pile; of a piece of a
+    /// laboratory its own with the number of the part.
     pub name: String,
-    /// What carries it: it is fixed, or goes with the table.
+    /// What carries it: it is fixed, goes with the table, or is moved by a stage of a laboratory.
     pub motion: Carrier,
     /// What it is made of.
     pub material: Material,

@@ -5,6 +5,7 @@ mod markdown;
 
 use std::{collections::BTreeSet, fs, path::Path};
 
+use pluvia::export::Carrier;
 use pluvia::grains::load_scenario;
 use pluvia::scenario::{EngineSettings, NativeSettings, RapierSettings, Scenario, StockSettings};
 use serde_json::Value;
@@ -335,6 +336,18 @@ fn fields_of_results_are_explained() {
         count += 1;
     }
     assert!(count > 40, "expected the fields of summary.json and series.csv, found {count}");
+}
+
+/// Law: whatever may carry a piece of the apparatus is on the page of the exchange format.
+#[test]
+fn what_carries_a_piece_is_explained() {
+    let page = read("docs/exchange.md");
+    let line = page.split("\n- ").find(|line| line.starts_with("`apparatus`")).expect("its line");
+    for carrier in [Carrier::Fixed, Carrier::Table, Carrier::Kinematic] {
+        let name = serde_json::to_value(carrier).expect("JSON");
+        let name = name.as_str().expect("a word");
+        assert!(line.contains(&format!("`{name}`")), "law: `{name}` is explained, got {line}");
+    }
 }
 
 /// Law: the README is one page: at most 9 KB.
