@@ -25,6 +25,7 @@ mod shortfalls;
 mod silhouette;
 mod style;
 mod sweep;
+mod sweep_outcomes;
 mod sweep_page;
 mod table;
 mod targets;
@@ -72,9 +73,9 @@ pub use png::{Picture, draw as draw_svg, render as svg_to_png};
 pub use quality::Standard;
 pub use sensitivity::{Effect, ParameterRow, Sensitivity, write_sensitivity};
 pub use sweep::{
-    MAIN_OUTCOMES, OUTCOMES, Sweep, SweepEffect, SweepEstimate, SweepFactor, SweepPoint, SweepRun,
-    write_sweep,
+    Sweep, SweepEffect, SweepEstimate, SweepFactor, SweepPoint, SweepRun, write_sweep,
 };
+pub use sweep_outcomes::{OUTCOMES, averaged_outcomes, main_outcomes, outcomes_in};
 pub use targets::{MetAt, PointsMet, Target, TargetFound, TargetsFound, Together, write_targets};
 
 /// Why a report could not be written.

@@ -7,41 +7,12 @@ use serde_json::Value;
 
 use super::{
     ReportError, figures,
+    sweep_outcomes::all_outcomes,
     sweep_page::page,
     table::{Cell, Table, row, table},
 };
 use crate::measure::{bootstrap_interval, inference::MeanTest};
-use crate::record::write_json;
-
-/// Numbers of a run that stand in the table, by their path in `summary.json`,
-/// with what they are in words. The first five have figures.
-pub const OUTCOMES: [(&str, &str); 19] = [
-    ("poured_height_mm.mean_surface", "Poured height (mm)"),
-    ("settlement_mm.final", "Plate settlement (mm)"),
-    ("surface_settlement_mm.final", "Surface settlement (mm)"),
-    ("angle_of_repose.degrees", "Angle of repose (degrees)"),
-    ("void_ratio", "Void ratio"),
-    ("standing_height_mm.mean_surface", "Height of the mean surface at the end (mm)"),
-    ("poured_void_ratio", "Void ratio after pouring"),
-    ("settlement_mm.after_5_s", "Settlement of the plate after 5 s (mm)"),
-    (
-        "settlement_mm.after_each_period.0",
-        "Settlement of the plate after the first of several periods (mm)",
-    ),
-    ("surface_settlement_mm.after_5_s", "Settlement of the mean surface after 5 s (mm)"),
-    ("coordination_number", "Coordination number"),
-    ("overlap.mean_percent", "Mean overlap (%)"),
-    ("overlap.p99_percent", "99th percentile of the overlap (%)"),
-    ("creep_um_per_s", "Creep (µm/s)"),
-    ("grains.spilled", "Grains spilled"),
-    ("grains.left_in_funnel", "Grains left in the funnel"),
-    ("grains.escaped", "Grains through walls"),
-    ("simulated_s", "Simulated time (s)"),
-    ("wall_s", "Wall time (s)"),
-];
-
-/// How many of [`OUTCOMES`] have figures and effects.
-pub const MAIN_OUTCOMES: usize = 5;
+use crate::record::{LaboratoryNames, write_json};
 
 /// The one result that is another each time, and has a table of its own.
 const WALL_TIME: &str = "wall_s";
@@ -204,6 +175,9 @@ pub struct Sweep {
     pub points: Vec<SweepPoint>,
     /// The effects, factor by factor.
     pub effects: Vec<SweepEffect>,
+    /// Names of a laboratory, by which its results are called on the page.
+    #[serde(skip)]
+    pub names: LaboratoryNames,
 }
 
 impl Sweep {
@@ -218,22 +192,11 @@ impl Sweep {
     }
 }
 
-/// What a result is in words.
-pub(super) fn in_words(outcome: &str) -> &str {
-    OUTCOMES.iter().find(|(path, _)| *path == outcome).map_or(outcome, |(_, words)| words)
-}
-
-/// The main results that there are, in words.
-pub(super) fn outcomes_of(
-    has: impl Fn(&str) -> bool,
-) -> impl Iterator<Item = (&'static str, &'static str)> {
-    OUTCOMES[..MAIN_OUTCOMES].iter().copied().filter(move |(path, _)| has(path))
-}
-
 /// `sweep.csv`: one row a run, one column a factor and result. The same sweep
 /// gives the same bytes, wherever and in whatever order it was run.
 fn table(of: &Sweep) -> Table {
-    let results = || OUTCOMES.iter().map(|(path, _)| *path).filter(|path| *path != WALL_TIME);
+    let all = all_outcomes(&of.runs);
+    let results = || all.iter().copied().filter(|path| *path != WALL_TIME);
     let factors = of.factors.iter().map(|f| f.path.as_str());
     let header = ["run", "point", "configuration"].into_iter().chain(factors).chain(results());
     let mut table =
@@ -315,6 +278,7 @@ mod tests {
                 outcomes: BTreeMap::new(),
             }],
             effects: Vec::new(),
+            names: LaboratoryNames::default(),
         }
     }
 

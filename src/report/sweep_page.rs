@@ -3,7 +3,8 @@
 use super::{
     Figure, Sweep, SweepEffect, SweepEstimate, SweepPoint, SweepRun,
     page::{Block, Page},
-    sweep::{in_words, outcomes_of, shown},
+    sweep::shown,
+    sweep_outcomes::{in_words, main_outcomes},
     table::{Cell, Table, besides, dash, missing, plus_minus, row, table},
 };
 use crate::{paper::text::compact, plain::plain, record::left_out_in_words};
@@ -77,7 +78,7 @@ fn probability(p: Option<f64>) -> Cell {
 fn effects(of: &Sweep) -> Table {
     table!(&of.effects, |e| {
         "factor" => &e.factor,
-        "result" => in_words(&e.outcome),
+        "result" => in_words(&e.outcome, &of.names),
         "change for one unit" => Cell::number(slope(e)),
         "p" => probability(e.slope_p),
         "p by ranks" => probability(e.page_p),
@@ -104,18 +105,18 @@ fn estimate(of: &SweepPoint, e: Option<&SweepEstimate>) -> Cell {
 }
 
 fn points(of: &Sweep) -> Table {
-    let has = |path: &str| of.runs.iter().any(|r| r.outcomes.contains_key(path));
-    let outcomes: Vec<(&str, &str)> = outcomes_of(has).collect();
-    let factors = of.factors.iter().map(|f| f.path.as_str());
-    let counts = ["runs", "valid", "left out"];
-    let words = outcomes.iter().map(|(_, words)| *words);
-    let mut table = Table::new(["point"].into_iter().chain(factors).chain(counts).chain(words));
+    let outcomes = main_outcomes(&of.runs);
+    let factors = of.factors.iter().map(|f| f.path.clone());
+    let counts = ["runs", "valid", "left out"].map(str::to_owned);
+    let words = outcomes.iter().map(|path| in_words(path, &of.names));
+    let first = ["point".to_owned()].into_iter();
+    let mut table = Table::new(first.chain(factors).chain(counts).chain(words));
     for p in &of.points {
         let mut cells = row![&p.point];
         cells.extend(p.values.iter().map(|value| Cell::from(shown(value))));
         let runs = format!("{}{}", p.runs, besides(p.failed, "failed"));
         cells.extend(row![runs, p.valid, p.left_out]);
-        cells.extend(outcomes.iter().map(|(path, _)| estimate(p, p.outcomes.get(*path))));
+        cells.extend(outcomes.iter().map(|path| estimate(p, p.outcomes.get(*path))));
         table.row(cells);
     }
     table

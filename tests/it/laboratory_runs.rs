@@ -104,11 +104,8 @@ fn what_is_left_over_and_what_is_lacking_is_said() {
     assert_eq!(told.len(), 1, "law: 270 g are lacking: {}", summary["warnings"]);
 }
 
-/// Law: a hopper that runs empty into nothing has a flow that counts: its grains met the standard
-/// while they were in it, and there is nothing to judge afterwards.
-#[test]
-fn a_hopper_that_runs_empty_is_valid_and_its_flow_counts() {
-    let folder = Folder::new();
+/// Thirty grains in a closed hopper, which run out into nothing.
+fn hopper() -> Value {
     let mut scenario = boxed(&json!({ "at_mm": [0, 0, 180], "area_mm": [36, 36] }));
     scenario["pieces"] = json!([
         { "name": "hopper", "at_mm": [0, 0, 100], "shape": { "hopper": { "opening_diameter_mm": 50,
@@ -117,9 +114,18 @@ fn a_hopper_that_runs_empty_is_valid_and_its_flow_counts() {
     ]);
     let remove = json!({ "stage": "remove", "pieces": ["gate"] });
     scenario["stages"].as_array_mut().expect("stages").push(remove);
-    scenario["measures"] = json!({ "openings": [
-        { "name": "mouth", "at_mm": [0, 0, 85], "diameter_mm": 80 }] });
-    let (summary, printed) = ran(&folder, "hopper", &scenario);
+    scenario["measures"] = json!({
+        "openings": [{ "name": "mouth", "at_mm": [0, 0, 85], "diameter_mm": 80 }]
+    });
+    scenario
+}
+
+/// Law: a hopper that runs empty into nothing has a flow that counts: its grains met the standard
+/// while they were in it, and there is nothing to judge afterwards.
+#[test]
+fn a_hopper_that_runs_empty_is_valid_and_its_flow_counts() {
+    let folder = Folder::new();
+    let (summary, printed) = ran(&folder, "hopper", &hopper());
     assert_eq!(summary["grains"]["in_cylinder"], 0, "law: it is empty");
     let opening = &summary["laboratory"]["openings"][0];
     assert!(opening["rate_g_per_s"].as_f64() > Some(0.0), "law: it flowed, got {opening}");
@@ -128,4 +134,38 @@ fn a_hopper_that_runs_empty_is_valid_and_its_flow_counts() {
     assert_eq!(summary["left_out_of_means"], json!([]));
     assert!(warned(&summary, "fell out during the deposit").is_empty(), "law: not in the deposit");
     assert!(!printed.contains("NOT VALID"), "{printed}");
+}
+
+/// Law: the table of a sweep has all numbers of a laboratory as its runs have them, its page the
+/// flow, and targets find both.
+#[test]
+fn a_sweep_of_a_laboratory_has_its_results() {
+    let folder = Folder::new();
+    let file = folder.scenario("hopper.json", &hopper());
+    let over = "pieces.0.shape.hopper.opening_diameter_mm=46,52";
+    let out = folder.out("out");
+    done(&["sweep", &file, "--over", over, "--configurations", "2", "--out", &out]);
+    let mut table = csv::Reader::from_path(folder.path("out/sweep.csv")).expect("sweep.csv");
+    let names = table.headers().expect("names").clone();
+    let rows: Vec<csv::StringRecord> = table.records().map(|row| row.expect("a row")).collect();
+    assert_eq!(rows.len(), 4, "law: two openings in two realisations");
+    let rate = "laboratory.openings.0.rate_g_per_s";
+    for path in [rate, "laboratory.openings.0.passed_g", "laboratory.pieces.0.force_n.2"] {
+        let column = names.iter().position(|name| name == path);
+        let column = column.unwrap_or_else(|| panic!("law: a column {path} among {names:?}"));
+        for row in &rows {
+            let summary = folder.json(&format!("out/runs/{}/summary.json", &row[0]));
+            let own = summary.pointer(&format!("/{}", path.replace('.', "/")));
+            let own = own.and_then(Value::as_f64).expect("a number of the run");
+            assert_eq!(row[column].parse::<f64>(), Ok(own), "law: {path} as {} has it", &row[0]);
+        }
+    }
+    let page = fs::read_to_string(folder.path("out/sweep.md")).expect("sweep.md");
+    assert!(page.contains("| Rate through mouth (g/s) |"), "law: points have the flow: {page}");
+    assert!(page.contains("opening_diameter_mm | Rate through mouth"), "law: and effects: {page}");
+    let (runs, target) = (format!("h={out}"), format!("h:{rate}=1..100000"));
+    let found = folder.out("targets");
+    done(&["targets", "--runs", &runs, "--target", &target, "--out", &found]);
+    let found = folder.json("targets/targets.json");
+    assert_eq!(found["targets"][0]["runs_meeting"], 4, "law: every run flows, got {found}");
 }

@@ -8,7 +8,8 @@ use crate::{
         axis::{Axis, Scale},
         plot::{Look, Plot},
         style::{self, Marker},
-        sweep::{in_words, outcomes_of, shown},
+        sweep::shown,
+        sweep_outcomes::{in_words, main_outcomes},
         table::{Table, row},
     },
 };
@@ -133,7 +134,7 @@ fn effect_panel(
     let mean_points: Vec<(f64, f64)> = of_values().map(|(at, e)| (at, e.mean)).collect();
     let bars: Vec<[(f64, f64); 2]> =
         of_values().filter_map(|(at, e)| Some([(at, e.t_low?), (at, e.t_high?)])).collect();
-    let mut plot = Plot::new(axis(factor), Axis::linear(in_words(&effect.outcome)));
+    let mut plot = Plot::new(axis(factor), Axis::linear(in_words(&effect.outcome, &of.names)));
     plot.frame_height = PANEL;
     let label = |text| if has_legend { text } else { "" };
     plot.add_some(label("Single runs"), Look::rings(), runs);
@@ -150,11 +151,11 @@ fn effect_panel(
 fn pair_figure(of: &Sweep, a: usize, b: usize) -> Result<Option<Figure>, ReportError> {
     let (first, second) = (&of.factors[a], &of.factors[b]);
     let mut table = Table::new(["outcome", "first", "second", "mean"]);
-    let has = |path: &str| of.points.iter().any(|p| p.outcomes.contains_key(path));
-    let outcomes: Vec<(&str, &str)> = outcomes_of(has).collect();
+    let has = |path: &&str| of.points.iter().any(|p| p.outcomes.contains_key(*path));
+    let outcomes: Vec<&str> = main_outcomes(&of.runs).into_iter().filter(has).collect();
     let mut panels = Vec::new();
-    for (index, (path, words)) in outcomes.iter().enumerate() {
-        let mut plot = Plot::new(axis(first), Axis::linear(*words));
+    for (index, path) in outcomes.iter().enumerate() {
+        let mut plot = Plot::new(axis(first), Axis::linear(in_words(path, &of.names)));
         plot.frame_height = PANEL;
         let is_last = index + 1 == outcomes.len();
         for (k, value) in second.values.iter().enumerate() {

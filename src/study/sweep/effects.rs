@@ -12,7 +12,7 @@ use crate::measure::{
     statistics::{least_squares_slope, mean},
 };
 use crate::report::{
-    MAIN_OUTCOMES, OUTCOMES, SweepEffect, SweepEstimate, SweepFactor, SweepPoint, SweepRun,
+    SweepEffect, SweepEstimate, SweepFactor, SweepPoint, SweepRun, averaged_outcomes, main_outcomes,
 };
 
 /// Confidence of intervals, and of the test that decides how many configurations are needed.
@@ -23,14 +23,15 @@ const POWER: f64 = 0.8;
 
 /// Means of each point over its configurations, of the runs that count.
 pub(super) fn point_rows(points: &[Point], runs: &[SweepRun]) -> Vec<SweepPoint> {
+    let averaged = averaged_outcomes(runs);
     let row = |point: &Point| {
         let of: Vec<&SweepRun> = runs.iter().filter(|r| r.point == point.name).collect();
         let mut outcomes = BTreeMap::new();
-        for (path, _) in OUTCOMES {
+        for path in &averaged {
             let values: Vec<f64> =
-                counting(&of).filter_map(|r| r.outcomes.get(path).copied()).collect();
+                counting(&of).filter_map(|r| r.outcomes.get(*path).copied()).collect();
             if let Some(estimate) = SweepEstimate::of(&values) {
-                outcomes.insert(path.to_owned(), estimate);
+                outcomes.insert((*path).to_owned(), estimate);
             }
         }
         let failed = of.iter().filter(|r| r.failure.is_some()).count();
@@ -61,11 +62,9 @@ pub(super) fn effects(
     runs: &[SweepRun],
 ) -> Vec<SweepEffect> {
     let mut found = Vec::new();
+    let main = main_outcomes(runs);
     for (n, factor) in factors.iter().enumerate() {
-        for (outcome, _) in &OUTCOMES[..MAIN_OUTCOMES] {
-            if !runs.iter().any(|r| r.outcomes.contains_key(*outcome)) {
-                continue;
-            }
+        for &outcome in &main {
             // Of factors varied one at a time only the scenario itself and the
             // factor's own points tell of it.
             let own: Vec<&Point> = points
@@ -74,7 +73,7 @@ pub(super) fn effects(
                 .collect();
             let all: Vec<&SweepRun> = runs
                 .iter()
-                .filter(|r| r.outcomes.contains_key(*outcome))
+                .filter(|r| r.outcomes.contains_key(outcome))
                 .filter(|r| own.iter().any(|p| p.name == r.point))
                 .collect();
             let runs: Vec<&SweepRun> = counting(&all).collect();

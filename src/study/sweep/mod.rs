@@ -20,14 +20,14 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::{
-    RunOptions, StudyError,
+    RunOptions, StudyError, laboratory,
     sensitivity::{Designed, Parameter, read_design},
     told::tell_warnings,
     variations::{Variation, Varied, collect_stored, conclude_so_far},
 };
 use crate::grains::load_scenario;
 use crate::record::{RunRow, read_json};
-use crate::report::{self, OUTCOMES, Sweep, SweepFactor, SweepRun};
+use crate::report::{self, Sweep, SweepFactor, SweepRun, outcomes_in};
 use crate::scenario::{Override, Scenario, gathered};
 
 /// What to vary, and how.
@@ -226,6 +226,7 @@ impl SweepStudy {
             factors,
             runs,
             effects,
+            names: laboratory::names(&self.scenario),
         })
     }
 
@@ -245,13 +246,7 @@ impl SweepStudy {
         };
         if run.failure.is_none() {
             let path = self.options.run.out.join("runs").join(&row.run).join("summary.json");
-            let summary: Value = read_json(&path)?;
-            for (path, _) in OUTCOMES {
-                let pointer = format!("/{}", path.replace('.', "/"));
-                if let Some(number) = summary.pointer(&pointer).and_then(Value::as_f64) {
-                    run.outcomes.insert(path.to_owned(), number);
-                }
-            }
+            run.outcomes = outcomes_in(&read_json(&path)?);
         }
         Ok(run)
     }

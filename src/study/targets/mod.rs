@@ -76,7 +76,10 @@ impl FromStr for Target {
         if !named || low >= high {
             return Err(wrong());
         }
-        Ok(Self { runs: runs.to_owned(), result: result.to_owned(), share_of, low, high })
+        // Columns number lists as `a.0.b`; a path may say `a[0].b` elsewhere.
+        let column = |path: &str| path.replace('[', ".").replace(']', "");
+        let (result, share_of) = (column(result), share_of.as_deref().map(column));
+        Ok(Self { runs: runs.to_owned(), result, share_of, low, high })
     }
 }
 

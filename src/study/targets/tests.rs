@@ -100,6 +100,25 @@ fn shares_are_in_percent_and_tables_of_a_name_go_together() {
     assert_eq!(found.targets[0].runs_meeting, 50, "law: all meet it");
 }
 
+/// Law: what a sweep of a laboratory has beside the fixed results can be a target, by the path of its
+/// column or with brackets around the numbers of lists.
+#[test]
+fn results_of_a_laboratory_are_targets() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sweep.csv");
+    of_numbers(&path, "a,b,void_ratio,laboratory.openings.0.rate_g_per_s", |a, b| {
+        format!("{a},{b},,{}", 100.0 + 10.0 * a + b)
+    });
+    for result in ["laboratory.openings.0.rate_g_per_s", "laboratory.openings[0].rate_g_per_s"] {
+        let wanted = [target(&format!("h:{result}=99.5..114.5"))];
+        let found = meet_targets(&[runs("h", path.clone())], &wanted, &[]).expect("an answer");
+        let got = &found.targets[0];
+        assert_eq!((got.runs_counted, got.runs_meeting), (25, 10), "law: those with a of 0 and 1");
+        let (by, _) = got.effects["a"];
+        assert!((by - 40.0).abs() < 1e-6, "law: 10 a over 0 to 4 is 40, got {by}");
+    }
+}
+
 #[test]
 fn what_cannot_be_answered_is_refused_with_the_reason() {
     let folder = tempfile::tempdir().expect("a folder");
