@@ -200,6 +200,24 @@ impl StageSpec {
         }
     }
 
+    /// Whether seed and configuration act on the stage: it mixes grains, or draws where the plate is
+    /// laid.
+    pub fn draws(&self) -> bool {
+        match *self {
+            Self::FillFunnel { .. } | Self::SlowPluviation { .. } | Self::Deposit { .. } => true,
+            Self::PlaceTopPlate { placement, offset_mm, rotation_deg, .. } => {
+                placement > 0 && (offset_mm != Some(0.0) || rotation_deg != 0.0)
+            }
+            Self::Pour { .. }
+            | Self::Vibrate { .. }
+            | Self::Move { .. }
+            | Self::Press { .. }
+            | Self::Release { .. }
+            | Self::Remove { .. }
+            | Self::Rest { .. } => false,
+        }
+    }
+
     /// Longest simulated time the stage can take, in s.
     pub fn longest(&self) -> f64 {
         let limit = self.limit().map_or(0.0, |(_, limit)| limit);
@@ -264,6 +282,12 @@ impl Scenario {
         self.grading_by_sieves().or(self.found)
     }
 
+    /// Whether another seed or configuration gives another realisation: of a scenario that begins
+    /// with a specimen only where a stage of its own draws.
+    pub fn has_realisations(&self) -> bool {
+        self.begin.is_none() || self.stages.iter().any(StageSpec::draws)
+    }
+
     /// Falling height of the pour in mm, where grains are poured.
     pub fn falling_height_mm(&self) -> Option<f64> {
         self.stages.iter().find_map(|stage| match stage {
@@ -325,6 +349,31 @@ mod tests {
                 (got - expected).abs() < 1e-6,
                 "law: 2πfA, and 4 periods with 3 rests; expected {expected}, got {got}, tolerance 1e-6"
             );
+        }
+    }
+
+    /// Law: a stage draws where it mixes grains, or where a placement of the plate has limits to be
+    /// drawn within.
+    #[test]
+    fn stages_that_draw_are_known() {
+        let draws = |stage: &str| scenario(&format!("[{{ {stage} }}]")).stages[0].draws();
+        for (stage, expected) in [
+            (r#""stage": "fill_funnel""#, true),
+            (
+                r#""stage": "deposit", "at_mm": [0, 0, 9], "diameter_mm": 9, "rate_g_per_s": 1"#,
+                true,
+            ),
+            (r#""stage": "pour", "falling_height_mm": 50"#, false),
+            (r#""stage": "place_top_plate""#, false),
+            (r#""stage": "place_top_plate", "placement": 1"#, true),
+            (r#""stage": "place_top_plate", "placement": 1, "offset_mm": 0"#, true),
+            (
+                r#""stage": "place_top_plate", "placement": 1, "offset_mm": 0, "rotation_deg": 0"#,
+                false,
+            ),
+            (r#""stage": "rest", "duration_s": 1"#, false),
+        ] {
+            assert_eq!(draws(stage), expected, "law: {stage}");
         }
     }
 

@@ -65,6 +65,11 @@ impl Override {
         &self.text
     }
 
+    /// The path of what it changes, as a person types it.
+    pub fn path(&self) -> &str {
+        self.text.split_once('=').map_or(&*self.text, |(path, _)| path.trim())
+    }
+
     /// What stands in a scenario's JSON where the change would go; `None` where
     /// nothing does.
     pub fn value_before<'a>(&self, scenario: &'a Value) -> Option<&'a Value> {

@@ -17,6 +17,7 @@ mod interpretations;
 mod laboratory;
 mod plan;
 mod presets;
+mod realisations;
 mod recorder;
 mod reproduce;
 mod run;

@@ -280,6 +280,71 @@ fn a_file_that_is_no_specimen_of_the_run_is_refused() {
     }
 }
 
+/// Law: a begun specimen whose stages draw nothing is one realisation, however often it is run: what
+/// would count it several times is refused before anything is written; what draws, or is run once,
+/// is not.
+#[test]
+fn one_specimen_is_not_taken_for_several_realisations() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let begun = |name: &str, stage: Value| {
+        let begin = json!({ "specimen": text(whole()), "stage": "pour" });
+        let scenario = json!({ "name": "begun", "begin": begin, "stages": [stage] });
+        write(folder.path(), name, &scenario)
+    };
+    let rests = begun("rests.json", json!({ "stage": "rest", "duration_s": 0.1 }));
+    let placed = begun("placed.json", json!({ "stage": "place_top_plate", "placement": 1 }));
+    let full = json!({ "scenario": "rests.json", "configurations": 2 });
+    let rung = |of: &str| {
+        let changes = [format!("contact.restitution={of}")];
+        json!({ "name": of, "title": of, "changes": changes })
+    };
+    let ladders = json!({
+        "full": full, "reference": "rebound",
+        "limits": { "height_percent": 1, "settlement_percent": 5 },
+        "ladders": [{ "name": "rebound", "title": "Rebound", "rungs": [rung("0.2"), rung("0.3")] }]
+    });
+    let ranges = json!({ "full": full, "parameters": [{ "name": "rebound", "title": "Rebound",
+        "reason": "A test.", "path": "contact.restitution", "low": 0.2, "high": 0.4 }] });
+    let ladders = write(folder.path(), "ladders.json", &ladders);
+    let ranges = write(folder.path(), "ranges.json", &ranges);
+    let out = folder.path().join("out");
+    let asked = |args: &[&str]| pluvia(&[args, &["--out", text(&out), "--quiet"]].concat());
+    let (rests, over) = (text(&rests), ["--over", "contact.restitution=0.2,0.3"]);
+    let height = ["--target", "standing_height_mm.mean_surface=9"];
+    let unknown = ["--unknown", "contact.restitution", "--between", "0.1..0.3"];
+    for (args, words) in [
+        (
+            [&["sweep", rests, "--configurations", "3"][..], &over[..]].concat(),
+            "--configurations 3",
+        ),
+        (vec!["sweep", rests, "--over", "seed=1,2,3"], "`seed` cannot be varied"),
+        (vec!["sweep", rests, "--over", "configuration=1,2"], "`configuration` cannot be varied"),
+        (
+            vec!["sweep", rests, "--samples", "latin-hypercube:3", "--range", "seed=1..9"],
+            "`seed` cannot be varied",
+        ),
+        ([&["calibrate", rests][..], &height[..], &unknown[..]].concat(), "--replicates 5"),
+        (vec!["converge", "--design", text(&ladders)], "--configurations 2"),
+        (vec!["sensitivity", "--design", text(&ranges)], "--configurations 2"),
+    ] {
+        let output = asked(&args);
+        let said = said(&output);
+        assert_eq!(output.status.code(), Some(2), "law: {args:?} is refused, got {said}");
+        for words in [words, "begins with one specimen"] {
+            assert!(said.contains(words), "{args:?}: `{words}` is missing in: {said}");
+        }
+        assert!(!out.exists(), "law: nothing was written");
+    }
+    for args in [
+        [&["sweep", rests, "--plan-only"][..], &over[..]].concat(),
+        [&["sweep", text(&placed), "--plan-only", "--configurations", "3"][..], &over[..]].concat(),
+    ] {
+        let output = asked(&args);
+        assert!(output.status.success(), "law: {args:?} is sound, got {}", said(&output));
+        fs::remove_dir_all(&out).expect("the plan is removed");
+    }
+}
+
 /// Law: grains of a file are those of the run, or the file is refused.
 #[test]
 fn a_file_of_other_grains_is_refused() {

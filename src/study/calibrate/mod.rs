@@ -17,6 +17,7 @@ use serde_json::Value;
 
 use super::{
     RunOptions, StudyError,
+    realisations::Asked,
     told::tell_warnings,
     variations::{Variation, Varied, carry_out_in},
 };
@@ -118,7 +119,8 @@ impl<'a> CalibrationStudy<'a> {
         };
         let study = Self { options, scenario, question };
         // A value that the scenario does not allow is reported before anything runs.
-        study.varied(&[low, high])?;
+        let ends = study.varied(&[low, high])?;
+        Asked::replicates(options.replicates).refuse_repeats(&ends)?;
         Ok(study)
     }
 

@@ -16,6 +16,7 @@ use super::{
     RunOptions, StudyError,
     accuracy::standard,
     presets::DesignFile,
+    realisations::Asked,
     told::tell_warnings,
     variations::{conclude_so_far, keep_and_read, write_variations},
 };
@@ -41,11 +42,13 @@ impl ConvergenceStudy {
     /// Reads the design.
     ///
     /// # Errors
-    /// [`StudyError::Faults`] with all its faults.
+    /// [`StudyError::Faults`] with all its faults; [`StudyError::Scenario`] of realisations that are
+    /// all the same run.
     pub fn read(options: &StudyOptions) -> Result<Self, StudyError> {
         let file = DesignFile::new(options.design.as_deref(), BUILT_IN)?;
         let mut study = Self::of_file(&file.path, options.quick)?;
         study.configurations = options.configurations.unwrap_or(study.configurations);
+        Asked::configurations(study.configurations).refuse_repeats(&study.varied)?;
         Ok(study)
     }
 

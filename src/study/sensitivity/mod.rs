@@ -10,6 +10,7 @@ pub(super) use effects::rows as parameter_rows;
 use super::{
     RunOptions, StudyError, StudyOptions,
     presets::DesignFile,
+    realisations::Asked,
     told::tell_warnings,
     variations::{conclude_so_far, write_variations},
 };
@@ -31,11 +32,13 @@ impl SensitivityStudy {
     /// Reads the design.
     ///
     /// # Errors
-    /// [`StudyError::Faults`] with all its faults.
+    /// [`StudyError::Faults`] with all its faults; [`StudyError::Scenario`] of realisations that are
+    /// all the same run.
     pub fn read(options: &StudyOptions) -> Result<Self, StudyError> {
         let file = DesignFile::new(options.design.as_deref(), BUILT_IN)?;
         let design = design::read(&file.path, options.quick, &[])?;
         let configurations = options.configurations.unwrap_or(design.chosen.configurations);
+        Asked::configurations(configurations).refuse_repeats(&design.varied)?;
         Ok(Self { design, quick: options.quick, configurations })
     }
 

@@ -21,6 +21,7 @@ use serde_json::Value;
 
 use super::{
     RunOptions, StudyError, laboratory,
+    realisations::Asked,
     sensitivity::{Designed, Parameter, read_design},
     told::tell_warnings,
     variations::{Variation, Varied, collect_stored, conclude_so_far},
@@ -106,7 +107,7 @@ impl SweepStudy {
     ///
     /// # Errors
     /// [`StudyError::Faults`] with the faults of all points,
-    /// [`StudyError::Scenario`] of what is varied.
+    /// [`StudyError::Scenario`] of what is varied, or of realisations that are all the same run.
     pub fn new(options: SweepOptions) -> Result<Self, StudyError> {
         let paths = options.names();
         if let Some(twice) = paths.iter().enumerate().find(|(n, p)| paths[..*n].contains(p)) {
@@ -124,6 +125,7 @@ impl SweepStudy {
         let variations =
             points.iter().map(|point| Variation::new(&point.name, "sweep", point.changes.clone()));
         let varied = Varied::load(&options.scenario, &options.changes, variations.collect())?;
+        Asked::configurations(options.configurations).refuse_repeats(&varied)?;
         Ok(Self { options, gathered, scenario, points, varied })
     }
 

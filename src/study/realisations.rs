@@ -1,0 +1,118 @@
+//! Refuses studies that would count one specimen several times, as if it were independent
+//! realisations: of a scenario that begins with a specimen and draws nothing at random itself.
+
+use super::{StudyError, variations::Varied};
+use crate::scenario::Override;
+
+/// Fields that tell realisations apart.
+const OF_CHANCE: [&str; 2] = ["seed", "configuration"];
+
+/// What is asked of realisations, and what to do where there is but one.
+pub(super) struct Asked {
+    /// The option that says how many.
+    pub option: &'static str,
+    /// How many realisations of each variation.
+    pub count: u32,
+    /// What else gives scatter, or that it can be left out.
+    pub instead: &'static str,
+}
+
+impl Asked {
+    /// So many, of a study that may take one.
+    pub(super) fn configurations(count: u32) -> Self {
+        let instead = "take one, or begin with several specimens, as a sweep does with --over \
+                       begin.specimen=RUN1,RUN2";
+        Self { option: "--configurations", count, instead }
+    }
+
+    /// So many, of a calibration, which needs scatter.
+    pub(super) fn replicates(count: u32) -> Self {
+        let instead = "a calibration needs scatter: let the scenario make its own specimen, \
+                       without `begin`";
+        Self { option: "--replicates", count, instead }
+    }
+
+    /// Refuses several realisations of a variation that has but one, and a seed or a configuration
+    /// that changes nothing: equal results would be taken for independent ones.
+    ///
+    /// # Errors
+    /// [`StudyError::Scenario`] with what was asked, why it is refused, and what to do.
+    pub(super) fn refuse_repeats(&self, varied: &Varied) -> Result<(), StudyError> {
+        let Self { option, count, instead } = self;
+        for (variation, scenario) in varied.all.iter().filter(|(_, s)| !s.has_realisations()) {
+            let mut changed = variation.changes.iter().map(Override::path);
+            let of_chance = changed.find(|path| OF_CHANCE.contains(path));
+            let most = variation.configurations.map_or(*count, |most| most.min(*count));
+            let asked = match of_chance {
+                Some(path) => format!("`{path}` cannot be varied"),
+                None if most > 1 => format!("{option} {most} cannot be taken"),
+                None => continue,
+            };
+            return Err(StudyError::Scenario(format!(
+                "{asked}: `{}` begins with one specimen, and none of its own stages draws anything at \
+                 random, so that every realisation is the same run; {instead}",
+                scenario.name
+            )));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{Value, json};
+
+    use super::*;
+    use crate::scenario::Scenario;
+    use crate::study::variations::Variation;
+
+    fn scenario(begins: bool, stage: &Value) -> Scenario {
+        let mut value = json!({ "name": "s", "grains": { "file": "g.json" }, "stages": [stage] });
+        if begins {
+            value["begin"] = json!({ "specimen": "out/first" });
+        }
+        serde_json::from_value(value).expect("a scenario")
+    }
+
+    /// One variation with a change, at most so often.
+    fn varied(scenario: &Scenario, change: &str, most: Option<u32>) -> Varied {
+        let changes = vec![change.parse().expect("a change")];
+        let variation =
+            Variation { configurations: most, ..Variation::new("point-0001", "sweep", changes) };
+        Varied { base: scenario.clone(), all: vec![(variation, scenario.clone())] }
+    }
+
+    /// Law: what is the same run again is refused, whether it is asked for by number, seed or
+    /// configuration; what draws, or is done once, is not.
+    #[test]
+    fn the_same_run_is_not_taken_for_realisations() {
+        let rest = json!({ "stage": "rest", "duration_s": 1 });
+        let plate = json!({ "stage": "place_top_plate", "placement": 2 });
+        let (once, friction) = (Asked::configurations(1), "contact.restitution=0.2");
+        let refused = |of: &Scenario, change: &str, most: Option<u32>, asked: &Asked| {
+            let refused = asked.refuse_repeats(&varied(of, change, most)).err();
+            refused.map_or(String::new(), |error| error.to_string())
+        };
+        let begun = scenario(true, &rest);
+        for (change, asked, words) in [
+            (friction, Asked::configurations(3), "--configurations 3 cannot be taken"),
+            (friction, Asked::replicates(5), "a calibration needs scatter"),
+            ("seed=2", Asked::configurations(1), "`seed` cannot be varied"),
+            ("configuration=2", Asked::configurations(1), "`configuration` cannot be varied"),
+        ] {
+            let said = refused(&begun, change, None, &asked);
+            assert!(
+                said.contains(words) && said.contains("`s` begins"),
+                "law: {words}, got {said}"
+            );
+        }
+        assert_eq!(refused(&begun, friction, None, &once), "", "law: one run is one");
+        let several = Asked::configurations(3);
+        assert_eq!(refused(&begun, friction, Some(1), &several), "", "law: its ladder takes one");
+        for draws in [scenario(true, &plate), scenario(false, &rest)] {
+            for change in [friction, "seed=2"] {
+                assert_eq!(refused(&draws, change, None, &several), "", "law: each is another");
+            }
+        }
+    }
+}
