@@ -212,7 +212,8 @@ pub fn t_test_power(effect: f64, count: usize, confidence: f64) -> Option<f64> {
     let width = most / PIECES as f64;
     let density = |s: f64| {
         let beyond = normal.cdf(shift - critical * s) + normal.cdf(-shift - critical * s);
-        beyond * chi.pdf(freedom * s * s) * 2.0 * freedom * s
+        // By its logarithm: from 230 values on a density from powers of x overflows.
+        beyond * chi.ln_pdf(freedom * s * s).exp() * 2.0 * freedom * s
     };
     // Midpoints: at s = 0 the density of one degree of freedom has no value.
     let power: f64 = (0..PIECES).map(|i| density((i as f64 + 0.5) * width) * width).sum();
@@ -385,6 +386,14 @@ mod tests {
                 "{effect}: {power} with {got}, {less} with one less"
             );
         }
+        // As scipy.stats.nct 1.17.1 gives them: P(T > t) of a noncentral T with n - 1 degrees of
+        // freedom and effect·√n.
+        for (effect, expected) in [(0.185, 232), (0.165, 291), (0.15, 351), (0.1425, 389)] {
+            let got = values_needed(effect, 0.95, 0.8).expect("a number");
+            assert_eq!(got, expected, "law: an effect of {effect} asks for {expected} values");
+        }
+        let got = t_test_power(0.165, 290, 0.95).expect("a power");
+        assert_near("power of 290 values at 0.165", 0.799_696, got, 1e-5);
         assert_eq!(values_needed(0.0, 0.95, 0.8), None, "no effect is ever found");
         // power.t.test(n = 20, delta = 0.5, type = "one.sample"): 0.5645044.
         let got = t_test_power(0.5, 20, 0.95).expect("a power");
