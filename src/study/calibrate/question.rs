@@ -196,14 +196,18 @@ pub(super) fn known(target: &CalibrationTarget) -> Result<(), StudyError> {
 /// Checks that a scenario measures the target, as far as its stages say so; or what it would need.
 pub(super) fn measured(target: &CalibrationTarget, scenario: &Scenario) -> Result<(), StudyError> {
     let has = |name: &str| scenario.stages.iter().any(|stage| stage.name() == name);
+    // Plate and base stay with a specimen that is begun with; what is measured during a stage does
+    // not.
+    let begun_after = scenario.begin.as_ref().map_or(&[][..], |begin| begin.after.as_slice());
+    let was = |name: &str| has(name) || begun_after.iter().any(|stage| stage == name);
     let vibrates = ("a stage `vibrate`", has("vibrate"));
-    let plate = ("a stage `place_top_plate`", has("place_top_plate"));
+    let plate = ("a stage `place_top_plate`", was("place_top_plate"));
     let pours = ("a stage `pour`", has("pour"));
     let needs: &[(&str, bool)] = match numbered(target.field()).split(['.', '[']).next() {
         Some("settlement_mm") => &[plate, vibrates],
         Some("surface_settlement_mm" | "vibrations") => &[vibrates],
         Some("poured_height_mm" | "poured_void_ratio") => &[pours],
-        Some("angle_of_repose") => &[("a stage `slow_pluviation`", has("slow_pluviation"))],
+        Some("angle_of_repose") => &[("a stage `slow_pluviation`", was("slow_pluviation"))],
         Some("laboratory") => &[("`pieces`", !scenario.pieces.is_empty())],
         Some("relative_density") => &[("`index_densities`", scenario.index_densities.is_some())],
         _ => &[],
@@ -274,6 +278,7 @@ fn add_numbers(schema: &Value, root: &Value, path: String, numbers: &mut Vec<Str
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenario::BeginSpec;
 
     #[test]
     fn targets_are_fields_and_numbers() {
@@ -346,6 +351,46 @@ mod tests {
         assert!(said.contains("`slow_pluviation`"), "law: what a pile needs, got `{said}`");
         for field in [ANGLE_OF_REPOSE, "void_ratio", "overlap.p99_percent"] {
             assert!(measured(&of(field), &repose).is_ok(), "law: `{field}` is measured there");
+        }
+    }
+
+    /// Law: plate and base of the specimen that is begun with count, its pouring and vibration do
+    /// not: this run has no rows of them.
+    #[test]
+    fn what_a_specimen_brings_along_is_measured() {
+        let of = |field: &str| format!("{field}=1").parse::<CalibrationTarget>().expect("a target");
+        let begun = |after: &[&str], stage: Value| {
+            let mut scenario = crate::study::tests::bare_scenario();
+            scenario.stages = vec![serde_json::from_value(stage).expect("a stage")];
+            scenario.begin = Some(BeginSpec {
+                specimen: "run".to_owned(),
+                stage: None,
+                after: after.iter().map(|name| (*name).to_owned()).collect(),
+                key: None,
+                specimen_sha256: None,
+                taken_over: Vec::new(),
+            });
+            scenario
+        };
+        let vibrate = serde_json::json!({
+            "stage": "vibrate", "frequency_hz": 3, "amplitude_mm": 10, "duration_s": 2
+        });
+        let rest = serde_json::json!({ "stage": "rest", "duration_s": 1 });
+        let plated = ["fill_funnel", "pour", "place_top_plate", "vibrate"];
+        let shaken = begun(&plated, vibrate);
+        assert!(measured(&of("settlement_mm.final"), &shaken).is_ok(), "law: the plate is there");
+        let pile = begun(&["slow_pluviation"], rest.clone());
+        assert!(measured(&of(ANGLE_OF_REPOSE), &pile).is_ok(), "law: the pile is there");
+        let at_rest = begun(&plated, rest);
+        for (field, needs) in [
+            ("settlement_mm.final", "a stage `vibrate`"),
+            ("surface_settlement_mm.final", "a stage `vibrate`"),
+            ("poured_void_ratio", "a stage `pour`"),
+        ] {
+            let said = measured(&of(field), &at_rest).expect_err("not measured").to_string();
+            assert!(said.contains(needs), "law: `{field}` needs {needs}, got `{said}`");
+            let plate = said.contains("place_top_plate");
+            assert!(!plate, "law: the plate is there already, got `{said}`");
         }
     }
 
