@@ -20,6 +20,24 @@ enum Step {
     Index(usize),
 }
 
+impl Step {
+    /// Whether both lead to the same value, whatever stands there.
+    fn is(&self, other: &Self) -> bool {
+        match (self.index(), other.index()) {
+            (None, None) => self == other,
+            (index, others) => index == others,
+        }
+    }
+
+    /// The number of an element, also where it is written as a field.
+    fn index(&self) -> Option<usize> {
+        match self {
+            Self::Name(name) => name.parse().ok(),
+            Self::Index(index) => Some(*index),
+        }
+    }
+}
+
 /// An override that cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
@@ -79,6 +97,22 @@ impl Override {
             (other, Step::Name(name)) => other.get(name),
             (_, Step::Index(_)) => None,
         })
+    }
+
+    /// Whether one of two changes reaches the other's value: their paths are the same, or one begins
+    /// with the other. `stages.1` and `stages[1]` are the same step.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.path.iter().zip(&other.path).all(|(a, b)| a.is(b))
+    }
+
+    /// Whether it changes only a part of what another changes.
+    pub fn is_part_of(&self, other: &Self) -> bool {
+        self.path.len() > other.path.len() && self.overlaps(other)
+    }
+
+    /// Whether both change the same value.
+    pub fn is_where(&self, other: &Self) -> bool {
+        self.path.len() == other.path.len() && self.overlaps(other)
     }
 
     /// Lays the value over the document. A field that is not there is made;
@@ -178,6 +212,31 @@ mod tests {
         ] {
             let change: Override = text.parse().expect("an override");
             assert_eq!(change.value_before(&scenario).cloned(), expected, "before `{text}`");
+        }
+    }
+
+    /// Law: paths are compared step by step, whatever they look like as texts.
+    #[test]
+    fn changes_of_the_same_value_are_known() {
+        for (a, b, same, part) in [
+            ("stages[1].x", "stages.1.x", true, false),
+            ("stages.01.x", "stages[1].x", true, false),
+            ("stages. 1 .x", "stages[1].x", true, false),
+            ("contact.restitution", "contact", false, true),
+            ("stages[1].x", "stages.1", false, true),
+            ("stages[1].x", "stages[2].x", false, false),
+            ("contact.restitution", "contact.rest", false, false),
+            ("contacts", "contact", false, false),
+            ("a.0", "a.b", false, false),
+        ] {
+            let change = |path: &str| format!("{path}=1").parse::<Override>().expect("a change");
+            let (one, other) = (change(a), change(b));
+            assert_eq!(one.is_where(&other), same, "law: whether `{a}` is where `{b}` is");
+            assert_eq!(one.is_part_of(&other), part, "law: whether `{a}` is part of `{b}`");
+            assert!(!other.is_part_of(&one), "law: `{b}` is no part of `{a}`");
+            let overlap = same || part;
+            assert_eq!(one.overlaps(&other), overlap, "law: whether `{a}` reaches `{b}`");
+            assert_eq!(other.overlaps(&one), overlap, "law: and the other way round");
         }
     }
 

@@ -8,6 +8,7 @@ mod points;
 mod single;
 mod snakemake;
 mod tasks;
+mod twice;
 
 pub use factor::{Factor, SampledRange};
 pub use plan_file::{PLAN_FILE, PlannedPoint, SCENARIO_FILE, SweepPlan};
@@ -109,11 +110,8 @@ impl SweepStudy {
     /// [`StudyError::Faults`] with the faults of all points,
     /// [`StudyError::Scenario`] of what is varied, or of realisations that are all the same run.
     pub fn new(options: SweepOptions) -> Result<Self, StudyError> {
-        let paths = options.names();
-        if let Some(twice) = paths.iter().enumerate().find(|(n, p)| paths[..*n].contains(p)) {
-            return Err(StudyError::Scenario(format!("`{}` is varied twice", twice.1)));
-        }
-        if options.configurations > 1 && paths.contains(&"configuration") {
+        twice::refuse(&options)?;
+        if options.configurations > 1 && options.names().contains(&"configuration") {
             let why = "`configuration` cannot be varied while --configurations takes several at \
                        each point: some runs would belong to two points";
             return Err(StudyError::Scenario(why.to_owned()));

@@ -7,6 +7,7 @@
 //! counted, and say how residuals of different targets go together ([`together`]).
 
 mod points;
+mod spelling;
 mod together;
 
 use std::{
@@ -19,6 +20,7 @@ use super::{StudyError, design::range};
 use crate::measure::{inference::wilson_interval, regression::LinearModel};
 use crate::record::read_file;
 use crate::report::{ColumnTable, OUTCOMES, Target, TargetFound, TargetsFound};
+use spelling::Spellings;
 
 /// Runs of one experiment: finished sweeps over the same factors.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -120,6 +122,8 @@ pub fn meet_targets(
     chance: &[String],
 ) -> Result<TargetsFound, StudyError> {
     let mut tables: BTreeMap<String, Runs> = BTreeMap::new();
+    let mut spellings = Spellings::default();
+    let chance: Vec<String> = chance.iter().map(|name| spellings.known(name)).collect();
     let same = |a: &TargetRuns, b: &TargetRuns| {
         let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
         a.name == b.name && whole(&a.path) == whole(&b.path)
@@ -132,7 +136,7 @@ pub fn meet_targets(
                 of.name
             )));
         }
-        let read = read(&of.path, chance)?;
+        let read = read(&of.path, &chance, &mut spellings)?;
         match tables.get_mut(&of.name) {
             None => drop(tables.insert(of.name.clone(), read)),
             Some(known) if known.factors == read.factors => known.rows.extend(read.rows),
@@ -173,7 +177,7 @@ pub fn meet_targets(
 }
 
 /// The rows of a sweep that count in means.
-fn read(path: &Path, chance: &[String]) -> Result<Runs, StudyError> {
+fn read(path: &Path, chance: &[String], spellings: &mut Spellings) -> Result<Runs, StudyError> {
     let file = if path.is_dir() { path.join("sweep.csv") } else { path.to_owned() };
     let table = ColumnTable::read(&file, &read_file(&file)?)?;
     let unfit = |what: &str| StudyError::Scenario(format!("{}: {what}", file.display()));
@@ -183,6 +187,14 @@ fn read(path: &Path, chance: &[String]) -> Result<Runs, StudyError> {
     let is_result = |name: &String| OUTCOMES.iter().any(|(path, _)| path == name);
     let end = names[first..].iter().position(is_result).map(|n| n + first);
     let end = end.filter(|end| *end > first).ok_or_else(|| unfit("no table of a sweep"))?;
+    let mut names = names.to_vec();
+    for n in first..end {
+        let known = spellings.known(&names[n]);
+        if names[first..n].contains(&known) {
+            return Err(unfit(&format!("it has `{known}` twice, as `{}`, too", names[n])));
+        }
+        names[n] = known;
+    }
     let excluded: Vec<Vec<Option<&str>>> = ["left_out_of_means", "failure"]
         .iter()
         .filter_map(|name| place(name))

@@ -219,3 +219,35 @@ fn runs_of_two_sweeps_are_joined_by_the_factors_that_they_share() {
     assert!(page.contains("Points that meet all targets: 3 of 20 (5.2 % to 36 %)"), "{page}");
     assert!(page.contains("Where all are met"), "{page}");
 }
+
+/// Law: a field is one factor, however its path is spelt: in two sweeps, by `--chance`, not twice in
+/// a table.
+#[test]
+fn a_field_of_two_spellings_is_one_factor() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let head = |field: &str, result: &str| format!("{field},b,{result}");
+    let (shaken, piles) = (path("shaken.csv"), path("piles.csv"));
+    of_numbers(&shaken, &head("stages[1].x", "settlement_mm.final"), |a, b| {
+        format!("{a},{b},{}", 10.0 * a + b)
+    });
+    of_numbers(&piles, &head("stages.1.x", "angle_of_repose.degrees"), |a, b| {
+        format!("{a},{b},{}", 30.0 + a + b)
+    });
+    let wanted =
+        [target("t:settlement_mm.final=20..22"), target("pile:angle_of_repose.degrees=31..33")];
+    let both = [runs("t", shaken.clone()), runs("pile", piles)];
+    let found = meet_targets(&both, &wanted, &[]).expect("an answer");
+    let factors: Vec<&String> = found.factors.keys().collect();
+    assert_eq!(factors, ["b", "stages[1].x"], "law: the first spelling, once");
+    let points = found.all.points.expect("law: they are joined");
+    assert_eq!(points.of, 25, "law: each point of one is a point of the other");
+    let by_chance = meet_targets(&both, &wanted, &["stages.01.x".to_owned()]);
+    let by_chance = by_chance.expect("law: a factor of the tables");
+    assert_eq!(by_chance.factors.keys().collect::<Vec<_>>(), ["b"], "law: x is chance");
+    let twice = path("twice.csv");
+    of_numbers(&twice, "stages[1].x,stages.1.x,settlement_mm.final", |a, b| format!("{a},{b},1"));
+    let refused = meet_targets(&[runs("t", twice)], &wanted[..1], &[]).expect_err("law: refused");
+    let said = refused.to_string();
+    assert!(said.contains("`stages[1].x` twice, as `stages.1.x`"), "law: got `{said}`");
+}

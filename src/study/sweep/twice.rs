@@ -1,0 +1,150 @@
+//! Whether a sweep changes a value twice: of two changes of it a run has only the last, and tables
+//! would show the other as if it had been run.
+
+use super::SweepOptions;
+use crate::scenario::Override;
+use crate::study::StudyError;
+
+/// Refuses fields that are varied twice, however their paths are written, and fields that are varied
+/// together with a part of them, be it by `--set`.
+pub(super) fn refuse(options: &SweepOptions) -> Result<(), StudyError> {
+    // A parameter that changes several fields has a name in place of a path.
+    let named: Vec<&str> = options
+        .parameters
+        .iter()
+        .filter(|parameter| parameter.path.is_empty())
+        .map(|parameter| parameter.name.as_str())
+        .collect();
+    let mut known: Vec<(&str, Option<Override>)> = Vec::new();
+    for name in options.names() {
+        let place: Option<Override> =
+            if named.contains(&name) { None } else { format!("{name}=0").parse().ok() };
+        for (other, others_place) in &known {
+            if *other == name {
+                return fault(format!("`{name}` is varied twice"));
+            }
+            if let (Some(place), Some(others_place)) = (&place, others_place) {
+                apart((name, place), (*other, others_place))?;
+            }
+        }
+        known.push((name, place));
+    }
+    for change in &options.changes {
+        let around = known
+            .iter()
+            .find(|(_, place)| place.as_ref().is_some_and(|place| change.is_part_of(place)));
+        if let Some((name, _)) = around {
+            return fault(format!(
+                "--set {}: it would be lost, for `{name}` is varied and replaced as a whole; put it \
+                 into the values of `{name}`",
+                change.text()
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses two fields of which one is the other, or part of it.
+fn apart(
+    (name, place): (&str, &Override),
+    (other, others_place): (&str, &Override),
+) -> Result<(), StudyError> {
+    if place.is_where(others_place) {
+        return fault(format!(
+            "`{name}` is varied twice: `{other}` is the same field; give it all its values at once"
+        ));
+    }
+    if !place.overlaps(others_place) {
+        return Ok(());
+    }
+    let (part, whole) = if place.is_part_of(others_place) { (name, other) } else { (other, name) };
+    fault(format!(
+        "`{part}` is part of `{whole}`, and both are varied: the table would show values that no \
+         run had; vary single fields, or `{whole}` alone"
+    ))
+}
+
+fn fault<T>(text: String) -> Result<T, StudyError> {
+    Err(StudyError::Scenario(text))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::sensitivity::Parameter;
+    use crate::study::sweep::Design;
+    use crate::study::tests::run_options;
+
+    fn options(over: &[&str], ranges: &[&str], set: &[&str]) -> SweepOptions {
+        SweepOptions {
+            scenario: "s.json".into(),
+            changes: set.iter().map(|text| text.parse().expect("a change")).collect(),
+            over: over.iter().map(|text| text.parse().expect("a factor")).collect(),
+            parameters: Vec::new(),
+            quick: false,
+            ranges: ranges.iter().map(|text| text.parse().expect("a range")).collect(),
+            design: Design::Grid,
+            configurations: 1,
+            run: run_options("out"),
+        }
+    }
+
+    /// Law: a value is varied once; the message names both paths as they were typed.
+    #[test]
+    fn a_value_that_is_changed_twice_is_refused() {
+        let cases: [(SweepOptions, [&str; 2]); 7] = [
+            (options(&["seed=1", "seed=2"], &[], &[]), ["`seed`", "varied twice"]),
+            (
+                options(&["stages[1].x=1,200", "stages.1.x=3,4"], &[], &[]),
+                ["`stages.1.x` is varied twice", "`stages[1].x`"],
+            ),
+            (
+                options(&["stages.1.x=1,200"], &["stages[1].x=3..4"], &[]),
+                ["`stages[1].x` is varied twice", "`stages.1.x`"],
+            ),
+            (
+                options(
+                    &["contact={\"restitution\":0.1}", "contact.restitution=0.2,0.3"],
+                    &[],
+                    &[],
+                ),
+                ["`contact.restitution` is part of `contact`", "both are varied"],
+            ),
+            (
+                options(
+                    &["contact.restitution=0.2,0.3", "contact={\"restitution\":0.1}"],
+                    &[],
+                    &[],
+                ),
+                ["`contact.restitution` is part of `contact`", "both are varied"],
+            ),
+            (
+                options(&["stages[0]={}"], &["stages.0.x=3..4"], &[]),
+                ["`stages.0.x` is part of `stages[0]`", "both are varied"],
+            ),
+            (
+                options(&["contact={\"restitution\":0.1}"], &[], &["contact.restitution=0.2"]),
+                ["--set contact.restitution=0.2", "`contact` is varied"],
+            ),
+        ];
+        for (options, words) in cases {
+            let said = refuse(&options).expect_err("law: refused").to_string();
+            for word in words {
+                assert!(said.contains(word), "law: `{word}` is said, got `{said}`");
+            }
+        }
+    }
+
+    /// Law: fields that only look alike, a value to vary around, and names of parameters are no
+    /// second change.
+    #[test]
+    fn what_is_changed_once_is_accepted() {
+        let apart = ["stages[1].x=1", "stages[2].x=1", "contact.restitution=1", "seed=1"];
+        let set = ["contact.restitution=0.2", "contact={\"restitution\":0.1}"];
+        let mut options = options(&apart, &["stages.3.x=1..2"], &set);
+        assert!(refuse(&options).is_ok(), "law: {:?}", refuse(&options));
+        let name = "contact".to_owned();
+        options.parameters = vec![Parameter { name, ..Parameter::default() }];
+        assert!(refuse(&options).is_ok(), "law: a name is no path: {:?}", refuse(&options));
+    }
+}
