@@ -123,16 +123,12 @@ fn statement(of: &Calibration) -> String {
         (Ending::Found, Some(solved)) => {
             format!("{unknown} {solved} gives {wanted}")
         }
-        (Ending::RunsUsedUp, Some(solved)) => format!(
-            "the {} runs that were allowed are used up: {unknown} {solved} is what they give for \
-             {wanted}",
-            of.most_runs
-        ),
-        (Ending::RunsUsedUp | Ending::Found, None) => format!(
-            "the {} runs that were allowed are used up before {wanted} was found: {}",
-            of.most_runs,
-            ends()
-        ),
+        (Ending::RunsUsedUp, Some(solved)) => {
+            format!("{}: {unknown} {solved} is what they give for {wanted}", runs_used_up(of))
+        }
+        (Ending::RunsUsedUp | Ending::Found, None) => {
+            format!("{} before {wanted} was found: {}", runs_used_up(of), ends())
+        }
         // A line that reaches it just outside, as far as can be told.
         (Ending::OutOfReach, Some(solved))
             if of
@@ -163,6 +159,17 @@ fn statement(of: &Calibration) -> String {
             )
         }
     }
+}
+
+/// That no more runs are allowed, or too few for the next step.
+fn runs_used_up(of: &Calibration) -> String {
+    let (made, most) = (of.runs.len(), of.most_runs);
+    let left = match most.saturating_sub(made) {
+        0 => return format!("the {most} runs that were allowed are used up"),
+        1 => "1 run is left".to_owned(),
+        left => format!("{left} runs are left"),
+    };
+    format!("{made} of {most} runs were made ({left}, too few for the next step)")
 }
 
 /// What a reader must know beside.
@@ -362,6 +369,25 @@ mod tests {
         let of = concluded("settlement_mm.final=9", Ending::Found, &[(0.1, 8.0), (1.5, 10.0)], 0.1);
         assert!(of.statement.ends_with("gives settlement_mm.final = 9 mm"), "{}", of.statement);
         assert_eq!(of.identity, None, "only angles of repose have the identity");
+    }
+
+    /// Law: the number of runs is that of those made.
+    #[test]
+    fn runs_that_were_made_are_counted() {
+        let means = [(0.1, 8.0), (1.5, 10.0)];
+        for (most_runs, expected) in [
+            (6, "the 6 runs that were allowed are used up: "),
+            (7, "6 of 7 runs were made (1 run is left, too few for the next step): "),
+            (9, "6 of 9 runs were made (3 runs are left, too few for the next step): "),
+        ] {
+            let of = concluded("settlement_mm.final=9", Ending::RunsUsedUp, &means, 0.1);
+            let of = Calibration { most_runs, ..of };
+            let said = statement(&of);
+            assert!(said.starts_with(expected), "law: `{expected}`, got `{said}`");
+            let none = statement(&Calibration { solution: None, ..of });
+            let expected = expected.replace(": ", " before settlement_mm.final = 9 mm was found: ");
+            assert!(none.starts_with(&expected), "law: `{expected}`, got `{none}`");
+        }
     }
 
     /// Law: what is left out changes no mean, line, scatter or identity, and is said with its number.

@@ -1,6 +1,8 @@
 //! The last part of a search: values near the solution through which a line is
 //! fitted, and as many runs of them as it takes.
 
+use std::ops::ControlFlow;
+
 use super::search::{Going, Halt, Search};
 use crate::measure::{InversePrediction, inference::t_quantile};
 use crate::report::CalibrationEnding as Ending;
@@ -9,6 +11,8 @@ use crate::report::CalibrationEnding as Ending;
 const LEAST_REACH: f64 = 5e-4;
 /// Most windows that are tried for the line.
 const MOST_WINDOWS: usize = 8;
+/// Most times that a window is sought anew because the solution has left it.
+const MOST_MOVES: usize = 3;
 /// p-value below which a bend is taken for real.
 const LEVEL: f64 = 0.01;
 /// How far from the place wanted a value may be that is there already, in
@@ -94,8 +98,22 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Finds a window in which a line fits, and runs until it is well known.
+    /// Finds a window in which a line fits, and runs until it is well known. Where more runs move
+    /// the solution out of the window, a window is sought where the solution is.
     pub(super) fn local(&mut self, centre: f64) -> Going<Ending> {
+        let (mut centre, mut moves) = (centre, MOST_MOVES);
+        loop {
+            self.find_window(centre)?;
+            match self.sharpen(moves > 0)? {
+                ControlFlow::Break(ending) => return Ok(ending),
+                ControlFlow::Continue(solution) => (centre, moves) = (solution, moves - 1),
+            }
+        }
+    }
+
+    /// Finds a window in which a line fits.
+    fn find_window(&mut self, centre: f64) -> Going<()> {
+        self.settled = false;
         let q = self.question;
         let (low, high) = q.between;
         let mut centre = centre.clamp(low, high);
@@ -125,7 +143,21 @@ impl Search<'_> {
             }
         }
         self.settled = true;
-        self.sharpen()
+        Ok(())
+    }
+
+    /// Where in the range a line through the window's values has the wanted result, if that is
+    /// beyond all of them: there it was not compared with anything. Of a solution outside the range
+    /// nothing is known but that it lies beyond the last value that can be used.
+    pub(super) fn beyond_window(&self, fit: &InversePrediction) -> Option<f64> {
+        let (low, high) = self.question.between;
+        let mut solution = self.question.rounded(fit.x);
+        if !(low..=high).contains(&fit.x) {
+            let usable = self.kept.usable();
+            solution = solution.clamp(*usable.first()?, *usable.last()?);
+        }
+        let (first, last) = (self.window.first()?, self.window.last()?);
+        (solution < *first || solution > *last).then_some(solution)
     }
 
     /// How well the result is to be known.
@@ -152,8 +184,9 @@ impl Search<'_> {
         (least..4 * least).find(|n| enough(*n)).unwrap_or(4 * least)
     }
 
-    /// Adds configurations to the window's values until the interval is narrow enough.
-    fn sharpen(&mut self) -> Going<Ending> {
+    /// Adds configurations to the window's values until the interval is narrow enough; or, where the
+    /// window may move, until the solution lies beyond its values, and gives it.
+    fn sharpen(&mut self, may_move: bool) -> Going<ControlFlow<Ending, f64>> {
         let mut doubled = 0;
         let needed = self.configurations_needed();
         loop {
@@ -161,14 +194,20 @@ impl Search<'_> {
             let size = fit.and_then(|f| in_result(&f));
             let tolerance = self.tolerance();
             let now = self.window.iter().map(|v| self.kept.tried(*v)).max().unwrap_or(0);
-            if now >= needed && size.is_some_and(|s| s <= tolerance) {
-                return Ok(self.found());
+            let known = fit.filter(|_| size.is_some());
+            let beyond = known.and_then(|f| self.beyond_window(&f));
+            if let Some(solution) = beyond.filter(|_| may_move) {
+                return Ok(ControlFlow::Continue(solution));
+            }
+            let narrow = size.is_some_and(|s| s <= tolerance) && beyond.is_none();
+            if now >= needed && narrow {
+                return Ok(ControlFlow::Break(self.found()));
             }
             // Fewer than two values: more runs there tell nothing of a slope.
             let hopeless = size.is_none() && doubled >= 2 || self.window.len() < 2;
             doubled += u32::from(size.is_none());
             if hopeless {
-                return Ok(Ending::Flat);
+                return Ok(ControlFlow::Break(Ending::Flat));
             }
             let more = size.map_or(2.0, |s| (s / tolerance).powi(2)).clamp(1.0, 4.0);
             let more = (f64::from(now) * more).ceil() as u32;

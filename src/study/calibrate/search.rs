@@ -10,6 +10,7 @@ use std::ops::Range;
 
 use super::{super::StudyError, kept::Kept, line::in_result, root};
 use crate::measure::InversePrediction;
+use crate::paper::text::compact;
 use crate::report::{CalibrationEnding as Ending, CalibrationRun};
 
 #[derive(Debug, Clone)]
@@ -291,16 +292,34 @@ impl Search<'_> {
             Some(fit) if fit.interval.is_none() && self.kept.differences().is_empty() => {
                 Ending::Flat
             }
+            // No value near its solution says whether the line holds there.
+            Some(fit) if self.beyond_window(&fit).is_some() => {
+                let line: Vec<String> = self.window.iter().map(f64::to_string).collect();
+                self.window = Vec::new();
+                self.notes.push(format!(
+                    "the line through the values {} has the wanted result at {}, beyond all of \
+                     them: it is no solution; the runs were used up before a line could be fitted \
+                     there",
+                    line.join(", "),
+                    compact(fit.x)
+                ));
+                Ending::RunsUsedUp
+            }
             Some(fit) if in_result(&fit).is_some_and(|s| s <= self.tolerance()) => self.found(),
             Some(_) => Ending::RunsUsedUp,
             // A line through values that were not found fit for one says
             // nothing: where the result is passed is all that is known.
             None => {
                 self.window = Vec::new();
-                let Some((low, high)) = self.crossing() else { return Ending::OutOfReach };
+                let place = match (self.crossing(), self.touching()) {
+                    (Some((low, high)), _) => {
+                        format!("the wanted result is passed between {low} and {high}")
+                    }
+                    (None, Some(value)) => format!("the mean at {value} may be the wanted result"),
+                    (None, None) => return Ending::OutOfReach,
+                };
                 self.notes.push(format!(
-                    "the wanted result is passed between {low} and {high}; the runs were used up \
-                     before a line could be fitted there"
+                    "{place}; the runs were used up before a line could be fitted there"
                 ));
                 Ending::RunsUsedUp
             }

@@ -231,6 +231,35 @@ fn a_flat_response_is_noticed() {
     assert!(far.kept.differences().is_empty(), "law: nothing differs beyond scatter");
 }
 
+/// Law: a solution lies among the values of its line; where runs are left, a line is fitted around
+/// it, and where none are, there is no solution but a note.
+#[test]
+fn no_line_is_trusted_beyond_its_values() {
+    let mean = |x: f64| 0.6 + 0.14 * (1.0 - (-3.0 * x).exp());
+    let mut withheld = 0;
+    for (wanted, most_runs) in [(0.75, 30), (0.72, 30), (0.75, 200), (0.72, 200)] {
+        let asked = Question { between: (0.0, 1.0), replicates: 3, most_runs, ..question(wanted) };
+        for seed in 0..100 {
+            let answer = found(&asked, Scattering { mean, own: 0.01, single: 0.02, seed });
+            if !matches!(answer.ending, Ending::Found | Ending::RunsUsedUp) {
+                continue;
+            }
+            let Some(fit) = answer.fit else {
+                withheld += usize::from(answer.notes.iter().any(|n| n.contains("beyond all")));
+                assert!(!answer.notes.is_empty(), "law: a note says why: {answer:?}");
+                continue;
+            };
+            let x = asked.rounded(fit.x);
+            let (first, last) = (answer.fitted[0], answer.fitted[answer.fitted.len() - 1]);
+            assert!(
+                first <= x && x <= last,
+                "law: seed {seed}: the solution lies in the line's {first} to {last}, got {x}"
+            );
+        }
+    }
+    assert!(withheld > 0, "law: where the runs are used up, solutions beyond a line are withheld");
+}
+
 #[test]
 fn a_response_that_turns_is_noticed() {
     let hill = |x: f64| 30.0 - 40.0 * (x - 0.6).powi(2);
