@@ -40,10 +40,16 @@ impl Step {
 
 /// An override that cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "`{0}` is not of the form path=value, as engine.rate_hz=960 or stages.1.falling_height_mm=50"
-)]
-pub struct NotAnOverride(String);
+pub enum NotAnOverride {
+    /// A text without path or value.
+    #[error(
+        "`{0}` is not of the form path=value, as engine.rate_hz=960 or stages.1.falling_height_mm=50"
+    )]
+    Form(String),
+    /// A value with a field that is given twice, with both: only one would count.
+    #[error("{0}")]
+    Twice(String),
+}
 
 impl FromStr for Override {
     type Err = NotAnOverride;
@@ -52,7 +58,7 @@ impl FromStr for Override {
     /// lists are numbered from 0 (`stages.1` or `stages[1]`). The value is
     /// JSON, or else taken as text.
     fn from_str(text: &str) -> Result<Self, NotAnOverride> {
-        let bad = || NotAnOverride(text.to_owned());
+        let bad = || NotAnOverride::Form(text.to_owned());
         let (path, value) = text.split_once('=').ok_or_else(bad)?;
         let mut steps = Vec::new();
         for part in path.split('.') {
@@ -65,7 +71,9 @@ impl FromStr for Override {
             }
         }
         let value = value.trim();
-        let value = parse_value(value).unwrap_or_else(|| Value::String(value.to_owned()));
+        let json = parse_value(path.trim(), value);
+        let json = json.map_err(|twice| NotAnOverride::Twice(twice.to_string()))?;
+        let value = json.unwrap_or_else(|| Value::String(value.to_owned()));
         Ok(Self { path: steps, value, text: text.to_owned() })
     }
 }
@@ -190,6 +198,29 @@ mod tests {
             let got = text.parse::<Override>().expect("an override").value;
             assert_eq!(got, expected, "law: the value of `{text}`");
         }
+    }
+
+    /// Law: a value is read as a file is: of a field given twice none is chosen.
+    #[test]
+    fn fields_given_twice_are_refused() {
+        for (text, said) in [
+            (
+                r#"contact={"restitution":0.3,"restitution":0.4}"#,
+                "contact.restitution: the field is given twice (found 0.3, then 0.4; allowed: each \
+                 field once)",
+            ),
+            (
+                r#"stages[1]={"a":[{"b":1,"c":2,"b":3}]}"#,
+                "stages[1].a[0].b: the field is given twice (found 1, then 3; allowed: each field \
+                 once)",
+            ),
+        ] {
+            let got = text.parse::<Override>().expect_err("law: refused").to_string();
+            assert_eq!(got, said, "law: what is said of `{text}`");
+        }
+        let text = r#"name={"a":1,"a":2"#;
+        let got = text.parse::<Override>().expect("law: what is no JSON is text").value;
+        assert_eq!(got, Value::from(r#"{"a":1,"a":2"#));
     }
 
     #[test]

@@ -286,12 +286,21 @@ fn parse(file: &Path, text: &[u8], faults: &mut Vec<Fault>) -> Result<Value, Sce
     })
 }
 
-/// Parses JSON as a file's is parsed; `None` where the text is none.
-pub(super) fn parse_value(text: &str) -> Option<Value> {
+/// Parses JSON that is to stand at a path, as a file's is parsed; `None` where the text is none.
+///
+/// # Errors
+/// The first key that is given twice.
+pub(super) fn parse_value(path: &str, text: &str) -> Result<Option<Value>, Fault> {
+    let found = RefCell::new(Vec::new());
     let mut parser = serde_json::Deserializer::from_str(text);
-    let node = Node { path: String::new(), file: "", faults: &RefCell::new(Vec::new()) };
-    let value = node.deserialize(&mut parser).ok()?;
-    parser.end().ok().map(|()| value)
+    let node = Node { path: path.to_owned(), file: "", faults: &found };
+    let parsed = node.deserialize(&mut parser).and_then(|value| parser.end().map(|()| value));
+    // A key given twice in what is no JSON is part of a text.
+    let Ok(value) = parsed else { return Ok(None) };
+    match found.into_inner().into_iter().next() {
+        Some(twice) => Err(twice),
+        None => Ok(Some(value)),
+    }
 }
 
 /// Builds the value at a path and notes keys given twice.

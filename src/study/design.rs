@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::variations::{Variation, Varied};
-use crate::scenario::{Fault, Override, ScenarioErrors};
+use crate::scenario::{Fault, NotAnOverride, Override, ScenarioErrors};
 
 /// The scenario that a study varies, and how often it is repeated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -57,9 +57,12 @@ impl<'a> Faults<'a> {
     pub(super) fn changes(&mut self, path: &str, texts: &[String]) -> Vec<Override> {
         let mut changes = Vec::new();
         for (index, text) in texts.iter().enumerate() {
-            match text.parse() {
+            match text.parse::<Override>() {
                 Ok(change) => changes.push(change),
-                Err(_) => self.add(
+                Err(NotAnOverride::Twice(why)) => {
+                    self.add(&format!("{path}[{index}]"), "", "", &why);
+                }
+                Err(NotAnOverride::Form(_)) => self.add(
                     &format!("{path}[{index}]"),
                     &format!("\"{text}\""),
                     "path=value, as engine.rate_hz=960",

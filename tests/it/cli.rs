@@ -61,6 +61,7 @@ fn wrong_usage_ends_with_2() {
         &["run", SCENARIO],
         &["run", SCENARIO, "--out", "x", "--backend", "abacus"],
         &["run", SCENARIO, "--out", "x", "--set", "rate"],
+        &["run", SCENARIO, "--out", "x", "--set", "contact={\"restitution\":0,\"restitution\":1}"],
         &["run", SCENARIO, "--out", "x", "--seed", "-1"],
         &["reproduce", "--configurations", "0"],
         &["grains", SCENARIO, "--format", "dwg", "--out", "x"],
@@ -71,6 +72,10 @@ fn wrong_usage_ends_with_2() {
     }
     let (_, _, err) = run(&["run", SCENARIO, "--out", "x", "--seed", "-1"]);
     assert!(err.contains("whole numbers from 0"), "law: the error gives the range of seeds: {err}");
+    let twice = ["--set", "contact={\"restitution\":0.3,\"restitution\":0.4}"];
+    let (_, _, err) = run(&[&["run", SCENARIO, "--out", "x"][..], &twice].concat());
+    let said = "contact.restitution: the field is given twice (found 0.3, then 0.4";
+    assert!(err.contains(said), "law: as of a file: {err}");
     let of_animations = ["picture", "x", "--out", "x.png", "--every", "1"];
     let (code, _, err) = run(&of_animations);
     assert_eq!(code, Some(2), "law: a picture has no frames: {err}");

@@ -117,7 +117,9 @@ mod tests {
         assert_eq!(of("engine.backend=bullet,rapier"), Ok(vec![json!("bullet"), json!("rapier")]));
         assert_eq!(of("a=[1,2],[3,4]"), Ok(vec![json!([1, 2]), json!([3, 4])]));
         assert_eq!(of("a=\"b,c\",d"), Ok(vec![json!("b,c"), json!("d")]));
-        for wrong in ["engine.rate_hz", "engine.rate_hz=", "a=1,,2", "a=1,2,1", "=1"] {
+        for wrong in
+            ["engine.rate_hz", "engine.rate_hz=", "a=1,,2", "a=1,2,1", "=1", r#"a={"b":1,"b":2}"#]
+        {
             assert!(of(wrong).is_err(), "law: `{wrong}` is refused");
         }
     }
