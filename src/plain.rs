@@ -45,9 +45,13 @@ pub fn plain_but(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(plain)
 }
 
-/// A decimal number without the zeros at its end.
+/// A decimal number without the zeros at its end; a zero without a sign.
 pub fn without_zeros(number: &str) -> &str {
-    if number.contains('.') { number.trim_end_matches('0').trim_end_matches('.') } else { number }
+    let short = match number.contains('.') {
+        true => number.trim_end_matches('0').trim_end_matches('.'),
+        false => number,
+    };
+    if short == "-0" { "0" } else { short }
 }
 
 /// A number with up to three decimals.
@@ -77,5 +81,20 @@ mod tests {
             assert_eq!(plain(text), expected, "law: only what misleads is shown otherwise");
         }
         assert_eq!(plain_lines("a\n\u{1b}b\rc"), "a\n\\u001bb\\u000dc", "law: lines stay lines");
+    }
+
+    #[test]
+    fn a_rounded_zero_has_no_sign() {
+        for (value, expected) in [
+            (-0.0004, "0"),
+            (-0.0, "0"),
+            (0.0004, "0"),
+            (-0.0006, "-0.001"),
+            (-10.0, "-10"),
+            (-0.5, "-0.5"),
+        ] {
+            assert_eq!(three_decimals(value), expected, "law: {value} to three decimals");
+        }
+        assert_eq!(without_zeros("-0"), "0", "law: also where nothing follows the point");
     }
 }

@@ -57,12 +57,13 @@ fn height(of: &StandingHeight) -> String {
 }
 
 fn settlement(of: &Settlement) -> String {
-    let mut text = format!("{:.2} mm at rest", of.final_mm);
+    let mm = |settled: f64| format!("{:.2} mm", rounded(settled, 2));
+    let mut text = format!("{} at rest", mm(of.final_mm));
     if let Some(moving) = of.end_of_shaking {
-        text += &format!(", {moving:.2} mm at the end of shaking");
+        text += &format!(", {} at the end of shaking", mm(moving));
     }
     if let (Some(after), Some(share)) = (of.after_5_s, of.share_after_5_s) {
-        text += &format!("; {after:.2} mm after 5 s ({:.0} %)", share * 100.0);
+        text += &format!("; {} after 5 s ({:.0} %)", mm(after), share * 100.0);
     }
     text
 }
