@@ -1,5 +1,5 @@
 //! Text of files and names as it may be shown: characters that are not seen but change what is
-//! seen stand as their code points. All that goes to a terminal passes here.
+//! seen stand as their code points. All that goes to a terminal passes here. And short numbers.
 
 use std::{borrow::Cow, path::Path};
 
@@ -59,6 +59,28 @@ pub fn three_decimals(value: f64) -> String {
     without_zeros(&format!("{value:.3}")).to_owned()
 }
 
+/// A mass in g for people: to a tenth, or of small ones to three digits.
+pub fn grams(mass: f64) -> String {
+    if !(mass > 0.0 && mass < 10.0) {
+        let tenths = format!("{mass:.1}");
+        return if tenths == "-0.0" { "0.0".to_owned() } else { tenths };
+    }
+    let decimals = (2 - mass.log10().floor() as i32).max(0) as usize;
+    without_zeros(&format!("{mass:.decimals$}")).to_owned()
+}
+
+/// A number for tables that programs read: so many decimals, or more where they would leave less
+/// than four digits that count, as of a mass far below a gram.
+pub fn decimals_at_least(value: f64, decimals: usize) -> String {
+    const DIGITS: i32 = 4;
+    let magnitude = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
+    if magnitude < -9.0 {
+        return format!("{value:.3e}");
+    }
+    let decimals = decimals.max((DIGITS - 1 - magnitude as i32).max(0) as usize);
+    format!("{value:.decimals$}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -96,5 +118,42 @@ mod tests {
             assert_eq!(three_decimals(value), expected, "law: {value} to three decimals");
         }
         assert_eq!(without_zeros("-0"), "0", "law: also where nothing follows the point");
+    }
+
+    #[test]
+    fn small_masses_keep_their_digits() {
+        for (mass, expected) in [
+            (2343.0, "2343.0"),
+            (12.34, "12.3"),
+            (0.6, "0.6"),
+            (0.0437, "0.0437"),
+            (0.000_02, "0.00002"),
+            (0.0, "0.0"),
+            (-0.04, "0.0"),
+            (-3.0, "-3.0"),
+        ] {
+            assert_eq!(grams(mass), expected, "law: {mass} g to three digits");
+        }
+    }
+
+    /// Law: where four decimals hold four digits, nothing else is written than ever.
+    #[test]
+    fn tables_keep_digits_of_small_numbers() {
+        for (value, expected) in [
+            (2343.0, "2343.0000"),
+            (0.35, "0.3500"),
+            (-0.35, "-0.3500"),
+            (0.034_567_89, "0.03457"),
+            (0.000_02, "0.00002000"),
+            (1.234_567e-12, "1.235e-12"),
+            (0.0, "0.0000"),
+        ] {
+            assert_eq!(
+                decimals_at_least(value, 4),
+                expected,
+                "law: {value} to four digits at least"
+            );
+        }
+        assert_eq!(decimals_at_least(1.5, 6), "1.500000", "law: as many decimals as asked");
     }
 }

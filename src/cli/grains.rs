@@ -95,8 +95,8 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
         "{}: {} grains, {} g, {} cm³ of solids, {:.1} grains in 100 g\n",
         made.scenario,
         made.grains,
-        table::grams(made.mass_g),
-        table::grams(made.solids_volume_cm3),
+        grams(made.mass_g),
+        grams(made.solids_volume_cm3),
         made.grains_in_100_g
     );
     if let Some(specified) = &made.sieve_analysis.specified {

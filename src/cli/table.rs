@@ -20,15 +20,6 @@ pub(super) fn duration(seconds: f64) -> String {
     }
 }
 
-/// A mass in g for people: to a tenth, or of small ones to three digits.
-pub(super) fn grams(mass: f64) -> String {
-    if !(mass > 0.0 && mass < 10.0) {
-        return format!("{mass:.1}");
-    }
-    let digits = (2 - mass.log10().floor() as i32).max(0) as usize;
-    without_zeros(&format!("{mass:.digits$}")).to_owned()
-}
-
 /// Rows of a name and what is to be said of it.
 #[derive(Default)]
 struct Rows(Vec<(String, String)>);
@@ -118,9 +109,11 @@ fn of_laboratory(of: &LaboratorySummary, rows: &mut Rows) {
     };
     rows.add("balance", balance);
     for opening in &of.openings {
-        let rate = opening.rate_g_per_s.map_or(String::new(), |rate| format!(" at {rate:.0} g/s"));
-        let passed = opening.passed_g;
-        rows.add(&format!("flow, {}", opening.name), format!("{passed:.1} g{rate}"));
+        // Rates scatter: of large ones tenths say nothing.
+        let number = |rate: f64| if rate < 10.0 { grams(rate) } else { format!("{rate:.0}") };
+        let rate = opening.rate_g_per_s.map(|rate| format!(" at {} g/s", number(rate)));
+        let text = format!("{} g{}", grams(opening.passed_g), rate.unwrap_or_default());
+        rows.add(&format!("flow, {}", opening.name), text);
     }
     for region in &of.regions {
         let ratio = region.void_ratio.map_or("no grains".to_owned(), |e| format!("{e:.3}"));
@@ -385,15 +378,6 @@ mod tests {
             [(-0.0004, "+0.00"), (0.0, "+0.00"), (-0.006, "-0.01"), (1.236, "+1.24")]
         {
             assert_eq!(format!("{:+.2}", rounded(value, 2)), expected, "law: of {value}");
-        }
-    }
-
-    #[test]
-    fn small_masses_keep_their_digits() {
-        for (mass, expected) in
-            [(2343.0, "2343.0"), (12.34, "12.3"), (0.6, "0.6"), (0.0437, "0.0437"), (0.0, "0.0")]
-        {
-            assert_eq!(grams(mass), expected, "law: {mass} g to three digits");
         }
     }
 

@@ -1,6 +1,7 @@
 //! The table `sieve.csv`.
 
 use super::*;
+use crate::plain::decimals_at_least;
 use crate::units::to_g;
 
 /// Writes `sieve.csv`: a row a fraction, with what the sieve table asks for,
@@ -22,7 +23,9 @@ pub fn sieve_csv(
         });
     }
     let (sieved, total) = (SieveAnalysis::of(grains), grains.total_mass());
-    let four = |number: f64| format!("{number:.4}");
+    let four = |number: f64| decimals_at_least(number, 4);
+    // Of all grains, however small they are.
+    let percent = |number: f64| format!("{number:.4}");
     let row = |(index, (fraction, block)): (usize, (&Fraction, &Block))| {
         let own = || grains.grains.iter().filter(|g| g.fraction == index);
         let generated: f64 = own().map(|g| g.mass).sum();
@@ -30,7 +33,7 @@ pub fn sieve_csv(
         vec![
             ("passing_mm", to_mm(fraction.passing).to_string()),
             ("retained_mm", to_mm(fraction.retained).to_string()),
-            ("mass_percent", four(fraction.mass_percent)),
+            ("mass_percent", percent(fraction.mass_percent)),
             ("mass_g", four(to_g(fraction.mass))),
             ("solids_volume_cm3", four(to_cm3(fraction.volume))),
             ("mean_size_mm", to_mm(fraction.mean_size).to_string()),
@@ -39,9 +42,9 @@ pub fn sieve_csv(
             ("cube_side_mm", four(to_mm(block.side))),
             ("sieved_grains", count.to_string()),
             ("sieved_mass_g", four(to_g(mass))),
-            ("sieved_mass_percent", four(100.0 * mass / total)),
-            ("sieved_passing_percent", four(sieved.percent_finer(fraction.passing))),
-            ("sieved_finer_percent", four(sieved.percent_finer(fraction.retained))),
+            ("sieved_mass_percent", percent(100.0 * mass / total)),
+            ("sieved_passing_percent", percent(sieved.percent_finer(fraction.passing))),
+            ("sieved_finer_percent", percent(sieved.percent_finer(fraction.retained))),
         ]
     };
     Ok(table_csv(psd.fractions.iter().zip(&grains.blocks).enumerate().map(row))?)
@@ -109,5 +112,35 @@ mod tests {
         let mut one_less = grains.clone();
         one_less.blocks.pop();
         assert!(sieve_csv(&psd, &one_less).is_err(), "a block is missing");
+    }
+
+    /// Law: a hundredth in size is a millionth in mass and volume, to the same digits.
+    #[test]
+    fn small_samples_keep_their_mass_and_volume() {
+        let table = |scale: f64| -> Vec<Vec<f64>> {
+            let mut spec = few_grains();
+            spec.total_mass_g *= scale.powi(3);
+            for fraction in &mut spec.sieve_table {
+                fraction.passing_mm *= scale;
+                fraction.retained_mm *= scale;
+            }
+            let psd = ParticleSizeDistribution::new(&spec).unwrap();
+            let bytes = sieve_csv(&psd, &generate(&spec, 1).unwrap()).unwrap();
+            let mut csv = csv::Reader::from_reader(&bytes[..]);
+            let numbers = |row: csv::StringRecord| -> Vec<f64> {
+                row.iter().map(|cell| cell.parse().unwrap()).collect()
+            };
+            csv.records().map(|row| numbers(row.unwrap())).collect()
+        };
+        for (small, large) in table(1e-2).iter().zip(table(1.0)) {
+            // Mass, volume of solids, mass of the generated grains; the side of the cube.
+            for (column, scale) in [(3, 1e-6), (4, 1e-6), (7, 1e-6), (8, 1e-2)] {
+                let (expected, got) = (large[column], small[column] / scale);
+                assert!(
+                    (got - expected).abs() <= 1e-3 * expected,
+                    "law: column {column} keeps its digits; expected {expected}, got {got}"
+                );
+            }
+        }
     }
 }

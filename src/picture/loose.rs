@@ -8,6 +8,8 @@ use super::paint::paint;
 use super::sheet::sheet;
 use super::*;
 use crate::grains::Grain;
+use crate::plain::{grams, without_zeros};
+use crate::units::to_g;
 
 /// Rows of each fraction, at most.
 pub const ROWS: usize = 3;
@@ -48,12 +50,17 @@ pub fn loose_grains(grains: &GrainSet, shot: &Shot) -> Result<Image, PictureErro
         lines: vec![
             format!("{} grains", grains.grains.len()),
             format!("{shown} shown"),
-            format!("{} g", number((1e4 * grains.total_mass()).round() / 10.0)),
+            mass(grains.total_mass()),
         ],
     };
     // No glass here.
     let panel = expose(&scene, &scene.outline(), shot, 1.0);
     sheet(&[(panel, String::new())], 1, shot.width, shot.notes.then_some(&notes))
+}
+
+/// A mass in kg for the key, in g.
+fn mass(kg: f64) -> String {
+    format!("{} g", without_zeros(&grams(to_g(kg))))
 }
 
 /// The grains in their places, then the bar; and the bar's length in m.
@@ -167,6 +174,15 @@ mod tests {
                 });
                 assert!(apart, "law: no two share their ground");
             }
+        }
+    }
+
+    #[test]
+    fn the_key_has_the_mass_of_small_samples() {
+        for (kg, expected) in
+            [(2.343, "2343 g"), (0.585_76, "585.8 g"), (0.35e-3, "0.35 g"), (2e-8, "0.00002 g")]
+        {
+            assert_eq!(mass(kg), expected, "law: {kg} kg to three digits at least");
         }
     }
 

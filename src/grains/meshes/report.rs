@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::grains::table_csv;
+use crate::plain::decimals_at_least;
+use crate::units::to_mm3;
 
 /// One grain: its mesh as read, the shape made of it, and how it was used.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -114,19 +116,19 @@ pub fn meshes_csv(records: &[MeshRecord]) -> Result<Vec<u8>, csv::Error> {
             ("object", record.object.clone()),
             ("mesh_vertices", record.mesh_vertices.to_string()),
             ("mesh_faces", record.mesh_faces.to_string()),
-            ("mesh_volume_mm3", format!("{:.6}", record.mesh_volume * 1e9)),
+            ("mesh_volume_mm3", decimals_at_least(to_mm3(record.mesh_volume), 6)),
             ("convexity", format!("{:.6}", record.convexity)),
             ("hull", record.hull.to_string()),
             ("vertices", record.vertices.to_string()),
             ("faces", record.faces.to_string()),
-            ("volume_mm3", format!("{:.6}", record.volume * 1e9)),
+            ("volume_mm3", decimals_at_least(to_mm3(record.volume), 6)),
             // No minus before what rounds to zero.
             (
                 "volume_change_percent",
                 format!("{:.4}", (record.volume_change_percent() * 1e4).round() / 1e4 + 0.0),
             ),
             ("left_out_mm", format!("{:.6}", to_mm(record.left_out))),
-            ("sieve_size_mm", format!("{:.4}", to_mm(record.sieve_size))),
+            ("sieve_size_mm", decimals_at_least(to_mm(record.sieve_size), 4)),
             ("grains", record.grains.to_string()),
             ("smallest_scale", format!("{:.6}", record.scales.0)),
             ("largest_scale", format!("{:.6}", record.scales.1)),
