@@ -155,11 +155,11 @@ pub enum StageSpec {
         #[schemars(range(max = 1_000_000))]
         placement: u32,
         /// Largest offset in mm that is drawn, uniformly on a disc; left out, 0.8 of the
-        /// clearance between plate and cylinder.
+        /// clearance between plate and cylinder. Not with placement 0.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(range(min = 0.0, max = 10000.0))]
         offset_mm: Option<f64>,
-        /// Largest rotation in degrees that is drawn, uniformly to either side.
+        /// Largest rotation in degrees that is drawn, uniformly to either side. Not with placement 0.
         #[serde(default = "half_turn")]
         #[schemars(range(min = 0.0, max = 180.0))]
         rotation_deg: f64,

@@ -1,7 +1,7 @@
 //! Which stage may follow which, and how long all of them take.
 
 use super::*;
-use crate::scenario::BaseKind;
+use crate::scenario::{BaseKind, stages::half_turn};
 
 /// Longest simulated time of a scenario in s: an hour is 180 times the
 /// paper's longest test.
@@ -16,13 +16,26 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     check_placements(parts, faults);
 }
 
-/// A plate that would be laid into the wall.
+/// A plate that would be laid into the wall, and limits of a placement where none is drawn.
 fn check_placements(parts: &Parts, faults: &mut Faults) {
-    let (Some(cylinder), Some(plate)) = (&parts.cylinder, &parts.top_plate) else { return };
-    let clearance = (cylinder.inner_diameter_mm - plate.diameter_mm) / 2.0;
     for (i, spec) in parts.specs() {
-        let StageSpec::PlaceTopPlate { offset_mm: Some(offset), .. } = *spec else { continue };
-        faults.at(format!("stages[{i}]")).add_if(
+        let StageSpec::PlaceTopPlate { placement, offset_mm, rotation_deg, .. } = *spec else {
+            continue;
+        };
+        let mut faults = faults.at(format!("stages[{i}]"));
+        if placement == 0 {
+            let why =
+                "it means nothing with placement 0, which lays the plate on the axis, unturned";
+            // That of a plate whose rotation was not typed.
+            let rotation = Some(rotation_deg).filter(|deg| *deg != half_turn());
+            faults.idle("offset_mm", offset_mm, why);
+            faults.idle("rotation_deg", rotation, why);
+            continue;
+        }
+        let (Some(cylinder), Some(plate)) = (&parts.cylinder, &parts.top_plate) else { continue };
+        let clearance = (cylinder.inner_diameter_mm - plate.diameter_mm) / 2.0;
+        let Some(offset) = offset_mm else { continue };
+        faults.add_if(
             offset > clearance && clearance > 0.0,
             "offset_mm",
             offset,

@@ -44,6 +44,38 @@ fn stages_have_their_order() {
     expect_one(|s| s["stages"] = json!([]), "stages", &["too short"]);
 }
 
+/// Law: limits of a placement are refused where none is drawn, and judged where one is.
+#[test]
+fn a_plate_on_the_axis_takes_no_limits_of_a_placement() {
+    let plate = |fields: &[(&str, Value)]| {
+        let fields: Vec<(String, Value)> =
+            fields.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
+        move |s: &mut Value| {
+            with_stages(&["fill_funnel", "pour", "place_top_plate"])(s);
+            for (name, value) in fields {
+                s["stages"][2][name] = value;
+            }
+        }
+    };
+    let idle = "it means nothing with placement 0";
+    for (field, found) in [("offset_mm", 0.5), ("rotation_deg", 90.0)] {
+        let path = format!("stages[2].{field}");
+        for placement in [None, Some(("placement", json!(0)))] {
+            let fields: Vec<_> = placement.into_iter().chain([(field, json!(found))]).collect();
+            let found = format!("found {found}");
+            expect_one(plate(&fields), &path, &[idle, &found, "the field left out"]);
+        }
+        let mut drawn = sound();
+        plate(&[("placement", json!(1)), (field, json!(found))])(&mut drawn);
+        assert_eq!(faults(&drawn), [], "law: `{field}` is a limit of what is drawn");
+    }
+    let wide = [("placement", json!(1)), ("offset_mm", json!(50))];
+    expect_one(plate(&wide), "stages[2].offset_mm", &["into the wall", "found 50"]);
+    let mut as_ever = sound();
+    plate(&[("placement", json!(0)), ("rotation_deg", json!(180))])(&mut as_ever);
+    assert_eq!(faults(&as_ever), [], "law: the default is written by every run");
+}
+
 #[test]
 fn a_time_step_that_cannot_resolve_the_motion_is_refused() {
     // 250 mm of fall: v = √(2·9.81·0.25) = 2.215 m/s, 8 mm in a step at 276.8 Hz.
