@@ -149,6 +149,7 @@ pub struct Scenario {
     pub gravity_m_per_s2: f64,
     /// Seed of every random stream (grain shapes, arrangement).
     #[serde(default = "default_seed")]
+    #[schemars(extend("maximum" = u64::MAX))]
     pub seed: u64,
     /// Which random arrangement of the grains is used, counted from 1: another
     /// number gives another order and other orientations (paper, section 3:

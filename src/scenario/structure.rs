@@ -347,7 +347,11 @@ fn describe(schema: &Value) -> String {
         let options: Vec<String> = options.iter().map(Value::to_string).collect();
         return options.join(" or ");
     }
-    let limit = |key: &str| schema[key].as_f64();
+    // Whole numbers as they are: the largest have no value with a point.
+    let limit = |key: &str| {
+        let whole = schema[key].as_u64().map(|x| x.to_string());
+        whole.or_else(|| schema[key].as_f64().map(|x| x.to_string()))
+    };
     match schema["type"].as_str() {
         Some(kind @ ("number" | "integer")) => {
             let kind = if kind == "integer" { "a whole number" } else { "a number" };
@@ -395,6 +399,7 @@ mod tests {
             ("engine.rapier.friction_model", "\"coulomb\" or \"simplified\""),
             ("grains.sieve_table[0].passing_mm", "a number above 0 and at most 10000"),
             ("stages[0].periods", "a whole number of at least 1 and at most 1000"),
+            ("seed", "a whole number of at least 0 and at most 18446744073709551615"),
             ("stages[0].stroke", "\"half_stroke\" or \"full_stroke\""),
             ("notes", "a list"),
             ("stages[0].nonsense", ""),
