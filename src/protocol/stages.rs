@@ -282,7 +282,10 @@ impl<'a> Laboratory<'a> {
         specimen.state.cylinder = true;
 
         let course = Course::until_settled(limit);
-        let mut stand = self.settled(specimen, 0.0, &course, "pouring")?;
+        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course)?;
+        if !settled {
+            stand.warn(not_settled("pouring", limit));
+        }
         // The funnel is taken away, with what hangs in it.
         let cylinder = &self.setup.cylinder;
         let (rim, radius) = (cylinder.height, cylinder.radius);
@@ -297,9 +300,9 @@ impl<'a> Laboratory<'a> {
             }
         }
         if hanging > 0 {
-            stand.warn(format!(
-                "{hanging} grains were left hanging in the funnel when everything had come to rest"
-            ));
+            let (noun, were) = if hanging == 1 { ("grain", "was") } else { ("grains", "were") };
+            let when = if settled { "everything had come to rest" } else { "the stage ended" };
+            stand.warn(format!("{hanging} {noun} {were} left hanging in the funnel when {when}"));
         }
         Ok(stand.finish())
     }

@@ -46,6 +46,19 @@ fn still() -> Maker {
     Box::new(|| ScriptedWorld::still(STEP))
 }
 
+/// Nothing gets anywhere, and nothing rests.
+fn restless() -> Maker {
+    Box::new(|| {
+        ScriptedWorld::new(
+            STEP,
+            Box::new(|_, state, _, _| BodyState {
+                linear_velocity: Vector::new(0.03, 0.0, 0.0),
+                ..*state
+            }),
+        )
+    })
+}
+
 fn rest(duration_s: f64) -> StageSpec {
     StageSpec::Rest { duration_s }
 }
@@ -92,16 +105,7 @@ fn a_settled_specimen_ends_its_stage_early_and_a_restless_one_does_not() {
     // Held for 0.25 s from the first look at 0.02 s on.
     assert!((0.26..0.32).contains(&outcome.simulated), "ended after {} s", outcome.simulated);
     assert!(outcome.warnings.is_empty(), "{:?}", outcome.warnings);
-    let restless: Maker = Box::new(|| {
-        ScriptedWorld::new(
-            STEP,
-            Box::new(|_, state, _, _| BodyState {
-                linear_velocity: Vector::new(0.03, 0.0, 0.0),
-                ..*state
-            }),
-        )
-    });
-    let (outcome, _) = carry_out(restless, poured(&[]), &stage);
+    let (outcome, _) = carry_out(restless(), poured(&[]), &stage);
     let outcome = outcome.expect("ends at the limit");
     assert!((outcome.simulated - 1.0).abs() < 1e-9);
     assert!(outcome.warnings.iter().any(|w| w.contains("had not settled")));
@@ -155,23 +159,41 @@ fn the_plate_is_let_go_just_above_the_highest_grain() {
     assert_eq!(plate.pose.rotation.angle(), 0.0, "level");
 }
 
-#[test]
-fn pouring_lifts_the_funnel_and_counts_what_hangs_in_it() {
+/// Grains in a funnel that its lid closes.
+fn in_funnel() -> Specimen {
     let mut specimen = poured(&[0.21, 0.25]);
     specimen.state.cylinder = false;
     specimen.state.funnel = Some(FunnelState { opening_height: 0.2, lid: true });
     for grain in &mut specimen.state.bodies[2..] {
         grain.body.pose.translation.vector.z = 0.3;
     }
+    specimen
+}
+
+#[test]
+fn pouring_lifts_the_funnel_and_counts_what_hangs_in_it() {
     let stage = StageSpec::Pour { falling_height_mm: 50.0, time_limit_s: 1.0 };
-    let (outcome, _) = carry_out(still(), specimen, &stage);
+    let (outcome, _) = carry_out(still(), in_funnel(), &stage);
     let outcome = outcome.expect("poured");
     let state = &outcome.specimen.state;
     assert!(state.cylinder && state.funnel.is_none(), "the funnel is taken away");
     assert!((state.bodies[0].body.pose.translation.z - 0.26).abs() < 1e-12, "lifted by 50 mm");
     assert!(state.bodies.iter().all(|g| g.fate == Fate::LeftInFunnel), "nothing fell");
-    let count = state.bodies.len();
-    assert!(outcome.warnings.iter().any(|w| w.starts_with(&format!("{count} grains were left"))));
+    let told = |outcome: &StageOutcome| {
+        let left = format!("{} grains were left", outcome.specimen.state.bodies.len());
+        outcome.warnings.iter().find(|w| w.starts_with(&left)).cloned().unwrap_or_default()
+    };
+    let at_rest = told(&outcome);
+    assert!(at_rest.contains("had come to rest"), "law: it had, got `{at_rest}`");
+    let (outcome, _) = carry_out(restless(), in_funnel(), &stage);
+    let outcome = outcome.expect("poured");
+    let warnings = &outcome.warnings;
+    assert!(warnings.iter().any(|w| w.contains("had not settled")), "got {warnings:?}");
+    let moving = told(&outcome);
+    assert!(
+        moving.ends_with("when the stage ended"),
+        "law: of grains that move it is not said that they rest, got `{moving}`"
+    );
 }
 
 #[test]
