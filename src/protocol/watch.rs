@@ -9,7 +9,8 @@
 //! unexplained. It is summed up, and the sum falls, to zero at the least,
 //! where more is lost than given: it is the largest rise without a cause from
 //! any earlier moment to now. Between the pieces of a laboratory contacts are loaded springs: what
-//! pieces gave them, and what they held when the stage began, may come back.
+//! pieces gave them, and what they held when the stage began, may come back; so may what they hold
+//! when a weight is laid on the top plate or taken off.
 
 use super::*;
 
@@ -82,8 +83,8 @@ struct Budget {
     #[serde(default)]
     way: Vector,
     gained: f64,
-    /// In a laboratory, what contacts may have stored as springs and give back: their energy
-    /// at the beginning, and the work of pieces since.
+    /// In a laboratory, or with a weight on the top plate, what contacts may have stored as springs
+    /// and give back: their energy at the beginning, and the work of pieces since.
     #[serde(default)]
     stored: Option<f64>,
 }
@@ -172,7 +173,7 @@ impl Watch {
         true
     }
 
-    /// Takes the pieces of a laboratory into account: the kinetic energy of those that are pressed,
+    /// Takes pieces, or a weight on the plate, into account: the kinetic energy of pressed pieces,
     /// and what the contacts hold as springs, both in J.
     pub(super) fn press(&mut self, kinetic: f64, springs: f64) {
         if let Some(budget) = &mut self.budget {

@@ -8,10 +8,12 @@ use crate::units::{from_deg, from_kpa};
 
 /// Largest stress in Pa under weight, plate and pressed pieces, arching left out: everything rests
 /// on the floor of the cylinder, or of the pile. A table that shakes up and down makes weights so
-/// much heavier as it accelerates.
+/// much heavier as it accelerates; a load that seats the plate is taken off before.
 pub(super) fn largest_stress(value: &Value, grading: &Grading, gravity: f64) -> f64 {
+    let seated = weight_stress(value, grading, gravity) + seating_stress(value);
     let gravity = gravity + upward_acceleration(value);
-    weight_stress(value, grading, gravity) + pressed_stress(value).max(free_stress(value, gravity))
+    let weight = weight_stress(value, grading, gravity).max(seated);
+    weight + pressed_stress(value).max(free_stress(value, gravity))
 }
 
 /// The largest acceleration in m/s² of the table along z, A (2πf)²; 0 where nothing shakes it so.
@@ -81,9 +83,26 @@ fn pressed_stress(value: &Value) -> f64 {
     }))
 }
 
+/// The largest stress in Pa of a load that seats the top plate; 0 without any.
+fn seating_stress(value: &Value) -> f64 {
+    let stages = list(value, "stages").filter(|stage| stage["stage"] == "place_top_plate");
+    let loads = stages.filter_map(|stage| stage["seating_load_n"].as_f64());
+    largest(loads.map(|load| load / plate_area(value)))
+}
+
+/// Area in m² of the top plate.
+fn plate_area(value: &Value) -> f64 {
+    let diameter = number_at(value, "apparatus.top_plate.diameter_mm");
+    area(diameter.unwrap_or(TopPlateSpec::default().diameter_mm))
+}
+
+/// Area in m² of a circle of a diameter in mm.
+fn area(diameter_mm: f64) -> f64 {
+    PI / 4.0 * from_mm(diameter_mm).powi(2)
+}
+
 fn weight_stress(value: &Value, grading: &Grading, gravity: f64) -> f64 {
     let number = |path: &str, default: f64| number_at(value, path).unwrap_or(default);
-    let area = |diameter_mm: f64| PI / 4.0 * from_mm(diameter_mm).powi(2);
     let stages = || value["stages"].as_array().into_iter().flatten();
     let base = stages()
         .filter(|s| s["stage"] == "slow_pluviation")
@@ -94,9 +113,8 @@ fn weight_stress(value: &Value, grading: &Grading, gravity: f64) -> f64 {
     if !stages().any(|s| s["stage"] == "place_top_plate") {
         return weight;
     }
-    let plate = TopPlateSpec::default();
-    let mass = from_g(number("apparatus.top_plate.mass_g", plate.mass_g));
-    weight + mass * gravity / area(number("apparatus.top_plate.diameter_mm", plate.diameter_mm))
+    let mass = from_g(number("apparatus.top_plate.mass_g", TopPlateSpec::default().mass_g));
+    weight + mass * gravity / plate_area(value)
 }
 
 #[cfg(test)]
@@ -153,5 +171,39 @@ mod tests {
         assert!((got / expected - 1.0).abs() < 1e-9, "law: A ω², {expected} m/s², got {got}");
         let other = serde_json::json!({ "piece": "other", "force_n": 10 });
         assert_eq!(stress(other, [0.0; 3]), 0.0, "law: what cannot be read counts for nothing");
+    }
+
+    /// Law: the largest load that seats the plate presses by the plate's area, beside the weights
+    /// at rest; a table that shakes does so without it.
+    #[test]
+    fn a_seating_load_presses_by_the_area_of_the_plate() {
+        let grains = serde_json::json!({ "total_mass_g": 600, "density_kg_per_m3": 2650,
+            "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }] });
+        let grading = Grading::of_json(&grains).expect("a grading");
+        let stress = |loads: &[f64], up_mm: f64| {
+            let stage = "place_top_plate";
+            let placed = |load: &f64| serde_json::json!({ "stage": stage, "seating_load_n": load });
+            let mut stages: Vec<Value> = loads.iter().map(placed).collect();
+            stages.push(serde_json::json!({ "stage": "vibrate", "frequency_hz": 10,
+                "vertical": { "amplitude_mm": up_mm } }));
+            let value = serde_json::json!({
+                "apparatus": { "top_plate": { "diameter_mm": 50, "mass_g": 100 } },
+                "stages": stages
+            });
+            largest_stress(&value, &grading, 9.81)
+        };
+        let near = |what: &str, got: f64, expected: f64| {
+            assert!(
+                (got - expected).abs() < 1e-9 * expected.abs(),
+                "law: {what}: {expected} Pa, got {got} Pa"
+            );
+        };
+        let weights = stress(&[0.0], 0.0);
+        let of_load = |load: f64| load / (PI / 4.0 * 0.05_f64.powi(2));
+        near("100 N on 19.6 cm²", stress(&[100.0], 0.0) - weights, of_load(100.0));
+        near("the larger of two", stress(&[30.0, 100.0, 0.0], 0.0), weights + of_load(100.0));
+        let shaken = stress(&[0.0], 20.0);
+        assert!(shaken > 2.0 * weights, "law: by 79 m/s², from {weights} to {shaken} Pa");
+        near("taken off before it shakes", stress(&[1.0], 20.0), shaken);
     }
 }

@@ -88,3 +88,19 @@ fn contacts_that_sink_into_each_other_are_told_at_once_and_in_the_summary() {
     assert!(of_overlap.iter().all(|w| !w.contains('\n')), "law: one line each");
     assert!(told.contains("grains overlap by"), "law: told as soon as it is seen, got {told}");
 }
+
+/// Law: a load seats the plate without grains through the floor, and what contacts held as springs
+/// under it is explained when it is taken off.
+#[test]
+fn a_plate_is_seated_without_findings() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut scenario = small::scenario(60.0, 0.5, 0.0);
+    scenario["stages"][2]["seating_load_n"] = json!(200);
+    let (summary, told) = carried_out(folder.path(), &scenario);
+    assert_eq!(summary["grains"]["escaped"], 0, "law: none is pressed through a wall: {told}");
+    for name in ["through_walls", "speed", "energy"] {
+        let check = &summary["checks"][name];
+        assert_eq!(check["passed"], true, "law: {name} finds nothing, got {check}, told {told}");
+    }
+    assert!(!told.contains("contact_stiffness"), "law: no warning of what nobody typed: {told}");
+}

@@ -324,3 +324,33 @@ fn openings_that_are_narrow_for_the_grains_are_warned_of() {
         assert_eq!(told, 1, "law: `{field}` of four grains is warned of once: {narrow:?}");
     }
 }
+
+/// Law: contacts are as stiff as the load that seats the plate asks for; stiffness that is typed
+/// for the plate alone is warned of.
+#[test]
+fn a_seating_load_asks_for_stiff_contacts() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let load = |seating_n: f64, stiffness: Option<f64>| {
+        let mut scenario = small::scenario(60.0, 0.5, 0.0);
+        scenario["stages"][2]["seating_load_n"] = json!(seating_n);
+        if let Some(typed) = stiffness {
+            scenario["engine"] = json!({ "native": { "contact_stiffness_n_per_m": typed } });
+        }
+        let path = write(folder.path(), "s.json", &scenario);
+        let loaded = load_scenario(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
+        let said: Vec<String> =
+            warnings(&loaded.scenario).iter().map(ToString::to_string).collect();
+        let of_stiffness = said.iter().filter(|w| w.contains("contact_stiffness")).count();
+        (loaded.scenario.engine.native.contact_stiffness_n_per_m, of_stiffness)
+    };
+    let (alone, said) = load(0.0, None);
+    assert_eq!(said, 0, "law: what nobody typed is usual");
+    let (once, said) = load(200.0, None);
+    assert!(once > 5.0 * alone, "law: stiffer under 200 N, expected 5 × {alone}, got {once} N/m");
+    assert_eq!(said, 0, "law: what nobody typed is usual under a load, too");
+    let (twice, _) = load(400.0, None);
+    let ratio = twice / once;
+    assert!((1.9..2.1).contains(&ratio), "law: as the stress, expected 2 times, got {ratio}");
+    assert_eq!(load(0.0, Some(alone)).1, 0, "law: it suits the plate alone");
+    assert_eq!(load(200.0, Some(alone)).1, 1, "law: too soft under 200 N, which is said once");
+}

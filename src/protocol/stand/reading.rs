@@ -38,8 +38,9 @@ impl Stand<'_> {
         let began = self.midway.began_s + self.midway.steps as f64 * self.world.time_step();
         let bodies = bodies.chain(plate).chain(self.pieces.free_motion(state));
         let begins = self.midway.watch.begin(bodies, lowest, self.setup.gravity, table, began);
-        // Grains between pieces may be loaded far beyond their weight, by what held them before.
-        if begins && !state.pieces.is_empty() {
+        // Grains between pieces may be loaded far beyond their weight, by what held them before; what
+        // a weight on the plate has stored in contacts comes back as it is taken off.
+        if begins && (!state.pieces.is_empty() || self.midway.part > 0) {
             let kinetic = self.pieces.pressed_motion(state).map_or(0.0, |(kinetic, _)| kinetic);
             let springs = spring_energy(&state.contacts, &self.setup.engine);
             self.midway.watch.press(kinetic, springs);
