@@ -55,18 +55,9 @@ const STRONGEST: f64 = 100.0;
 impl Grading {
     /// Of grains by a sieve table; `None` where the table has no sizes.
     pub fn of_table(sieved: &SievedGrains) -> Option<Self> {
-        let fractions: Vec<SieveMass> = sieved
-            .sieve_table
-            .iter()
-            .map(|f| SieveMass {
-                passing: from_mm(f.passing_mm),
-                retained: from_mm(f.retained_mm),
-                mass: f.mass_percent,
-            })
-            .collect();
         let solids = from_g(sieved.total_mass_g) / sieved.density_kg_per_m3;
         let sound = sieved.density_kg_per_m3 > 0.0 && solids > 0.0 && solids.is_finite();
-        let sizes = GrainSizes::of(&fractions).filter(|_| sound)?;
+        let sizes = sizes_of(&sieved.sieve_table).filter(|_| sound)?;
         let count_of =
             |f: &SieveFraction| f.grain_count(sieved.total_mass_g, sieved.density_kg_per_m3);
         let count = sieved.sieve_table.iter().map(count_of).sum();
@@ -88,6 +79,16 @@ impl Grading {
     }
 }
 
+/// Sizes by a sieve table; `None` where it has none.
+pub(super) fn sizes_of(table: &[SieveFraction]) -> Option<GrainSizes> {
+    let fractions = table.iter().map(|f| SieveMass {
+        passing: from_mm(f.passing_mm),
+        retained: from_mm(f.retained_mm),
+        mass: f.mass_percent,
+    });
+    GrainSizes::of(&fractions.collect::<Vec<_>>())
+}
+
 /// Grains by sieve fractions, also of meshes that are drawn by a sieve table.
 pub(super) fn sieved(grains: &Value) -> Option<SievedGrains> {
     read(grains).or_else(|| read::<MeshGrains>(grains)?.as_sieved())
@@ -99,11 +100,17 @@ pub(super) fn fill(value: &mut Value, grading: &Grading) {
         None => super::default_gravity(),
         Some(gravity) => gravity.as_f64().unwrap_or(f64::NAN),
     };
-    if !(gravity > 0.0 && gravity <= STRONGEST && value.is_object()) {
+    if !value.is_object() {
         return;
     }
+    let is_sound = gravity > 0.0 && gravity <= STRONGEST;
+    let gravity = if is_sound { gravity } else { super::default_gravity() };
     let scale = grading.scale_for_filling(gravity);
     fill_apparatus(value, &scale);
+    // The apparatus follows from the grains alone, all else from gravity, too.
+    if !is_sound {
+        return;
+    }
     fill_stages(value, &scale);
     let by_law = fields().filter(|field| ![RATE, STIFFNESS, DEPENETRATION].contains(&field.0));
     for (path, law, default) in by_law {

@@ -92,13 +92,17 @@ fn load_document_with(
     let mut unread = motion_file::read(&mut document);
     unread.extend(mesh_pieces::read(&mut document, readers.parts));
     let grading = grading_of(&document, readers.grading);
-    if let Some(grading) = &grading {
-        if let Some(run) = &begun_with {
-            begun::stiffen(&mut document.value, run, grading);
+    let is_filled = match &grading {
+        Some(grading) => {
+            if let Some(run) = &begun_with {
+                begun::stiffen(&mut document.value, run, grading);
+            }
+            automatic::fill(&mut document.value, grading);
+            true
         }
-        automatic::fill(&mut document.value, grading);
-    }
-    let (scenario, found) = match check_value(&document.value, grading.as_ref()) {
+        None => faulty_grains::fill_by_sizes(&mut document.value),
+    };
+    let (scenario, found) = match check_value(&document.value, grading.as_ref(), is_filled) {
         Ok(scenario) => (Some(scenario), Vec::new()),
         Err(found) => (None, found),
     };
@@ -158,18 +162,27 @@ pub fn check(scenario: &Scenario) -> Result<(), ScenarioErrors> {
         let message = format!("the scenario has no JSON form: {error}");
         ScenarioErrors::Faults(vec![named(Fault::new(message, "", ""))])
     })?;
-    match check_value(&value, scenario.found.as_ref()) {
+    match check_value(&value, scenario.found.as_ref(), true) {
         Ok(_) => Ok(()),
         Err(faults) => Err(ScenarioErrors::Faults(faults.into_iter().map(named).collect())),
     }
 }
 
-/// The scenario of a JSON value, or all its faults; `grading` is that of its grains.
-fn check_value(value: &Value, grading: Option<&Grading>) -> Result<Scenario, Vec<Fault>> {
+/// The scenario of a JSON value, or all its faults; `grading` is that of its grains. Where values
+/// are not filled in that follow from them, they are not judged.
+fn check_value(
+    value: &Value,
+    grading: Option<&Grading>,
+    is_filled: bool,
+) -> Result<Scenario, Vec<Fault>> {
     let structure::Checked { mut faults, cleaned } = structure::check(value);
     let sound = faults.is_empty();
     // A value that has a fault already needs no second one about its meaning.
-    let meaning = validate::faults(&cleaned, grading)
+    let meaning = match is_filled {
+        true => validate::faults(&cleaned, grading),
+        false => faulty_grains::faults(&cleaned),
+    };
+    let meaning = meaning
         .into_iter()
         .filter(|fault| !faults.iter().any(|known| known.path == fault.path))
         .collect::<Vec<_>>();

@@ -39,6 +39,7 @@ mod begun;
 mod cells;
 mod engine;
 mod fault;
+mod faulty_grains;
 mod index_densities;
 mod load;
 mod mean_stress;

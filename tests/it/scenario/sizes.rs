@@ -144,3 +144,49 @@ fn funnel_and_plate_must_fit() {
         &["does not fit", "less than 114.8 mm"],
     );
 }
+
+/// Law: grains or a gravity at fault bring no second fault of what nobody typed, though the paper's
+/// funnel is wider than this cylinder; what is typed wrongly is a fault beside them.
+#[test]
+fn what_nobody_typed_is_no_fault_beside_faulty_grains() {
+    let narrow = |s: &mut Value| {
+        s["apparatus"] = json!({ "cylinder": { "inner_diameter_mm": 72.5 } });
+    };
+    for (field, found) in [
+        ("density_kg_per_m3", json!("2650")),
+        ("density_kg_per_m3", json!(0)),
+        ("density_kg_per_m3", Value::Null),
+        ("total_mass_g", json!("much")),
+        ("total_mass_g", json!(-1)),
+        ("sieve_table", json!("none")),
+    ] {
+        let spoil = |s: &mut Value| {
+            narrow(s);
+            s["grains"][field] = found.clone();
+        };
+        expect_one(spoil, &format!("grains.{field}"), &[]);
+    }
+    let of_sieve = |s: &mut Value| {
+        narrow(s);
+        s["grains"]["sieve_table"][0]["passing_mm"] = json!("16");
+    };
+    expect_one(of_sieve, "grains.sieve_table[0].passing_mm", &["wrong type"]);
+    let without_grains = |s: &mut Value| {
+        narrow(s);
+        drop(s.as_object_mut().expect("an object").remove("grains"));
+    };
+    expect_one(without_grains, "grains", &["missing"]);
+    let of_gravity = |s: &mut Value| {
+        narrow(s);
+        s["gravity_m_per_s2"] = json!("strong");
+    };
+    expect_one(of_gravity, "gravity_m_per_s2", &["wrong type"]);
+
+    let mut value = sound();
+    narrow(&mut value);
+    value["grains"]["density_kg_per_m3"] = json!(0);
+    value["apparatus"]["funnel"] = json!({ "opening_diameter_mm": 90 });
+    let paths: Vec<String> = faults(&value).into_iter().map(|fault| fault.path).collect();
+    let expected = ["grains.density_kg_per_m3", "apparatus.funnel.opening_diameter_mm"];
+    assert_eq!(paths, expected, "law: what is typed is judged beside them");
+}
