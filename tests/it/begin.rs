@@ -184,7 +184,8 @@ fn what_cannot_be_begun_with_is_refused() {
     let melt = json!({ "specimen": whole_run, "stage": "poor" });
     refused(&melt, &rest, &["begin.stage", "did you mean `pour`", "vibrate"]);
     let pour = json!([{ "stage": "pour", "falling_height_mm": 0 }]);
-    refused(&json!({ "specimen": whole_run }), &pour, &["stages[0]", "twice"]);
+    let again = ["stages[0]", "`pour` cannot be done again", "the specimen"];
+    refused(&json!({ "specimen": whole_run }), &pour, &again);
     let fill = json!([{ "stage": "fill_funnel" }]);
     refused(&json!({ "specimen": whole_run }), &fill, &["stages[0]", "fill_funnel"]);
     let pinned = json!({ "specimen": whole_run, "specimen_sha256": "00" });

@@ -107,10 +107,10 @@ fn check_order(parts: &Parts, faults: &mut Faults) {
         let mut add = |allowed: &str, message: String| {
             faults.add("stage", Value::from(name), allowed, message);
         };
-        let before = |other: &str| {
-            let own = parts.stages[..i].iter().any(|s| s.name.as_deref() == Some(other));
-            own || begun.into_iter().flatten().any(|name| name == other)
-        };
+        let in_file =
+            |other: &str| parts.stages[..i].iter().any(|s| s.name.as_deref() == Some(other));
+        let in_specimen = |other: &str| begun.into_iter().flatten().any(|name| name == other);
+        let before = |other: &str| in_file(other) || in_specimen(other);
         let is_first = i == 0 && begun.is_none();
         // What may be done with all grains at hand.
         let begins = matches!(
@@ -145,9 +145,16 @@ fn check_order(parts: &Parts, faults: &mut Faults) {
                     add(&format!("`{name}` after a stage `{needs}`"), message);
                 }
                 let once = matches!(name, "fill_funnel" | "pour" | "place_top_plate");
-                if once && before(name) {
+                if once && in_file(name) {
                     let allowed = "it once; only `vibrate` and `rest` may be repeated";
                     add(allowed, format!("`{name}` is there twice"));
+                } else if once && in_specimen(name) {
+                    let allowed = "another stage; only `vibrate` and `rest` may be repeated";
+                    let message = format!(
+                        "`{name}` cannot be done again: the specimen that is begun with has been \
+                         through it"
+                    );
+                    add(allowed, message);
                 }
                 continue;
             }
