@@ -23,6 +23,21 @@ pub(super) fn remembered(
     contacts.collect()
 }
 
+/// What a reader knows a body as, by what it is.
+pub(super) fn name_of(party: &Party, setup: &Setup) -> String {
+    match *party {
+        Party::Grain(n) => format!("grain {n}"),
+        Party::Other(Other::TopPlate) => "the top plate".to_owned(),
+        Party::Other(Other::Cylinder(_)) => "the cylinder".to_owned(),
+        Party::Other(Other::Funnel(_)) => "the funnel".to_owned(),
+        Party::Other(Other::Base(_)) => "the base".to_owned(),
+        Party::Other(Other::Piece(n, _)) => match setup.pieces.get(n) {
+            Some(piece) => format!("`{}`", piece.name),
+            None => format!("piece {n}"),
+        },
+    }
+}
+
 pub(super) fn free_grain(grain: &Grain, state: BodyState) -> Body {
     Body {
         shape: grain.shape.clone(),

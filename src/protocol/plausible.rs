@@ -43,7 +43,11 @@ pub fn plausible(
     finite(state)?;
     let of_grains = state.bodies.iter().map(|g| (g.fate == Fate::Present).then_some(g.body));
     let snapshot: Snapshot = of_grains.chain([state.top_plate]).collect();
-    check(setup, table_peak).check(&snapshot, state.time).map_err(|e| e.to_string())?;
+    let name = |index: usize| match index < expected {
+        true => name_of(&Party::Grain(index), setup),
+        false => name_of(&Party::Other(Other::TopPlate), setup),
+    };
+    check(setup, table_peak).check(&snapshot, state.time, name).map_err(|e| e.to_string())?;
     let funnel = |f: crate::specimen::FunnelState| {
         Funnel::new(&setup.funnel, f.opening_height, collar_m).map_err(|e| e.to_string())
     };
@@ -164,12 +168,13 @@ mod tests {
     #[test]
     fn what_cannot_be_is_named() {
         type Craft = fn(&mut SpecimenState);
-        let crafted: [(&str, Craft); 19] = [
+        let crafted: [(&str, Craft); 20] = [
             ("bodies", |s| s.bodies.truncate(1)),
             ("bodies", |s| s.bodies.push(s.bodies[0])),
             ("grain 1", |s| s.bodies[1].body.linear_velocity.x = f64::NAN),
             ("orientation", |s| s.bodies[1].body.pose.rotation.as_mut_unchecked().coords *= 2.0),
-            ("speed", |s| s.bodies[1].body.linear_velocity.x = 100.0),
+            ("grain 1 at", |s| s.bodies[1].body.linear_velocity.x = 100.0),
+            ("has a speed of 100 m/s", |s| s.bodies[1].body.linear_velocity.x = 100.0),
             ("distance", |s| s.bodies[1].body.pose.translation.vector.x = 1e3),
             ("outside", |s| s.bodies[1].body.pose.translation.vector.x = 0.2),
             ("outside", |s| {
@@ -225,7 +230,8 @@ mod tests {
             let mut body = sound.state.bodies[0].body;
             body.pose.translation.vector = Vector::new(distance, 0.0, 0.0);
             body.linear_velocity = Vector::new(0.0, speed, 0.0);
-            let got = check(&setup, 0.0).check(&vec![Some(body)], 0.0).is_ok();
+            let name = |n| format!("grain {n}");
+            let got = check(&setup, 0.0).check(&vec![Some(body)], 0.0, name).is_ok();
             assert_eq!(got, can, "law: at {larger} times the size, {speed} m/s at {distance} m");
         }
     }

@@ -225,7 +225,9 @@ fn an_unphysical_world_ends_the_stage_and_keeps_the_last_good_specimen() {
     let (outcome, _) = carry_out(exploding, poured(&[0.07]), &rest(1.0));
     let error = outcome.expect_err("NaN must not pass");
     let StageError::World { source, last_good } = error else { panic!("{error}") };
-    assert!(source.to_string().contains("speed"), "{source}");
+    let text = source.to_string();
+    let at = "grain 0 at (0, 0, 70) mm has a speed of NaN m/s";
+    assert!(text.contains(at), "law: a grain that files name, expected `{at}`, got `{text}`");
     let good = &last_good.state;
     assert!(good.time > 0.1 && good.time < 0.22, "kept from before step 100: {} s", good.time);
     assert!(good.bodies.iter().all(|g| g.body.linear_velocity.iter().all(|v| v.is_finite())));

@@ -178,7 +178,8 @@ fn a_grain_that_the_engine_loses_ends_the_stage() {
     };
     let (outcome, _) = rest(forgetful);
     let error = outcome.expect_err("law: no grain is lost in silence").to_string();
-    assert!(error.contains("no longer in the engine"), "{error}");
+    let is_grain = error.contains(": grain ") && error.contains("no longer in the engine");
+    assert!(is_grain, "law: a grain that files name, got `{error}`");
 }
 
 /// Law: what falls and comes to rest has dissipated m g h; what a table accelerates to v it has

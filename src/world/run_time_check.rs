@@ -1,6 +1,8 @@
 //! Finds states that no real grain can be in.
 
 use super::{Snapshot, WorldError};
+use crate::plain::three_decimals;
+use crate::units::to_mm;
 
 /// Limits of a plausible state.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,43 +27,53 @@ impl RunTimeCheck {
         Self { limits }
     }
 
-    /// Checks every body of a snapshot. Comparisons are written so that NaN fails them.
+    /// Checks every body of a snapshot; `name` is what a reader knows one as, by its number there.
+    /// Comparisons are written so that NaN fails them.
     ///
     /// # Errors
     /// [`WorldError::Unphysical`] naming the first body found at fault, the value and the limit.
-    pub fn check(&self, snapshot: &Snapshot, time_s: f64) -> Result<(), WorldError> {
+    pub fn check(
+        &self,
+        snapshot: &Snapshot,
+        time_s: f64,
+        name: impl Fn(usize) -> String,
+    ) -> Result<(), WorldError> {
         for (index, body) in snapshot.iter().enumerate() {
             let Some(body) = body else { continue };
             let at = body.pose.translation.vector;
-            let unphysical = |quantity: &str, value: f64, limit: f64, unit: &str| {
-                Err(WorldError::Unphysical {
-                    time_s,
-                    what: format!(
-                        "body {index} at ({:.4}, {:.4}, {:.4}) m has {quantity} {value:.4e} {unit}, \
-                         allowed is up to {limit:.4e} {unit}",
-                        at.x, at.y, at.z
-                    ),
-                })
+            let unphysical = |has: String| {
+                let [x, y, z] = [at.x, at.y, at.z].map(|metres| short(to_mm(metres)));
+                let what = format!("{} at ({x}, {y}, {z}) mm has {has}", name(index));
+                Err(WorldError::Unphysical { time_s, what })
+            };
+            let beyond = |quantity: &str, value: f64, limit: f64, unit: &str| {
+                let (value, limit) = (short(value), short(limit));
+                unphysical(format!("{quantity} {value} {unit}, allowed is up to {limit} {unit}"))
             };
             let limits = &self.limits;
             let distance = at.norm();
             if !(distance <= limits.distance) {
-                return unphysical("a distance from the origin of", distance, limits.distance, "m");
+                return beyond("a distance from the origin of", distance, limits.distance, "m");
             }
             if !body.pose.rotation.coords.iter().all(|c| c.is_finite()) {
-                return unphysical("an orientation with a component of", f64::NAN, 1.0, "");
+                return unphysical("an orientation that is no number".to_owned());
             }
             let speed = body.linear_velocity.norm();
             if !(speed <= limits.speed) {
-                return unphysical("a speed of", speed, limits.speed, "m/s");
+                return beyond("a speed of", speed, limits.speed, "m/s");
             }
             let spin = body.angular_velocity.norm();
             if !(spin <= limits.angular_speed) {
-                return unphysical("an angular speed of", spin, limits.angular_speed, "rad/s");
+                return beyond("an angular speed of", spin, limits.angular_speed, "rad/s");
             }
         }
         Ok(())
     }
+}
+
+/// A number to three decimals; with an exponent where it would be long.
+fn short(value: f64) -> String {
+    if value.abs() < 1e6 { three_decimals(value) } else { format!("{value:.3e}") }
 }
 
 #[cfg(test)]
@@ -71,6 +83,10 @@ mod tests {
     use crate::world::BodyState;
 
     const LIMITS: CheckLimits = CheckLimits { speed: 10.0, angular_speed: 100.0, distance: 2.0 };
+
+    fn checked(snapshot: &Snapshot) -> Result<(), WorldError> {
+        RunTimeCheck::new(LIMITS).check(snapshot, 1.5, |n| format!("grain {n}"))
+    }
 
     fn body(change: impl Fn(&mut BodyState)) -> Snapshot {
         let mut state = BodyState::at_rest(Pose::identity());
@@ -86,7 +102,7 @@ mod tests {
             body(|b| b.angular_velocity = Vector::new(0.0, 100.0, 0.0)),
             body(|b| b.pose.translation.vector.z = -2.0),
         ] {
-            assert!(RunTimeCheck::new(LIMITS).check(&snapshot, 0.0).is_ok(), "{snapshot:?}");
+            assert!(checked(&snapshot).is_ok(), "{snapshot:?}");
         }
     }
 
@@ -99,10 +115,12 @@ mod tests {
             (body(|b| b.pose.translation.vector.x = f64::INFINITY), "distance"),
             (body(|b| b.pose.rotation.as_mut_unchecked().coords.x = f64::NAN), "orientation"),
         ] {
-            let error =
-                RunTimeCheck::new(LIMITS).check(&snapshot, 1.5).expect_err("beyond the limits");
-            let text = error.to_string();
-            assert!(text.contains(word) && text.contains("body 1"), "{word}: {text}");
+            let text = checked(&snapshot).expect_err("beyond the limits").to_string();
+            assert!(text.contains(word) && text.contains("grain 1 at"), "{word}: {text}");
         }
+        let far = checked(&body(|b| b.pose.translation.vector.x = 20.308));
+        let expected = "the simulation became unphysical at 1.5000 s: grain 1 at (20308, 0, 0) mm has \
+                        a distance from the origin of 20.308 m, allowed is up to 2 m";
+        assert_eq!(far.expect_err("beyond the limits").to_string(), expected, "law: plain numbers");
     }
 }

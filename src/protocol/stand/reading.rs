@@ -2,7 +2,7 @@
 
 use super::{
     BodyId, Fate, Finding, Grain, GrainState, HashMap, Party, SavedContact, Specimen, StageError,
-    Stand, Tally, Vector, WorldError, level, spring_energy,
+    Stand, Tally, Vector, WorldError, level, name_of, spring_energy,
 };
 
 impl Stand<'_> {
@@ -23,6 +23,12 @@ impl Stand<'_> {
             })
         });
         saved.collect()
+    }
+
+    /// What a reader knows a body as.
+    fn name_of(&self, id: BodyId) -> String {
+        let party = self.parties.iter().find_map(|(party, of)| (*of == id).then_some(party));
+        party.map_or_else(|| format!("body {}", id.0), |party| name_of(party, self.setup))
     }
 
     /// Begins to watch the bodies as the specimen has them; the table's peak
@@ -68,10 +74,12 @@ impl Stand<'_> {
         table: Vector,
     ) -> Result<Option<String>, StageError> {
         self.world.read(&mut self.snapshot);
-        self.check.check(&self.snapshot, time).map_err(|source| self.failed(source))?;
+        let name = |index: usize| self.name_of(BodyId(index as u32));
+        let checked = self.check.check(&self.snapshot, time, name);
+        checked.map_err(|source| self.failed(source))?;
         let held = |id: &BodyId| self.snapshot.get(id.0 as usize).is_some_and(Option::is_some);
         if let Some(lost) = self.grains.iter().flatten().chain(&self.plate).find(|id| !held(id)) {
-            let what = format!("body {} is no longer in the engine", lost.0);
+            let what = format!("{} is no longer in the engine", self.name_of(*lost));
             return Err(self.failed(WorldError::Unphysical { time_s: time, what }));
         }
         let lowest = self.whereabouts.lowest();
