@@ -1,7 +1,7 @@
 //! `pluvia picture`.
 
 use super::*;
-use crate::export::{Playback, read_playback, read_playback_for};
+use crate::export::{Playback, read_playback, read_playback_for, stage_at_rest};
 use crate::grains;
 use crate::picture::{
     Animation, Background, ColourBy, LOOSE_VIEW, Shot, View, Walls, animate, at, loose_grains,
@@ -175,7 +175,13 @@ fn still(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
     }
     let shot = args.shot(View::default(), 0.75);
     shot.check()?;
-    let run = read_playback_for(&args.subject, args.stage.as_deref())?;
+    let asked = match (&args.stage, args.time) {
+        (Some(stage), _) => Some(stage.as_str()),
+        // Any stage may have that time, the rest test, too.
+        (None, Some(_)) => stage_at_rest(&args.subject)?,
+        (None, None) => None,
+    };
+    let run = read_playback_for(&args.subject, asked)?;
     let shown = at(&run, args.stage.as_deref(), args.time)?;
     prepare(file, args.force)?;
     let png = picture(&run, shown, &shot)?.to_png(shot.background).map_err(drawing)?;

@@ -65,6 +65,24 @@ fn every_moment_and_manner_makes_another_picture() {
     assert!(nothing > 1000, "law: nothing lies behind, got {nothing} clear pixels");
 }
 
+/// Law: a time since the run began may be one of the rest test, which a refusal lists, too.
+#[test]
+fn a_time_may_be_one_of_the_rest_test() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let end = folder.path().join("end.png");
+    let more = ["--stage", "rest_test", "--json", "--quiet", "--out"];
+    let output = pluvia(small_run(), &more).arg(&end).output().expect("it starts");
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let made: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let time = made["time_s"].as_f64().expect("a time").to_string();
+    let found = done(small_run(), &["--time", &time], &folder.path().join("found.png"));
+    let expected = fs::read(&end).expect("the picture");
+    assert!(found == expected, "law: {time} s is the end of the rest test, as it is by its name");
+    let output = pluvia(small_run(), &["--time", "900", "--out"]).arg(&end).output();
+    let said = said(&output.expect("it starts"));
+    assert!(said.contains("rest_test: "), "law: its times are listed, got `{said}`");
+}
+
 #[test]
 fn threads_change_no_byte() {
     let folder = tempfile::tempdir().expect("a folder");
