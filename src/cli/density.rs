@@ -1,7 +1,7 @@
 //! `pluvia density`.
 
 use super::*;
-use crate::study::{DensityOptions, IndexState, index_densities};
+use crate::study::{DensityOptions, DensityStudy, IndexState};
 
 /// Find the loosest and the densest state of a scenario's grains
 #[derive(Debug, Args)]
@@ -65,25 +65,26 @@ fn between(text: &str, low: f64, high: f64) -> Result<f64, String> {
 }
 
 pub(super) fn run(args: &DensityArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let changes = args.changes.overrides();
-    let question = json!({
-        "scenario": asked::scenario(&load_scenario(&args.scenario, &changes)?.scenario),
-        "surcharge_kpa": args.surcharge_kpa,
-        "frequency_hz": args.frequency_hz,
-        "double_amplitude_mm": args.double_amplitude_mm,
-        "seconds": args.seconds,
-    });
-    context.begin(&args.out, "density", &question)?;
-    let found = index_densities(&DensityOptions {
+    let options = DensityOptions {
         scenario: args.scenario.clone(),
-        changes,
+        changes: args.changes.overrides(),
         configurations: args.configurations,
         surcharge_kpa: args.surcharge_kpa,
         frequency_hz: args.frequency_hz,
         double_amplitude_mm: args.double_amplitude_mm,
         duration_s: args.seconds,
         run: context.run_options(&args.out, args.jobs),
-    })?;
+    };
+    let study = DensityStudy::new(&options)?;
+    let question = json!({
+        "scenario": asked::scenario(study.scenario()),
+        "surcharge_kpa": args.surcharge_kpa,
+        "frequency_hz": args.frequency_hz,
+        "double_amplitude_mm": args.double_amplitude_mm,
+        "seconds": args.seconds,
+    });
+    context.begin(&args.out, "density", &question)?;
+    let found = study.carry_out()?;
     let of = &found.states;
     let states = [("e_max", &of.e_max), ("e_min", &of.e_min), ("frictionless", &of.frictionless)];
     let mut text = format!("{}, {} grains\n", found.scenario, found.grains);

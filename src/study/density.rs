@@ -6,10 +6,12 @@
 //! seconds it moves them little. Grains without any friction, poured, are a bound beside them. The
 //! mould is as large as the grains fill; what differs from the standards is said in the result.
 
+mod faults;
+mod mould;
+
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use serde_json::{Value, json};
 
 use super::{
     RunOptions, StudyError,
@@ -22,29 +24,10 @@ use crate::measure::{
     Container, HeightMap, height_cell, inference::MeanTest, statistics, void_ratio,
 };
 use crate::record::{FileError, RunRow, read_json, write_json};
-use crate::scale::{Law, Scale};
-use crate::scenario::Override;
+use crate::scenario::{Override, Scenario};
 use crate::specimen::{Specimen, SpecimenState};
-use crate::units::{to_g, to_mm};
-
-/// Height over diameter of the specimen in the mould, about that of the moulds of ASTM D4253.
-const SLENDERNESS: f64 = 1.1;
-/// Void ratio by which the mould is chosen.
-const EXPECTED: f64 = 0.9;
-/// A void ratio that no layer has: grains begin above what would then lie in the mould.
-const LOOSER: f64 = 1.15;
-/// Free fall onto the specimen in m: half an inch, ASTM D4254.
-const FREE_FALL: f64 = 0.013;
-const MOST_LAYERS: usize = 60;
-/// How long grains without friction rest, in units of √(d/g), about six seconds for the paper's: they
-/// slide on for so long, too slowly for the settling criterion to see.
-const SLIPPERY_REST: f64 = 200.0;
-/// How much stiffer contacts are where grains are thrown without a surcharge: the shock of a bed that
-/// lands makes overlaps, which fall about as the root of the stiffness. Thirty times the usual kept them
-/// within the accuracy standard at 8 mm and 12 Hz, not always at 10 mm.
-const STIFFER: f64 = 30.0;
-/// Steps in a cycle of the vibration.
-const STEPS_PER_CYCLE: f64 = 40.0;
+use crate::units::to_mm;
+use mould::Mould;
 
 /// How index densities are found.
 pub struct DensityOptions {
@@ -125,171 +108,91 @@ pub struct IndexDensities {
     pub departures: Vec<String>,
 }
 
+/// A search for index densities that was checked, and not yet run.
+pub struct DensityStudy<'a> {
+    options: &'a DensityOptions,
+    grains: GrainSet,
+    mould: Mould,
+    varied: Varied,
+}
+
+impl<'a> DensityStudy<'a> {
+    /// Makes grains, mould and stages, and checks them.
+    ///
+    /// # Errors
+    /// [`StudyError`]: faults of the scenario, or of what was asked for.
+    pub fn new(options: &'a DensityOptions) -> Result<Self, StudyError> {
+        let loaded = load_scenario(&options.scenario, &options.changes)?.scenario;
+        if loaded.begin.is_some() {
+            let why = "index densities need a scenario with grains of its own, not one that begins \
+                       with another run's specimen";
+            return Err(StudyError::Scenario(why.to_owned()));
+        }
+        let grains = make_grains(&loaded)?;
+        let stiffness = loaded.engine.native.contact_stiffness_n_per_m;
+        let mould = Mould::of(&grains, &loaded.scale(), stiffness);
+        let told = |variation: &Variation, fault| {
+            faults::told(&variation.name, fault, options, grains.grains.len(), &mould)
+        };
+        let variations = mould.variations(options);
+        let varied = Varied::load_told(&options.scenario, &options.changes, variations, told);
+        let varied = varied.map_err(faults::each_once)?;
+        Ok(Self { options, grains, mould, varied })
+    }
+
+    /// The scenario of which grains, contact and engine are taken.
+    pub fn scenario(&self) -> &Scenario {
+        &self.varied.base
+    }
+
+    /// Finds the index densities and writes `density.json`. What is stored is not done again.
+    ///
+    /// # Errors
+    /// [`StudyError`]. A run that fails or does not count is reported among the failures.
+    pub fn carry_out(&self) -> Result<IndexDensities, StudyError> {
+        let Self { options, grains, mould, varied } = self;
+        let rows =
+            carry_out_variations(varied, options.configurations, &options.run, &mut |_| Ok(()))?;
+        let state = |name: &str, method: String| mould.state(name, method, &rows, options);
+        let DensityOptions { surcharge_kpa, frequency_hz, double_amplitude_mm, duration_s, .. } =
+            options;
+        let densest = format!(
+            "vibrated vertically at {frequency_hz} Hz and {double_amplitude_mm} mm from end to end for \
+             {duration_s} s under {surcharge_kpa} kPa"
+        );
+        let loosest = "let fall one by one from just above what lies in the mould".to_owned();
+        let states = OfStates {
+            e_max: state("loosest", loosest)?,
+            e_min: state("densest", densest)?,
+            frictionless: state("frictionless", "poured without any friction".to_owned())?,
+        };
+        let interval = |of: &IndexState| {
+            of.mean.zip(of.half_width_95).map(|(mean, half)| [mean - half, mean + half])
+        };
+        let found = IndexDensities {
+            scenario: varied.base.name.clone(),
+            grains: grains.grains.len(),
+            mould_diameter_mm: to_mm(mould.diameter),
+            means: states.map(|of| of.mean),
+            intervals: states.map(interval),
+            states,
+            second_half: mould.second_half(&rows, options)?,
+            departures: mould.departures(grains, options),
+        };
+        write_json(&options.run.out.join("density.json"), &found)?;
+        Ok(found)
+    }
+}
+
 /// Finds index densities and writes `density.json`. What is stored is not done again.
 ///
 /// # Errors
-/// [`StudyError`]. A run that fails or does not count is reported among the failures.
+/// As those of [`DensityStudy`].
 pub fn index_densities(options: &DensityOptions) -> Result<IndexDensities, StudyError> {
-    let loaded = load_scenario(&options.scenario, &options.changes)?.scenario;
-    if loaded.begin.is_some() {
-        let why = "index densities need a scenario with grains of its own, not one that begins \
-                   with another run's specimen";
-        return Err(StudyError::Scenario(why.to_owned()));
-    }
-    let grains = make_grains(&loaded)?;
-    let stiffness = loaded.engine.native.contact_stiffness_n_per_m;
-    let mould = Mould::of(&grains, &loaded.scale(), stiffness);
-    let variations = mould.variations(options);
-    let varied = Varied::load(&options.scenario, &options.changes, variations)?;
-    let rows =
-        carry_out_variations(&varied, options.configurations, &options.run, &mut |_| Ok(()))?;
-    let state = |name: &str, method: String| mould.state(name, method, &rows, options);
-    let DensityOptions { surcharge_kpa, frequency_hz, double_amplitude_mm, duration_s, .. } =
-        options;
-    let densest = format!(
-        "vibrated vertically at {frequency_hz} Hz and {double_amplitude_mm} mm from end to end for \
-         {duration_s} s under {surcharge_kpa} kPa"
-    );
-    let loosest = "let fall one by one from just above what lies in the mould".to_owned();
-    let states = OfStates {
-        e_max: state("loosest", loosest)?,
-        e_min: state("densest", densest)?,
-        frictionless: state("frictionless", "poured without any friction".to_owned())?,
-    };
-    let interval = |of: &IndexState| {
-        of.mean.zip(of.half_width_95).map(|(mean, half)| [mean - half, mean + half])
-    };
-    let found = IndexDensities {
-        scenario: varied.base.name.clone(),
-        grains: grains.grains.len(),
-        mould_diameter_mm: to_mm(mould.diameter),
-        means: states.map(|of| of.mean),
-        intervals: states.map(interval),
-        states,
-        second_half: mould.second_half(&rows, options)?,
-        departures: mould.departures(&grains, options),
-    };
-    write_json(&options.run.out.join("density.json"), &found)?;
-    Ok(found)
-}
-
-/// The mould, and how grains get into it; lengths in m.
-struct Mould {
-    diameter: f64,
-    /// Height of the specimen that is expected.
-    filled: f64,
-    /// Mean equivalent diameter of the grains.
-    size: f64,
-    /// Radius of the sphere about the longest grain.
-    reach: f64,
-    /// Mass of the grains in g.
-    mass_g: f64,
-    /// √(d/g) in s.
-    time: f64,
-    /// Stiffness of contacts in N/m that the scenario has.
-    stiffness: f64,
+    DensityStudy::new(options)?.carry_out()
 }
 
 impl Mould {
-    fn of(grains: &GrainSet, scale: &Scale, stiffness: f64) -> Self {
-        let bulk = (1.0 + EXPECTED) * grains.total_volume();
-        let diameter = (4.0 * bulk / (std::f64::consts::PI * SLENDERNESS)).cbrt();
-        let sizes = || grains.grains.iter().map(|g| g.equivalent_diameter);
-        Self {
-            diameter,
-            filled: SLENDERNESS * diameter,
-            size: sizes().sum::<f64>() / grains.grains.len().max(1) as f64,
-            reach: grains.grains.iter().map(|g| g.shape.radius_about_origin()).fold(0.0, f64::max),
-            mass_g: to_g(grains.total_mass()),
-            time: Law::Time.unit(scale),
-            stiffness,
-        }
-    }
-
-    /// Layers of about one grain.
-    fn layers(&self) -> usize {
-        ((self.filled / self.size).ceil() as usize).clamp(1, MOST_LAYERS)
-    }
-
-    /// Deposits, one a layer, each from as low above the layer as it may be.
-    fn deposits(&self) -> Vec<Value> {
-        let count = self.layers();
-        let layer = self.filled * (1.0 + LOOSER) / (1.0 + EXPECTED) / count as f64;
-        let mass_g = self.mass_g / count as f64;
-        (1..=count)
-            .map(|n| {
-                let height = n as f64 * layer + FREE_FALL + self.reach;
-                let mut stage = json!({
-                    "stage": "deposit",
-                    "at_mm": [0, 0, rounded(height)],
-                    "diameter_mm": rounded(self.diameter - self.reach),
-                    "rate_g_per_s": 4.0 * mass_g,
-                    "time_limit_s": 6,
-                });
-                if n < count {
-                    stage["mass_g"] = mass_g.into();
-                }
-                stage
-            })
-            .collect()
-    }
-
-    fn variations(&self, options: &DensityOptions) -> Vec<Variation> {
-        let set =
-            |path: &str, value: Value| Override::new(&path.split('.').collect::<Vec<_>>(), value);
-        let cylinder = rounded(self.diameter);
-        let height = rounded(1.35 * self.filled + self.reach);
-        let piece = json!([{ "name": "mould", "shape": {
-            "cylinder": { "inner_diameter_mm": cylinder, "height_mm": height } } }]);
-        let area = std::f64::consts::PI / 4.0 * self.diameter * self.diameter;
-        let weight_g = 1e3 * 1e3 * options.surcharge_kpa * area / 9.81;
-        let plate = json!({
-            "diameter_mm": rounded(0.98 * self.diameter), "mass_g": weight_g.max(1.0),
-        });
-        let apparatus = json!({
-            "cylinder": { "inner_diameter_mm": cylinder, "height_mm": height },
-            "funnel": {
-                "opening_diameter_mm": rounded(0.88 * self.diameter),
-                "top_diameter_mm": rounded(2.4 * self.diameter),
-            },
-            "top_plate": plate,
-        });
-        let poured =
-            [json!({ "stage": "fill_funnel" }), json!({ "stage": "pour", "falling_height_mm": 0 })];
-        let vibrate = json!({
-            "stage": "vibrate", "frequency_hz": options.frequency_hz, "amplitude_mm": 0,
-            "vertical": { "amplitude_mm": options.double_amplitude_mm / 2.0 },
-            "duration_s": options.duration_s, "ramp_s": 0.1,
-        });
-        let of = |name: &str, changes| Variation::new(name, "index densities", changes);
-        let common = || vec![set("measures", json!({})), set("rest_test_s", json!(0.5))];
-        let built_in = |stages: Vec<Value>| {
-            let mut changes = common();
-            changes.push(set("pieces", json!([])));
-            changes.push(set("apparatus", apparatus.clone()));
-            changes.push(set("stages", stages.into()));
-            changes
-        };
-        let mut loosest = common();
-        loosest.push(set("pieces", piece));
-        loosest.push(set("stages", self.deposits().into()));
-        let plated = (options.surcharge_kpa > 0.0).then(|| json!({ "stage": "place_top_plate" }));
-        let mut densest = built_in(poured.iter().cloned().chain(plated).chain([vibrate]).collect());
-        let rate = (STEPS_PER_CYCLE * options.frequency_hz).max(480.0);
-        densest.push(set("engine.rate_hz", json!(rate)));
-        if options.surcharge_kpa == 0.0 {
-            let path = "engine.native.contact_stiffness_n_per_m";
-            densest.push(set(path, json!(STIFFER * self.stiffness)));
-        }
-        let duration_s = (100.0 * SLIPPERY_REST * self.time).round() / 100.0;
-        let resting = json!({ "stage": "rest", "duration_s": duration_s });
-        let mut frictionless = built_in(poured.iter().cloned().chain([resting]).collect());
-        for pair in ["grain_grain", "grain_wall", "grain_plate", "plate_wall"] {
-            frictionless.push(set(&format!("contact.{pair}_friction"), json!(0)));
-        }
-        vec![of("loosest", loosest), of("densest", densest), of("frictionless", frictionless)]
-    }
-
     /// Void ratios of the runs of a variation.
     fn state(
         &self,
@@ -384,45 +287,59 @@ impl Mould {
     }
 }
 
-/// A length in mm to a hundredth.
-fn rounded(length: f64) -> f64 {
-    (to_mm(length) * 100.0).round() / 100.0
-}
-
 #[cfg(test)]
 mod tests {
+    use serde_json::{Value, json};
+
     use super::*;
-    use crate::scenario::SievedGrains;
 
-    fn gravel() -> GrainSet {
-        let gravel: SievedGrains = serde_json::from_str(
-            r#"{ "total_mass_g": 100, "density_kg_per_m3": 2650,
-                 "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }] }"#,
-        )
-        .expect("a sieve table");
-        crate::grains::generate(&gravel, 1).expect("grains")
-    }
-
+    /// Law: slow vibrations grow within a cycle, and those that are short do not; falls and tables
+    /// are resolved for sand, too. What cannot be made is said in terms of what was asked.
     #[test]
-    fn the_mould_holds_the_grains_and_the_layers_hold_their_mass() {
-        let grains = gravel();
-        let mould = Mould::of(&grains, &Scale::PAPER, 10_000.0);
-        let volume = std::f64::consts::PI / 4.0 * mould.diameter.powi(2) * mould.filled;
-        let expected = 1.9 * grains.total_volume();
-        assert!((volume / expected - 1.0).abs() < 1e-12, "law: e 0.9 fills it, got {volume} m³");
-        let deposits = mould.deposits();
-        assert_eq!(deposits.len(), mould.layers(), "law: a stage a layer");
-        assert!(
-            deposits.last().is_some_and(|d| d.get("mass_g").is_none()),
-            "law: the last takes the rest"
-        );
-        let heights: Vec<f64> = deposits.iter().filter_map(|d| d["at_mm"][2].as_f64()).collect();
-        let layer = to_mm(mould.filled * 2.15 / 1.9 / deposits.len() as f64);
-        let (low, expected) = (heights[0] - layer, to_mm(FREE_FALL + mould.reach));
-        assert!(
-            (low - expected).abs() < 0.02,
-            "law: the lowest corner 13 mm above a loose layer, expected {expected} mm, got {low} mm"
-        );
-        assert!(heights.windows(2).all(|w| w[1] > w[0]), "law: each from higher up");
+    fn what_is_asked_for_makes_sound_scenarios() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let scenario = |name: &str, grains: Value| {
+            let path = folder.path().join(name);
+            let text =
+                json!({ "name": "a", "grains": grains, "stages": [{ "stage": "fill_funnel" }] });
+            std::fs::write(&path, text.to_string()).expect("written");
+            path
+        };
+        let grains = |mass: f64, [coarse, fine]: [f64; 2]| {
+            json!({ "total_mass_g": mass, "density_kg_per_m3": 2650, "sieve_table":
+                [{ "passing_mm": coarse, "retained_mm": fine, "mass_percent": 100 }] })
+        };
+        let gravel = scenario("gravel.json", grains(100.0, [10.0, 8.0]));
+        let sand = scenario("sand.json", grains(0.0063, [0.25, 0.2]));
+        let study = |scenario: &Path, frequency_hz: f64, amplitude_mm: f64, duration_s: f64| {
+            let options = DensityOptions {
+                scenario: scenario.to_owned(),
+                changes: Vec::new(),
+                configurations: 1,
+                surcharge_kpa: 0.0,
+                frequency_hz,
+                double_amplitude_mm: amplitude_mm,
+                duration_s,
+                run: crate::study::tests::run_options(folder.path()),
+            };
+            DensityStudy::new(&options).map(|_| ()).map_err(|e| e.to_string())
+        };
+        for (frequency, duration) in [(12.0, 8.0), (5.0, 1.0), (1.0, 1.0), (60.0, 1.0)] {
+            let got = study(&gravel, frequency, 1.0, duration);
+            assert_eq!(got, Ok(()), "law: {frequency} Hz for {duration} s is possible");
+        }
+        for amplitude in [1.0, 8.0] {
+            assert_eq!(study(&sand, 12.0, amplitude, 8.0), Ok(()), "law: sand by {amplitude} mm");
+        }
+        let told = study(&gravel, 12.0, 1.0, 1.03).expect_err("law: no whole number of cycles");
+        assert!(told.starts_with("--seconds: ") && told.contains("found 1.03"), "got `{told}`");
+        assert!(!told.contains("--set"), "law: nobody typed the stages, got `{told}`");
+        let told = study(&gravel, 12.0, 1.0, 3600.0).expect_err("law: it takes too long");
+        assert!(told.starts_with("--seconds: ") && told.contains("too long"), "got `{told}`");
+        let few = scenario("few.json", grains(4.0, [10.0, 8.0]));
+        let told = study(&few, 12.0, 1.0, 8.0).expect_err("law: too few for a mould");
+        let is_of_grains = told.contains("few.json: grains: there are too few grains");
+        assert!(is_of_grains && !told.contains("--set"), "law: in the user's terms, got `{told}`");
+        assert_eq!(told.matches("too few").count(), 1, "law: it is said once, got `{told}`");
     }
 }

@@ -68,6 +68,22 @@ impl Varied {
         common: &[Override],
         variations: Vec<Variation>,
     ) -> Result<Self, ScenarioErrors> {
+        Self::load_told(base, common, variations, |variation, f| Fault {
+            file: format!("variation `{}`: {}", variation.name, f.file),
+            ..f
+        })
+    }
+
+    /// The same, with the faults of a variation as a function says them.
+    ///
+    /// # Errors
+    /// As [`Varied::load`].
+    pub(super) fn load_told(
+        base: &Path,
+        common: &[Override],
+        variations: Vec<Variation>,
+        told: impl Fn(&Variation, Fault) -> Fault,
+    ) -> Result<Self, ScenarioErrors> {
         let scenario = load_scenario(base, common)?.scenario;
         let mut faults = Vec::new();
         let mut all = Vec::new();
@@ -75,9 +91,9 @@ impl Varied {
             let changes = [common, &variation.changes].concat();
             match load_scenario(base, &changes) {
                 Ok(loaded) => all.push((variation, loaded.scenario)),
-                Err(ScenarioErrors::Faults(found)) => faults.extend(found.into_iter().map(|f| {
-                    Fault { file: format!("variation `{}`: {}", variation.name, f.file), ..f }
-                })),
+                Err(ScenarioErrors::Faults(found)) => {
+                    faults.extend(found.into_iter().map(|fault| told(&variation, fault)));
+                }
                 Err(unreadable) => return Err(unreadable),
             }
         }
