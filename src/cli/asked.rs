@@ -17,11 +17,15 @@ const KNOWN: [(&str, &str); 5] = [
     ("grains.json", "grains"),
 ];
 
-/// What a command is asked where more of the same may be added to its results.
+/// What a command is asked where it asks nothing that this could compare, or compares by itself
+/// what there is to be added to.
 pub(super) const ANYTHING: Value = Value::Null;
 
-/// Begins a command in a folder. `question` is what its results answer; [`ANYTHING`] where the
-/// command itself adds to what is there.
+/// The part of a question that may grow: what it lists may become more, and its numbers larger.
+pub(super) const AT_LEAST: &str = "at_least";
+
+/// Begins a command in a folder. `question` is what its results answer; what stands there under
+/// [`AT_LEAST`] was asked for no more than this.
 ///
 /// # Errors
 /// [`FileError`], refused, where the folder holds results of another command or the answer to
@@ -34,6 +38,17 @@ pub(super) fn begin(folder: &Path, command: &str, question: &Value) -> Result<()
     }
     write_json(&folder.join(FILE), &json!({ "command": command, "question": question }))
         .map_err(|error| FileError::new("write", &folder.join(FILE), error))
+}
+
+/// Refuses a folder for files of a command that asks no question, where another command has left
+/// results.
+///
+/// # Errors
+/// [`FileError`], refused, that says what the folder holds.
+pub(super) fn refuse(folder: &Path, command: &str) -> Result<(), FileError> {
+    let Some(held) = held(folder, command, &ANYTHING) else { return Ok(()) };
+    let reason = format!("{held}; choose another folder with --out");
+    Err(FileError { refused: true, ..FileError::new("write files into", folder, reason) })
 }
 
 /// Whether a command has left more in a folder than that it began.
@@ -53,8 +68,14 @@ pub(super) fn held(folder: &Path, command: &str, question: &Value) -> Option<Str
         if of != command {
             return Some(format!("it holds the results of `pluvia {of}`"));
         }
-        return match first_difference("", &there["question"], question) {
-            None => None,
+        let there = &there["question"];
+        if there.is_null() {
+            return None;
+        }
+        let ([same, more], [same_now, more_now]) = (parted(there), parted(question));
+        return match first_difference("", &same, &same_now) {
+            None => lost(&more, &more_now)
+                .map(|what| format!("it holds more results of `pluvia {command}`: {what}")),
             Some(field) if field.is_empty() => {
                 Some(format!("it holds the results of another `pluvia {command}`"))
             }
@@ -63,12 +84,45 @@ pub(super) fn held(folder: &Path, command: &str, question: &Value) -> Option<Str
             )),
         };
     }
-    // A command that was interrupted has left grains beside its stages.
-    let is_bare = !folder.join("stages").is_dir();
+    // A command that was interrupted has left grains beside its stages; an export has other names.
+    let is_bare = !folder.join("stages").is_dir() && command != "export";
     let found = KNOWN.iter().find(|(file, of)| {
         *of != command && folder.join(file).is_file() && (*of != "grains" || is_bare)
     });
     found.map(|(file, of)| format!("it holds the results of `pluvia {of}` ({file})"))
+}
+
+/// What must be the same of a question, and what may grow.
+fn parted(question: &Value) -> [Value; 2] {
+    let mut same = question.clone();
+    let more = same.as_object_mut().and_then(|fields| fields.remove(AT_LEAST));
+    [same, more.unwrap_or_default()]
+}
+
+/// What was asked for and is no longer: an element of a list, a field of an object, or a larger
+/// number.
+fn lost(there: &Value, now: &Value) -> Option<String> {
+    there.as_object()?.iter().find_map(|(field, was)| {
+        let now = now.get(field).unwrap_or(&Value::Null);
+        match was {
+            Value::Number(was) => {
+                let is_less = now.as_f64() < was.as_f64();
+                is_less.then(|| format!("`{field}` was {was}, and is {now}"))
+            }
+            Value::Array(was) => {
+                let now = now.as_array();
+                let gone = was.iter().find(|one| !now.is_some_and(|now| now.contains(one)))?;
+                let gone = gone.as_str().map_or_else(|| gone.to_string(), str::to_owned);
+                Some(format!("`{field}` lacks `{gone}`"))
+            }
+            Value::Object(was) => {
+                let is_there = |name: &str, one: &Value| now.get(name) == Some(one);
+                let (name, _) = was.iter().find(|(name, one)| !is_there(name, one))?;
+                Some(format!("`{field}.{name}` is missing or differs"))
+            }
+            _ => None,
+        }
+    })
 }
 
 /// A scenario as part of a question: without words for the reader.
@@ -111,6 +165,55 @@ mod tests {
         fs::write(out.join(FILE), "torn").expect("written");
         let torn = said(out, "calibrate", &question(0.8));
         assert!(torn.contains("cannot be read"), "law: it may be anything, got `{torn}`");
+    }
+
+    /// Law: an answer may grow; what was asked for stays, and who asks for less is told what.
+    #[test]
+    fn answers_grow_and_do_not_shrink() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let out = folder.path();
+        let question = |cases: &[&str], configurations: u32, rate: f64| {
+            json!({ "limit": 1, (AT_LEAST): {
+                "cases": cases, "configurations": configurations, "variations": { "a": [rate] } } })
+        };
+        assert_eq!(said(out, "verify", &question(&["a"], 2, 1.0)), "");
+        fs::write(out.join("verify.csv"), "").expect("written");
+        let more = question(&["b", "a"], 3, 1.0);
+        assert_eq!(said(out, "verify", &more), "", "law: more may be added");
+        for (less, words) in [
+            (question(&["b"], 3, 1.0), "`cases` lacks `a`"),
+            (question(&["a", "b"], 2, 1.0), "`configurations` was 3, and is 2"),
+            (question(&["a", "b"], 3, 2.0), "`variations.a` is missing or differs"),
+            (json!({ "limit": 1 }), "`cases` lacks `b`"),
+            (json!({ "limit": 2 }), "`limit` differs"),
+        ] {
+            let got = said(out, "verify", &less);
+            assert!(got.contains(words), "law: `{words}` is said of {less}, got `{got}`");
+        }
+        assert_eq!(said(out, "verify", &more), "", "law: a refusal changes nothing");
+        let earlier = json!({ "command": "verify", "question": null });
+        fs::write(out.join(FILE), earlier.to_string()).expect("written");
+        assert_eq!(said(out, "verify", &more), "", "law: what an earlier build left goes on");
+    }
+
+    /// Law: files of commands that ask nothing stay out of folders with results of others.
+    #[test]
+    fn files_are_kept_out_of_results() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let out = folder.path();
+        let refused = |command: &str| refuse(out, command).err().map(|e| e.to_string());
+        assert_eq!(refused("grains"), None, "law: an empty folder");
+        fs::write(out.join("grains.json"), "").expect("written");
+        assert_eq!(refused("export"), None, "law: grains have other names than exports");
+        let got = said(out, "sweep", &ANYTHING);
+        assert!(got.contains("`pluvia grains`"), "law: grains are kept, got `{got}`");
+        fs::remove_file(out.join("grains.json")).expect("removed");
+        assert_eq!(said(out, "sweep", &ANYTHING), "", "law: an empty folder");
+        fs::write(out.join("sweep.csv"), "").expect("written");
+        for command in ["grains", "export"] {
+            let got = refused(command).unwrap_or_default();
+            assert!(got.contains("`pluvia sweep`") && got.contains("--out"), "got `{got}`");
+        }
     }
 
     /// Law: results in folders that do not say whose they are are known by their files.

@@ -82,6 +82,7 @@ pub(super) fn run(args: &DensityArgs, context: &Context) -> Result<ExitStatus, C
         "frequency_hz": args.frequency_hz,
         "double_amplitude_mm": args.double_amplitude_mm,
         "seconds": args.seconds,
+        (asked::AT_LEAST): { "configurations": args.configurations },
     });
     context.begin(&args.out, "density", &question)?;
     let found = study.carry_out()?;

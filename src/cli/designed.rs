@@ -1,7 +1,7 @@
 //! Options of studies whose design is in a file.
 
 use super::*;
-use crate::study::StudyOptions;
+use crate::study::{StudyOptions, Varied};
 
 /// What both studies ask for.
 #[derive(Debug, Args)]
@@ -30,6 +30,17 @@ impl DesignedArgs {
             run: context.run_options(out, self.jobs),
         }
     }
+}
+
+/// What a study of variations is asked: the scenario, and what varies it how often.
+pub(super) fn question_of(varied: &Varied, configurations: u32) -> Value {
+    let texts = |changes: &[Override]| -> Value { changes.iter().map(Override::text).collect() };
+    let changes = varied.all.iter().map(|(of, _)| (of.name.clone(), texts(&of.changes)));
+    let variations: Value = changes.collect();
+    json!({
+        "scenario": asked::scenario(&varied.base),
+        (asked::AT_LEAST): { "configurations": configurations, "variations": variations },
+    })
 }
 
 /// The page of a study for a terminal: its tables, up to the first of the headings that is there;

@@ -103,6 +103,7 @@ pub(super) fn run(args: &ExportArgs, context: &Context) -> Result<ExitStatus, Cl
         let what = "--every needs --format vtk or --animate";
         return Err(CliError::Usage(what.to_owned()));
     }
+    asked::refuse(&args.out, "export")?;
     let written = match args.format {
         Format::Vtk => frames(args, context)?,
         Format::Glb => scene(args)?,
@@ -130,11 +131,6 @@ fn specimen(args: &ExportArgs) -> Result<Written, CliError> {
         Some(asked) => read_run(&args.run, Some(asked))?,
         None => read_at_rest(&args.run)?,
     };
-    if args.out.join("manifest.json").is_file() {
-        let reason = "it holds the results of a run; choose another folder with --out";
-        let error = FileError::new("write an export into", &args.out, reason);
-        return Err(FileError { refused: true, ..error }.into());
-    }
     output_folder::prepare(&args.out)?;
     let contents = contents(args, &run)?;
     let files = output_folder::write_files(&args.out, &contents, args.force)?;

@@ -62,6 +62,7 @@ struct Made {
 
 pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let scenario = load_grains(&args.scenario)?.scenario;
+    asked::refuse(&args.out, "grains")?;
     output_folder::prepare(&args.out)?;
     let set = make_grains(&scenario)?;
     let mut files = grain_files(&scenario, &set)?;

@@ -19,7 +19,8 @@ Examples:
   pluvia targets --runs shaken=out/shaken --target shaken:settlement_mm.final=14..19.61 \\
       --target shaken:settlement_mm.after_5_s/settlement_mm.final=75..85 --out out/targets
   pluvia targets --runs pile=out/piles --runs shaken=out/shaken-1 --runs shaken=out/shaken-2 \\
-      --target pile:angle_of_repose.degrees=37..40 --target shaken:settlement_mm.final=14..19.61")]
+      --target pile:angle_of_repose.degrees=37..40 --target shaken:settlement_mm.final=14..19.61 \\
+      --out out/targets-of-both")]
 pub(super) struct TargetsArgs {
     /// A name for the runs of a sweep, and its folder or sweep.csv (repeatable)
     #[arg(long, value_name = "NAME=PATH", required = true)]
@@ -38,7 +39,16 @@ pub(super) struct TargetsArgs {
 
 pub(super) fn run(args: &TargetsArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let found = meet_targets(&args.runs, &args.target, &args.chance)?;
-    output_folder::prepare(&args.out)?;
+    let runs = args.runs.iter().map(|of| {
+        let path = std::path::absolute(&of.path).unwrap_or_else(|_| of.path.clone());
+        format!("{}={}", of.name, path.display())
+    });
+    let question = json!({
+        "target": args.target,
+        "chance": args.chance,
+        (asked::AT_LEAST): { "runs": runs.collect::<Vec<_>>() },
+    });
+    context.begin(&args.out, "targets", &question)?;
     write_targets(&args.out, &found).map_err(StudyError::from)?;
     let text =
         format!("{}\nfull results in {}\n", found.page(), plain_path(&args.out.join("targets.md")));

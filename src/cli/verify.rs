@@ -12,7 +12,7 @@ has an unexpected outcome.
 
 Examples:
   pluvia verify --out out/verify
-  pluvia verify --backend bullet --case incline-holds --case rebound")]
+  pluvia verify --backend bullet --case incline-holds --case rebound --out out/two-cases")]
 pub(super) struct VerifyArgs {
     /// Only this engine [default: all that are built in]
     #[arg(long, value_name = "B", value_parser = backend)]
@@ -58,7 +58,10 @@ pub(super) fn run(args: &VerifyArgs, context: &Context) -> Result<ExitStatus, Cl
         .filter(|s| args.backend.is_none_or(|b| s.engine.backend == b))
         .collect();
     let settings = choose("setting", offered, &args.setting, |s| &s.name)?;
-    context.begin(&args.out, "verify", &asked::ANYTHING)?;
+    let ids: Vec<&str> = cases.iter().map(|case| case.id.as_str()).collect();
+    let names: Vec<&str> = settings.iter().map(|setting| setting.name.as_str()).collect();
+    let question = json!({ (asked::AT_LEAST): { "cases": ids, "settings": names } });
+    context.begin(&args.out, "verify", &question)?;
     let options = SuiteOptions {
         cases,
         settings,

@@ -1,6 +1,7 @@
 //! Tests of the crate as a whole: its source, its documents, its files.
 
 mod architecture;
+mod asked;
 mod begin;
 mod bits;
 mod bookkeeping;

@@ -121,9 +121,11 @@ fn the_next_command_removes_what_a_killed_one_left_and_nothing_else() {
     assert!(there.is_empty(), "law: leftovers of the dead go, got {there:?}");
     assert!(held.exists(), "law: what somebody is writing stays");
     drop(writer);
-    let args = ["grains", scenario, "--out", out_text, "--quiet"];
-    assert!(pluvia(&args).status.success());
-    assert!(!held.exists(), "law: any command removes it when its writer is gone");
+    let again = pluvia(&["run", scenario, "--out", out_text, "--quiet"]);
+    assert!(again.status.success(), "{}", String::from_utf8_lossy(&again.stderr));
+    assert!(!held.exists(), "law: the next command removes it when its writer is gone");
+    let grains = pluvia(&["grains", scenario, "--out", out_text, "--quiet"]);
+    assert_eq!(grains.status.code(), Some(2), "law: a run's folder holds the run alone");
 }
 
 /// Law: `view --save` and `stage` remove what the dead left where they write, too.

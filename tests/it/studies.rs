@@ -124,6 +124,23 @@ fn convergence_holds_every_rung_against_the_finest() {
     let (code, _, said) = study("converge", &design, &out);
     assert_eq!(code, Some(0), "{said}");
     assert_eq!(read(&out, "convergence.json"), found, "law: resumed, the same to the last bit");
+
+    // Another design, or less of this one, leaves all as it is.
+    type Change = fn(&mut Value);
+    let changes: [(Change, &str); 4] = [
+        (|d| d["limits"]["height_percent"] = json!(2), "`limits.height_percent` differs"),
+        (|d| d["full"]["configurations"] = json!(1), "`configurations` was 2, and is 1"),
+        (|d| drop(d["ladders"].as_array_mut().map(Vec::pop)), "`variations.stock-10` is missing"),
+        (|d| d["full"]["changes"] = json!(["contact.restitution=0.2"]), "`scenario.contact"),
+    ];
+    for (change, words) in changes {
+        let mut other = convergence();
+        change(&mut other);
+        let (code, _, said) = study("converge", &write(folder.path(), &other), &out);
+        assert_eq!(code, Some(2), "law: refused: {said}");
+        assert!(said.contains(words) && said.contains("--out"), "law: `{words}`, got {said}");
+        assert_eq!(read(&out, "convergence.json"), found, "law: nothing is written over");
+    }
 }
 
 #[test]
@@ -159,6 +176,13 @@ fn sensitivity_gives_effects_in_pairs() {
     let runs = fs::read_dir(out.join("runs")).expect("runs").count();
     assert_eq!(runs, 10, "the default, two ends, one end and one end, twice each");
     by_sweeps(&design, &out, &found);
+
+    let mut other = sensitivity();
+    other["parameters"][0]["high"] = json!(0.5);
+    let (code, _, said) = study("sensitivity", &write(folder.path(), &other), &out);
+    assert_eq!(code, Some(2), "law: another design is refused: {said}");
+    assert!(said.contains("`variations.restitution-high`"), "law: it says where, got {said}");
+    assert_eq!(read(&out, "sensitivity.json"), found, "law: nothing is written over");
 }
 
 /// Holds what `pluvia sweep` makes of the same changes against a sensitivity

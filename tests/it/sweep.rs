@@ -109,6 +109,13 @@ fn a_grid_gives_one_row_a_run_and_goes_on_where_it_was() {
         assert!(out.join("stages").join(key).is_dir(), "law: the last stage lies under its key");
     }
 
+    let (code, _, said) = sweep(&scenario, &out, &GRID);
+    assert_eq!(code, Some(2), "law: fewer configurations would take rows out: {said}");
+    for words in ["plan.json", "`configurations` is 3 there and 1 now", "at least 3", "--out"] {
+        assert!(said.contains(words), "`{words}` is missing in: {said}");
+    }
+    assert_eq!(rows(&out), second, "law: no row is lost");
+
     let other = ["--over", "seed=1,2"];
     let (code, _, said) = sweep(&scenario, &out, &other);
     assert_eq!(code, Some(2), "law: the folder of another sweep is refused");

@@ -12,7 +12,7 @@ use super::{
     presets::DesignFile,
     realisations::Asked,
     told::tell_warnings,
-    variations::{conclude_so_far, write_variations},
+    variations::{Varied, conclude_so_far, write_variations},
 };
 use crate::record::{RunRow, VariationRow};
 use crate::report::{self, Sensitivity};
@@ -40,6 +40,16 @@ impl SensitivityStudy {
         let configurations = options.configurations.unwrap_or(design.chosen.configurations);
         Asked::configurations(configurations).refuse_repeats(&design.varied)?;
         Ok(Self { design, quick: options.quick, configurations })
+    }
+
+    /// The scenario and its variations.
+    pub fn varied(&self) -> &Varied {
+        &self.design.varied
+    }
+
+    /// Number of configurations.
+    pub fn configurations(&self) -> u32 {
+        self.configurations
     }
 
     /// Carries it out and writes `sensitivity.json`, `sensitivity.csv`, `sensitivity.md`,

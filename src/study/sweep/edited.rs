@@ -18,7 +18,8 @@ const MOST_TOLD: usize = 5;
 const WORDS: [&str; 3] = ["name", "description", "notes"];
 
 /// Refuses a folder that holds the plan of another sweep, or that of this one when its scenario was
-/// another, and says what has changed. More configurations of the same sweep are none.
+/// another, and says what has changed. More configurations of the same sweep are none; fewer would
+/// take runs out of its tables.
 pub(super) fn refuse(
     out: &Path,
     now: &SweepPlan,
@@ -37,7 +38,7 @@ pub(super) fn refuse(
         )));
     }
     if same_runs(&there, now) {
-        return Ok(());
+        return not_fewer(&path, &there, now);
     }
     let why = built_otherwise(&there, now).unwrap_or_else(|| {
         let kept = load_scenario(&out.join(SCENARIO_FILE), &options.changes);
@@ -55,6 +56,20 @@ pub(super) fn refuse(
     Err(StudyError::Scenario(format!(
         "{} was made before a change: {why}. Nothing was written. Choose another folder with --out, \
          or undo the change",
+        path.display()
+    )))
+}
+
+/// Refuses a plan with fewer configurations than the one that is there.
+fn not_fewer(path: &Path, there: &SweepPlan, now: &SweepPlan) -> Result<(), StudyError> {
+    let (were, are) = (there.configurations, now.configurations);
+    if are >= were {
+        return Ok(());
+    }
+    Err(StudyError::Scenario(format!(
+        "{}: `configurations` is {were} there and {are} now, which would take runs out of its tables \
+         (allowed: --configurations of at least {were}). Nothing was written. Choose another folder \
+         with --out, or `pluvia sweep --collect` for the tables of what is there",
         path.display()
     )))
 }

@@ -1,0 +1,133 @@
+//! Results of another command, or of another question, are kept, and what is wrong with a question
+//! is said before a folder is made.
+
+use std::{
+    fmt::Write,
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use super::{export::small_run, small};
+
+/// Runs a command with its results in a folder; gives its exit code and what it says.
+fn pluvia(args: &[&str], out: &Path) -> (Option<i32>, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+    let output = command.args(args).arg("--quiet").arg("--out").arg(out).output();
+    let output = output.expect("the program starts");
+    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+fn done(args: &[&str], out: &Path) {
+    let (code, said) = pluvia(args, out);
+    assert_eq!(code, Some(0), "law: {args:?} is done, got {said}");
+}
+
+fn refused(args: &[&str], out: &Path, words: &[&str]) {
+    let (code, said) = pluvia(args, out);
+    assert_eq!(code, Some(2), "law: {args:?} is refused, got {said}");
+    for word in words {
+        assert!(said.contains(word), "law: {args:?} says `{word}`, got {said}");
+    }
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("UTF-8")
+}
+
+/// Law: a table of cases grows, and loses none.
+#[test]
+fn cases_of_verify_are_added_and_not_lost() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let [one, other] = ["spin-slide-0", "spin-slide-25"].map(|case| ["--case", case]);
+    let of = |cases: &[[&'static str; 2]]| {
+        let cases = cases.iter().flatten().copied();
+        ["verify", "--backend", "bullet"].into_iter().chain(cases).collect::<Vec<_>>()
+    };
+    let table = || fs::read_to_string(out.join("verify.csv")).expect("a table");
+    done(&of(&[one]), &out);
+    let before = table();
+    refused(&of(&[other]), &out, &["`cases` lacks `spin-slide-0`", "--out"]);
+    assert_eq!(table(), before, "law: nothing was written over");
+    done(&of(&[other, one]), &out);
+    let (rows, were) = (table().lines().count() - 1, before.lines().count() - 1);
+    assert_eq!(rows, 2 * were, "law: a second case, as many rows again");
+}
+
+/// A table of a finished sweep of two factors.
+fn swept(folder: &Path) -> PathBuf {
+    let mut csv =
+        "run,point,configuration,a,b,settlement_mm.final,left_out_of_means,failure\n".to_owned();
+    for n in 0..25_u32 {
+        let (a, b) = (n % 5, n / 5);
+        let noise = f64::from((a + 2 * b) % 5) / 10.0;
+        let _ = writeln!(csv, "r{n},p{n},1,{a},{b},{},,", f64::from(10 * a) + noise);
+    }
+    let path = folder.join("sweep.csv");
+    fs::write(&path, csv).expect("a table");
+    path
+}
+
+/// Law: another range is another question; the same one is answered again.
+#[test]
+fn targets_are_kept() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (out, table) = (folder.path().join("out"), swept(folder.path()));
+    let runs = format!("t={}", table.display());
+    let of = |target: &'static str| ["targets", "--runs", &runs, "--target", target];
+    let [first, other] = ["t:settlement_mm.final=18..22", "t:settlement_mm.final=18..23"].map(of);
+    done(&first, &out);
+    let found = fs::read(out.join("targets.json")).expect("an answer");
+    refused(&other, &out, &["target[0].high", "--out"]);
+    done(&first, &out);
+    assert!(fs::read(out.join("targets.json")).expect("it") == found, "law: the same answer");
+
+    let run = folder.path().join("run");
+    fs::create_dir(&run).expect("a folder");
+    fs::write(run.join("manifest.json"), "{}").expect("written");
+    refused(&first, &run, &["`pluvia run`"]);
+}
+
+/// Law: what is no sweep leaves nothing in a sweep's folder.
+#[test]
+fn a_sweep_is_left_alone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (out, table) = (folder.path().join("out"), swept(folder.path()));
+    let scenario = folder.path().join("small.json");
+    fs::write(&scenario, small::layer(30.0).to_string()).expect("a scenario");
+    done(&["sweep", text(&scenario), "--over", "seed=1,2", "--plan-only"], &out);
+    let files = || {
+        let entries = fs::read_dir(&out).expect("a folder").flatten();
+        let mut names: Vec<_> = entries.map(|entry| entry.file_name()).collect();
+        names.sort();
+        names
+    };
+    let before = files();
+    let runs = format!("t={}", table.display());
+    let target = "t:settlement_mm.final=18..22";
+    for args in [
+        &["targets", "--runs", &runs, "--target", target][..],
+        &["grains", text(&scenario)],
+        &["grains", text(&scenario), "--force"],
+        &["export", text(small_run()), "--format", "csv"],
+        &["export", text(small_run()), "--format", "glb", "--force"],
+        &["export", text(small_run()), "--format", "vtk"],
+        &["verify", "--case", "spin-slide-0"],
+    ] {
+        refused(args, &out, &["`pluvia sweep`", "another folder"]);
+        assert_eq!(files(), before, "law: {args:?} leaves nothing there");
+    }
+}
+
+/// Law: the option is named that was typed, and no folder is made for what cannot be.
+#[test]
+fn a_density_that_cannot_be_found_leaves_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (scenario, out) = (folder.path().join("small.json"), folder.path().join("out"));
+    fs::write(&scenario, small::layer(60.0).to_string()).expect("a scenario");
+    refused(&["density", text(&scenario), "--seconds", "1.03"], &out, &["--seconds: ", "1.03"]);
+    let few = ["density", text(&scenario), "--set", "grains.total_mass_g=4"];
+    refused(&few, &out, &["grains: ", "too few grains", "total_mass_g"]);
+    assert!(!out.exists(), "law: faults are found before anything is written");
+}
