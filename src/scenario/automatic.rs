@@ -33,16 +33,6 @@ pub struct Grading {
 /// whole number of steps and the table stops in its middle.
 const CYCLES: f64 = 12.0;
 
-/// A load on a specimen in grain sizes of solid weight up to which the default stiffness
-/// holds: the paper's specimen and plate press with 8.
-const STRESS_OF_DEFAULT: f64 = 10.0;
-
-/// By how much overlaps are pushed apart faster where a load presses more than that. The limit of
-/// the speed is one of the force, v (c + h k) with damping c and sub-step h: by default ten times
-/// the mean force of a contact under the stress that the stiffness follows from. Grains at the ends
-/// of chains of force bear more, and would sink into each other without end.
-const FASTER_UNDER_LOAD: f64 = 10.0;
-
 /// Widest opening of the funnel that is filled in, in cylinder diameters.
 const OPENING_OF_CYLINDER: f64 = 0.9;
 
@@ -112,20 +102,23 @@ pub(super) fn fill(value: &mut Value, grading: &Grading) {
         return;
     }
     fill_stages(value, &scale);
-    let by_law = fields().filter(|field| ![RATE, STIFFNESS, DEPENETRATION].contains(&field.0));
+    let by_law = fields().filter(|field| !BY_LOAD.contains(&field.0) && field.0 != RATE);
     for (path, law, default) in by_law {
         put(value, path, default, law.factor(&scale));
     }
-    let stiffness = stiffness(value, grading, &scale);
-    let speed = depenetration(value, grading, &scale);
-    let native = NativeSettings::default();
-    let default = native.contact_stiffness_n_per_m;
-    put(value, STIFFNESS, default, stiffness / default);
-    let default = native.max_depenetration_velocity_m_per_s;
-    put(value, DEPENETRATION, default, speed / default);
-    let rate = rate(value, grading, &scale);
-    let default = EngineSettings::default().rate_hz;
-    put(value, RATE, default, rate / default);
+    let engine = EngineSettings::default();
+    for (path, default, number) in [
+        (STIFFNESS, engine.native.contact_stiffness_n_per_m, stiffness(value, grading, &scale)),
+        (
+            DEPENETRATION,
+            engine.native.max_depenetration_velocity_m_per_s,
+            depenetration(value, grading, &scale),
+        ),
+        (SUBSTEPS, engine.native.substep_rate_hz, substep_rate(value, grading, &scale)),
+        (RATE, engine.rate_hz, rate(value, grading, &scale)),
+    ] {
+        put(value, path, default, number / default);
+    }
 }
 
 /// Step rate in Hz: that of the law, or more where something moves by more than a grain in a step.
@@ -254,27 +247,6 @@ fn fill_stages(value: &mut Value, scale: &Scale) {
     }
 }
 
-/// Stiffness of a contact point in N/m, to two digits: that of the law, and so much more as
-/// the largest stress exceeds what the default is for.
-pub(super) fn stiffness(value: &Value, grading: &Grading, scale: &Scale) -> f64 {
-    let default = NativeSettings::default().contact_stiffness_n_per_m;
-    rounded(default * Law::Stiffness.factor(scale) * heavier(value, grading, scale), 2)
-}
-
-/// Largest speed in m/s at which an overlap is pushed apart: that of the law, and more where the
-/// largest stress exceeds what the default stiffness is for.
-pub(super) fn depenetration(value: &Value, grading: &Grading, scale: &Scale) -> f64 {
-    let default = NativeSettings::default().max_depenetration_velocity_m_per_s;
-    let faster = if heavier(value, grading, scale) > 1.0 { FASTER_UNDER_LOAD } else { 1.0 };
-    default * Law::Speed.factor(scale) * faster
-}
-
-/// By how much the largest stress exceeds what the default stiffness is for; 1 where it does not.
-fn heavier(value: &Value, grading: &Grading, scale: &Scale) -> f64 {
-    let light = scale.density * scale.gravity * STRESS_OF_DEFAULT * scale.sizes.median;
-    (largest_stress(value, grading, scale.gravity) / light).max(1.0)
-}
-
 /// Sets a field that is left out to its default times a factor; nothing where that is the
 /// default, or where something else stands in the way.
 fn put(value: &mut Value, path: &str, default: f64, factor: f64) {
@@ -296,7 +268,7 @@ pub(super) fn number_at(value: &Value, path: &str) -> Option<f64> {
 }
 
 /// A number to so many significant digits.
-fn rounded(value: f64, digits: usize) -> f64 {
+pub(super) fn rounded(value: f64, digits: usize) -> f64 {
     if !(value > 0.0 && value.is_finite()) {
         return value;
     }
@@ -458,27 +430,5 @@ mod tests {
         let law = 480.0 / 3_f64.sqrt();
         assert_eq!(rate % 3.0, 0.0, "law: whole steps in a cycle, {rate} Hz");
         assert!((law..law + 12.0).contains(&rate), "law: at least {law} Hz, got {rate}");
-    }
-
-    #[test]
-    fn a_load_makes_contacts_stiffer() {
-        let scale = larger().scale(9.81);
-        let of = |diameter: f64| {
-            let value = json!({ "apparatus": { "cylinder": { "inner_diameter_mm": diameter } } });
-            stiffness(&value, &larger(), &scale)
-        };
-        let (wide, narrow, narrower) = (of(3000.0), of(200.0), of(200.0 / 2_f64.sqrt()));
-        // 10 kN/m × 3² × 2000/2673.9 is 67 kN/m.
-        assert_eq!(wide, 67_000.0, "law: that of the size where little weighs on a grain");
-        assert!(narrow > wide, "law: more where more does");
-        assert!((narrower / narrow - 2.0).abs() < 0.05, "law: as the stress, {narrow}, {narrower}");
-        let speed = |diameter: f64| {
-            let value = json!({ "apparatus": { "cylinder": { "inner_diameter_mm": diameter } } });
-            depenetration(&value, &larger(), &scale)
-        };
-        let (wide, narrow) = (speed(3000.0), speed(200.0));
-        // 0.3 m/s × √3.
-        assert!((wide - 0.5196).abs() < 1e-4, "law: that of the size, got {wide} m/s");
-        assert_eq!(narrow, 10.0 * wide, "law: ten times that under a load");
     }
 }

@@ -5,9 +5,9 @@ use super::automatic::{self, Grading, number_at};
 use super::*;
 
 /// Values that are as in the run that a scenario begins with. Where they were automatic there, they
-/// grow with the scenario's own loads, and never shrink: softer contacts would let a pressed
-/// specimen sink into itself.
-const KEPT: [&str; 2] = [automatic::STIFFNESS, automatic::DEPENETRATION];
+/// grow with the scenario's own loads, and never shrink: with softer contacts, or in longer sub-steps,
+/// a pressed specimen would sink into itself.
+const KEPT: [&str; 3] = BY_LOAD;
 
 /// The faults of what contradicts the specimen: its grains are what they are, and its pieces stand
 /// where the run has left them. `run` is that run's scenario, `own` what is laid over it.
@@ -94,7 +94,8 @@ fn automatic_value(value: &Value, path: &str, grading: &Grading) -> f64 {
     let native = NativeSettings::default();
     number_at(&free, path).unwrap_or(match path {
         automatic::STIFFNESS => native.contact_stiffness_n_per_m,
-        _ => native.max_depenetration_velocity_m_per_s,
+        automatic::DEPENETRATION => native.max_depenetration_velocity_m_per_s,
+        _ => native.substep_rate_hz,
     })
 }
 

@@ -36,6 +36,7 @@ mod accessors;
 mod automatic;
 mod begin;
 mod begun;
+mod by_load;
 mod cells;
 mod engine;
 mod fault;
@@ -100,7 +101,7 @@ use crate::scale::{Law, Scale};
 use crate::units::{from_g, from_mm, to_mm};
 use accessors::read;
 use load::unusable;
-use {automatic::*, fault::*, sized::*, source::*, stress::*};
+use {automatic::*, by_load::*, fault::*, sized::*, source::*, stress::*};
 
 /// One laboratory procedure: grains, apparatus, contact properties, engine
 /// settings and the stages run one after the other.

@@ -5,8 +5,9 @@ use super::*;
 /// A number of the engine's settings, by its place in them.
 type Setting = fn(&mut EngineSettings) -> &mut f64;
 
-/// Settings of the engine that go with the size of the grains, each by a law. Of the step rate,
-/// the stiffness and the speed at which overlaps are pushed apart, the scenario may ask for more.
+/// Settings of the engine that go with the size of the grains, each by a law. Of the rates of
+/// steps and sub-steps, the stiffness and the speed at which overlaps are pushed apart, the scenario
+/// may ask for more.
 const OF_ENGINE: [(&str, Law, Setting); 14] = [
     ("engine.grain_size_mm", Law::Fine, |e| &mut e.grain_size_mm),
     (RATE, Law::Rate, |e| &mut e.rate_hz),
@@ -15,7 +16,7 @@ const OF_ENGINE: [(&str, Law, Setting); 14] = [
     ("engine.restitution_velocity_threshold_m_per_s", Law::Speed, |e| {
         &mut e.restitution_velocity_threshold_m_per_s
     }),
-    ("engine.native.substep_rate_hz", Law::Rate, |e| &mut e.native.substep_rate_hz),
+    (SUBSTEPS, Law::Rate, |e| &mut e.native.substep_rate_hz),
     (STIFFNESS, Law::Stiffness, |e| &mut e.native.contact_stiffness_n_per_m),
     (DEPENETRATION, Law::Speed, |e| &mut e.native.max_depenetration_velocity_m_per_s),
     ("engine.rapier.contact_frequency_hz", Law::Rate, |e| &mut e.rapier.contact_frequency_hz),

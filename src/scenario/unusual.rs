@@ -93,8 +93,8 @@ fields! {
     RATE => All:
         low "grains sink into each other within a step";
         high SLOWER;
-    "engine.native.substep_rate_hz" => Native:
-        low "impacts and shaking are followed too coarsely";
+    SUBSTEPS => Native:
+        low "impacts, shaking and grains under load are followed too coarsely";
         high SLOWER;
     STIFFNESS => Native:
         low "grains sink into each other";
@@ -165,6 +165,7 @@ impl Judged<'_> {
             (RATE, Some(grading)) => automatic::rate(self.value, grading, &self.scale),
             (STIFFNESS, Some(grading)) => stiffness(self.value, grading, &self.scale),
             (DEPENETRATION, Some(grading)) => depenetration(self.value, grading, &self.scale),
+            (SUBSTEPS, Some(grading)) => substep_rate(self.value, grading, &self.scale),
             _ => {
                 let (_, law, default) = by_size().find(|field| field.0 == path)?;
                 default * law.factor(&self.scale)
