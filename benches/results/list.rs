@@ -264,6 +264,19 @@ pub const KEPT: &[Kept] = &[
         takes: "10 minutes",
     },
     Kept {
+        name: "under-load",
+        what: "A specimen of 534 grains under 200 kPa, its load held for 0.3 s with four rates of \
+               sub-steps",
+        files: &[("under-load.csv", "")],
+        made: Made::Once(
+            "scenarios/validation/oedometer.json to 200 kPa with 1440 sub-steps a second, \
+             realisation 2; begun with this, a rest of 0.3 s with 8 iterations and \
+             --set engine.native.substep_rate_hz=1440, 2880, 5760, 11520",
+        ),
+        build: build("2026-11-27", "18"),
+        takes: "",
+    },
+    Kept {
         name: "laboratory",
         what: "Standard tests of granular material against published numbers",
         files: &[
@@ -445,6 +458,7 @@ pub const SOURCES: &[(&str, &str)] = &[
     ("handed-over", "engines/handed-over.csv"),
     ("twins", "scale/twins.csv"),
     ("laboratory", "laboratory.json"),
+    ("under-load", "under-load.csv"),
     ("referee", "referee.json"),
     ("bench", "bench.json"),
     ("peers", "peers.json"),

@@ -359,9 +359,14 @@ fn a_file_of_other_grains_is_refused() {
     let from = folder.path().join("filled");
     let output = run(&filled, &from);
     assert!(output.status.success(), "{}", said(&output));
-    let mut other = read(&same);
-    other["density_kg_per_m3"] = json!(2000.0);
-    let other = write(folder.path(), "other.json", &other);
+    let mut other = small::scenario(30.0, 0.25, 0.1);
+    other["seed"] = json!(2);
+    let other = write(folder.path(), "seed.json", &other);
+    let made = folder.path().join("made");
+    let output = pluvia(&["grains", text(&other), "--out", text(&made), "--quiet"]);
+    assert!(output.status.success(), "{}", said(&output));
+    let other = folder.path().join("other.json");
+    fs::copy(made.join("grains.json"), &other).expect("a copy");
     let begun = |file: &Path| {
         let scenario = json!({
             "name": "begun", "grains": { "file": text(file) },

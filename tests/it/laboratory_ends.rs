@@ -32,7 +32,8 @@ fn sound() -> Value {
               "time_limit_s": 2 },
             { "stage": "press", "loads": [{ "piece": "lid", "force_n": 20 }],
               "until": [
-                  { "piece": "lid", "direction": [0, 0, 1], "steady_force_percent": 30 },
+                  { "piece": "lid", "direction": [0, 0, 1], "steady_force_percent": 30,
+                    "window_s": 0.05 },
                   { "piece": "all", "direction": [0, 0, -1], "force_n": 1e6 }] }
         ],
         "rest_test_s": 0
