@@ -276,22 +276,24 @@ pub(super) fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
 }
 
+/// Grains three times as large as the paper's.
+#[cfg(test)]
+pub(super) fn larger() -> Grading {
+    let paper = GrainSizes::PAPER;
+    let sizes = GrainSizes {
+        smallest: 3.0 * paper.smallest,
+        median: 3.0 * paper.median,
+        largest: 3.0 * paper.largest,
+    };
+    Grading { sizes, density: 2000.0, solids: 0.035, count: 2000.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use serde_json::json;
 
     use super::super::schema;
     use super::*;
-
-    fn larger() -> Grading {
-        let paper = GrainSizes::PAPER;
-        let sizes = GrainSizes {
-            smallest: 3.0 * paper.smallest,
-            median: 3.0 * paper.median,
-            largest: 3.0 * paper.largest,
-        };
-        Grading { sizes, density: 2000.0, solids: 0.035, count: 2000.0 }
-    }
 
     fn stages() -> Value {
         json!([{ "stage": "slow_pluviation", "base_diameter_mm": 500 }])

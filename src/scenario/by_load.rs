@@ -58,19 +58,8 @@ fn heavier(value: &Value, grading: &Grading, scale: &Scale) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::automatic::larger;
     use super::*;
-    use crate::scale::GrainSizes;
-
-    /// Grains three times as large as the paper's, of a cylinder of a diameter in mm.
-    fn larger() -> Grading {
-        let paper = GrainSizes::PAPER;
-        let sizes = GrainSizes {
-            smallest: 3.0 * paper.smallest,
-            median: 3.0 * paper.median,
-            largest: 3.0 * paper.largest,
-        };
-        Grading { sizes, density: 2000.0, solids: 0.035, count: 2000.0 }
-    }
 
     #[test]
     fn a_load_makes_contacts_stiffer() {
