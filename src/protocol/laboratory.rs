@@ -135,7 +135,8 @@ impl Laboratory<'_> {
         let above_area = |place: &Vector| {
             let steps = ((place.z - area.middle.z) / largest).ceil().max(1.0);
             let down = |n: u32| Vector::new(0.0, 0.0, f64::from(n) * largest);
-            (0..steps as u32).all(|n| clear(&(place - down(n))))
+            // From the area up: a piece is met soon, however high the lattice has come.
+            (0..steps as u32).rev().all(|n| clear(&(place - down(n))))
         };
         let free = |place: &Vector| {
             above_area(place) && there.iter().all(|(at, r)| (at - place).norm() > r + largest)

@@ -190,3 +190,13 @@ fn what_is_borne_counts_against_the_direction() {
     let got = laboratory::borne(&state, &-Vector::y(), Some(Vector::zeros()));
     assert!((got - 0.4).abs() < 1e-12, "law: 1 − 0.6 N m about the origin, got {got} N m");
 }
+
+/// Law: a lattice ends below the first piece over its area; what would begin beyond it lies outside of
+/// what is to be filled.
+#[test]
+fn a_lattice_does_not_go_through_a_piece() {
+    let below = stage(json!({ "stage": "deposit", "how": "lattice", "at_mm": [200, 0, -40],
+        "area_mm": [8, 8] }));
+    let refused = carry_out(specimen(), &below).expect_err("law: the gate is in the way");
+    assert!(refused.to_string().contains("room for 1 of"), "law: one below it, got {refused}");
+}
