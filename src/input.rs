@@ -1,7 +1,7 @@
 //! The one way in which files that users name are read: regular files alone, and no
 //! larger than can be meant. A device, a pipe or a file of the system may go on for
-//! ever, and would be read until there is no memory left. And how it is told whether
-//! a file is still as it was.
+//! ever, and would be read until there is no memory left. And the hash by which a file is
+//! known to be as it was.
 
 use std::{
     fmt,

@@ -167,7 +167,8 @@ mod tests {
         assert!(torn.contains("cannot be read"), "law: it may be anything, got `{torn}`");
     }
 
-    /// Law: an answer may grow; what was asked for stays, and who asks for less is told what.
+    /// Law: an answer may grow; what was asked for stays, and a refusal names what would be
+    /// lost.
     #[test]
     fn answers_grow_and_do_not_shrink() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -93,8 +93,7 @@ impl Container {
 }
 
 /// Largest distance in m of any point of a shape at a pose from the z axis. The distance is convex,
-/// so that a corner has it; the ball that sweeps a rounded polyhedron, or is a sphere, adds its
-/// radius.
+/// so that a corner has it; the ball of a rounded polyhedron, like a sphere, adds its radius.
 fn reach_from_axis(shape: &ConvexPolyhedron, pose: &Pose) -> f64 {
     let from_axis = |at: &Point| (pose * at).coords.xy().norm();
     if let Some(sphere) = shape.sphere() {

@@ -218,7 +218,7 @@ fn a_locked_lid_is_pressed_on_from_what_it_bears() {
 }
 
 /// Law: the springs of contacts give back what they hold where a held lid is raised, which is no
-/// energy from nowhere.
+/// unexplained gain of energy.
 #[test]
 fn grains_under_a_lid_that_is_raised_give_back_what_they_hold() {
     let _turn = crate::world::shared_turn();

@@ -1,4 +1,4 @@
-//! Who is at work in the folder of a run, told by a lock that ends with the program.
+//! Who is at work in the folder of a run, known by a lock that ends with the program.
 
 use super::*;
 
@@ -61,15 +61,15 @@ mod tests {
 
     fn take(folder: &Path, expected: AtWork) -> RunLock {
         let begin = |found: AtWork| {
-            assert_eq!(found, expected, "law: who is at work is told");
+            assert_eq!(found, expected, "law: who is at work");
             Ok::<(), FileError>(())
         };
         RunLock::take(folder, begin).expect("law: all who may begin hold it together")
     }
 
-    /// Law: whoever begins is told of those who have begun before and have not ended.
+    /// Law: whoever begins learns of those who have begun before and have not ended.
     #[test]
-    fn those_at_work_are_told() {
+    fn those_at_work_are_known() {
         let folder = tempfile::tempdir().expect("a folder");
         let first = take(folder.path(), AtWork::Nobody);
         let second = take(folder.path(), AtWork::Somebody);
