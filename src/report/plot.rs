@@ -5,15 +5,12 @@
 
 mod pen;
 
-pub(super) use pen::{Area, Failure, font, whole};
-
 use plotters::style::RGBColor;
 
 use super::{
     axis::{Axis, Scale},
     style::{self, Dash, Marker},
 };
-use crate::plain::plain_lines;
 
 /// How a series looks.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,6 +67,11 @@ impl Look {
     /// Thin rings where single runs are.
     pub fn rings() -> Self {
         Self { line: None, ..Self::of(style::LIMIT).thin().marker(Marker::Ring) }
+    }
+
+    /// A mark across the frame: a limit, or an event.
+    fn mark() -> Self {
+        Self { width: 4, ..Self::of(style::LIMIT).dash(style::DOTTED) }
     }
 
     /// The same, dashed so.
@@ -232,17 +234,6 @@ impl Plot {
         let x = points.clone().map(|p| p.0).chain(edges.clone().map(|e| e.0)).chain(marks(true));
         let y = points.map(|p| p.1).chain(edges.flat_map(|e| [e.1, e.2])).chain(bands);
         (self.x.scale(x), self.y.scale(y.chain(marks(false))))
-    }
-
-    /// The plot as SVG.
-    ///
-    /// # Errors
-    /// A sentence on what plotters could not draw.
-    pub fn svg(&self) -> Result<String, String> {
-        let mut svg = String::new();
-        self.draw(&mut svg).map_err(|e| e.to_string())?;
-        // Labels hold names; some characters of them no XML file may hold.
-        Ok(plain_lines(&svg).into_owned())
     }
 }
 

@@ -8,16 +8,16 @@ use plotters::{
 use super::Figure;
 use crate::{
     geometry::Vector,
-    measure,
+    measure::{self, statistics::mean},
     record::{AngleOfRepose, AzimuthAngle},
     report::{
         ReportError,
         axis::Axis,
-        dash::dashes,
-        plot::{Area, Failure, Look, Plot, font, whole},
+        plot::{Look, Plot},
+        sheet::{Drawn, Place, Sheet, drawn, whole},
         silhouette::{Facet, facets},
         style::{self, INK},
-        table::{Table, row},
+        table::{Table, row, table},
     },
     specimen::Specimen,
     units::to_mm,
@@ -48,8 +48,11 @@ pub(in crate::report) fn of_pile(
     Ok(vec![side_view(specimen, pile)?, by_azimuth(&[("".into(), pile)])?])
 }
 
-/// The mean of fitted lines.
+/// The mean of fitted lines on a side of the pile.
 struct Side {
+    name: &'static str,
+    /// 1 to the right, −1 to the left.
+    sign: f64,
     /// Positive where it falls outwards.
     slope: f64,
     /// Height in mm above the base at which it meets the axis.
@@ -57,21 +60,23 @@ struct Side {
 }
 
 impl Side {
-    /// Of the sectors near a direction; none where it does not fall outwards.
-    fn of(pile: &AngleOfRepose, towards_degrees: f64) -> Option<Self> {
-        let near = |a: &&AzimuthAngle| {
-            let apart = (a.azimuth_degrees - towards_degrees + 540.0).rem_euclid(360.0) - 180.0;
-            apart.abs() <= SIDE_DEGREES
-        };
+    /// Right and left, of the sectors near them; without one that does not fall outwards.
+    fn both(pile: &AngleOfRepose) -> Vec<Self> {
         let line = |a: &AzimuthAngle| {
             let slope = a.degrees?.to_radians().tan();
             Some((slope, slope * a.toe_radius_mm?))
         };
-        let lines: Vec<(f64, f64)> = pile.by_azimuth.iter().filter(near).filter_map(line).collect();
-        let mean =
-            |of: fn(&(f64, f64)) -> f64| lines.iter().map(of).sum::<f64>() / lines.len() as f64;
-        let (slope, at_axis_mm) = (mean(|l| l.0), mean(|l| l.1));
-        (slope > 0.0).then_some(Self { slope, at_axis_mm })
+        let side = |(name, sign, towards_degrees): (&'static str, f64, f64)| {
+            let near = |a: &&AzimuthAngle| {
+                let apart = (a.azimuth_degrees - towards_degrees + 540.0).rem_euclid(360.0) - 180.0;
+                apart.abs() <= SIDE_DEGREES
+            };
+            let lines = pile.by_azimuth.iter().filter(near).filter_map(line);
+            let (slopes, at_axis_mm): (Vec<f64>, Vec<f64>) = lines.unzip();
+            let (slope, at_axis_mm) = (mean(&slopes)?, mean(&at_axis_mm)?);
+            (slope > 0.0).then_some(Self { name, sign, slope, at_axis_mm })
+        };
+        [("right", 1.0, 0.0), ("left", -1.0, 180.0)].into_iter().filter_map(side).collect()
     }
 
     fn degrees(&self) -> f64 {
@@ -90,21 +95,20 @@ impl Side {
 pub fn side_view(specimen: &Specimen, pile: &AngleOfRepose) -> Result<Figure, ReportError> {
     // Above z = 0: that on which the angle was measured.
     let base_level_mm = measure::base_level(specimen).map_or(0.0, to_mm);
-    let mut svg = String::new();
-    let drawn = Picture::new(specimen, pile, base_level_mm).draw(&mut svg);
-    let mut table = Table::new(["side", "degrees", "toe_radius_mm", "axis_x_mm", "base_level_mm"]);
-    for (name, towards) in [("right", 0.0), ("left", 180.0)] {
-        if let Some(side) = Side::of(pile, towards) {
-            let axis = pile.axis_mm[0];
-            table.row(row![name, side.degrees(), side.toe_mm(), axis, base_level_mm]);
-        }
-    }
+    let sides = Side::both(pile);
+    let table = table!(&sides, |side| {
+        "side" => side.name,
+        "degrees" => side.degrees(),
+        "toe_radius_mm" => side.toe_mm(),
+        "axis_x_mm" => pile.axis_mm[0],
+        "base_level_mm" => base_level_mm,
+    });
+    let svg = Picture::new(specimen, pile, base_level_mm).svg(&sides);
     let caption = format!(
         "The pile seen along y. The lines are the fitted flanks on either side, means over the \
          sectors within {SIDE_DEGREES}° of it, drawn solid where they are fitted. They \
          follow the mean surface of a sector; grains of the silhouette stand in front of it."
     );
-    let svg = drawn.map(|()| svg).map_err(|e| e.to_string());
     Figure::of_svg("pile", "Side view of the pile", caption, svg, &table)
 }
 
@@ -140,94 +144,72 @@ impl<'a> Picture<'a> {
         ((x_mm - self.left_mm) * self.scale, f64::from(ABOVE) + (self.top_mm - z_mm) * self.scale)
     }
 
-    fn draw(&self, svg: &mut String) -> Result<(), Failure> {
-        let size = (style::WIDTH, self.height as u32);
-        let root = SVGBackend::with_string(svg, size).into_drawing_area();
-        root.fill(&WHITE)?;
-        for facet in &self.facets {
-            self.facet(&root, facet)?;
-        }
-        // The floor hides what of the fixed grains is sunk into it.
-        self.floor(&root)?;
-        for towards in [0.0, 180.0] {
-            self.flank(&root, towards)?;
-        }
-        self.angle(&root)?;
-        self.scale_bar(&root)?;
-        root.present()
+    fn svg(&self, sides: &[Side]) -> Result<String, String> {
+        drawn(self.height, |sheet| {
+            self.facets.iter().try_for_each(|facet| self.facet(sheet, facet))?;
+            // The floor hides what of the fixed grains is sunk into it.
+            self.floor(sheet)?;
+            sides.iter().try_for_each(|side| self.flank(sheet, side))?;
+            self.angle(sheet)?;
+            self.scale_bar(sheet)
+        })
     }
 
-    fn floor(&self, root: &Area) -> Result<(), Failure> {
+    fn floor(&self, sheet: &Sheet) -> Drawn {
         let (left, right) = (self.left_mm, -self.left_mm);
         let (upper_left, lower_right) = (self.at(left, 0.0), self.at(right, -FLOOR_MM));
-        root.draw(&Rectangle::new([whole(upper_left), whole(lower_right)], style::BAND.filled()))?;
-        let surface = vec![whole(upper_left), whole(self.at(right, 0.0))];
-        root.draw(&PathElement::new(surface, INK.stroke_width(style::THIN)))
+        sheet.rectangle([whole(upper_left), whole(lower_right)], style::BAND.filled())?;
+        sheet.path([whole(upper_left), whole(self.at(right, 0.0))], INK, style::THIN)
     }
 
-    fn facet(&self, root: &Area, facet: &Facet) -> Result<(), Failure> {
+    fn facet(&self, sheet: &Sheet, facet: &Facet) -> Drawn {
         let light = Vector::new(-0.45, -0.6, 0.66).normalize();
         let lit = SHADE + (1.0 - SHADE) * facet.normal.dot(&light).max(0.0);
         let ground = if facet.fixed { FIXED } else { GRAIN };
         let [r, g, b] = ground.map(|c| (c * lit).round() as u8);
-        let corners: Vec<(i32, i32)> =
+        let corners: Vec<Place> =
             facet.corners.iter().map(|c| whole(self.at(to_mm(c.0), to_mm(c.1)))).collect();
-        root.draw(&Polygon::new(corners.clone(), RGBColor(r, g, b).filled()))?;
-        let edge = ground.map(|c| (c * lit * 0.72).round() as u8);
-        let closed: Vec<(i32, i32)> = corners.iter().chain(corners.first()).copied().collect();
-        let line = RGBColor(edge[0], edge[1], edge[2]).stroke_width(1);
-        root.draw(&PathElement::new(closed, line))
+        sheet.polygon(corners.clone(), RGBColor(r, g, b))?;
+        let [r, g, b] = ground.map(|c| (c * lit * 0.72).round() as u8);
+        let closed: Vec<Place> = corners.iter().chain(corners.first()).copied().collect();
+        sheet.path(closed, RGBColor(r, g, b), 1)
     }
 
     /// The fitted line of one side, with its angle beside it.
-    fn flank(&self, root: &Area, towards: f64) -> Result<(), Failure> {
-        let Some(line) = Side::of(self.pile, towards) else { return Ok(()) };
-        let sign = if towards == 0.0 { 1.0 } else { -1.0 };
+    fn flank(&self, sheet: &Sheet, side: &Side) -> Drawn {
         let point = |r: f64| {
-            let height = line.at_axis_mm - line.slope * r;
-            self.at(self.pile.axis_mm[0] + sign * r, self.base_level_mm + height)
+            let height = side.at_axis_mm - side.slope * r;
+            self.at(self.pile.axis_mm[0] + side.sign * r, self.base_level_mm + height)
         };
         let colour = style::colour(1);
-        let path = |from: f64, to: f64| [point(from), point(to)];
-        for piece in dashes(&path(0.0, line.toe_mm()), style::DASHED) {
-            let piece: Vec<(i32, i32)> = piece.into_iter().map(whole).collect();
-            root.draw(&PathElement::new(piece, colour.stroke_width(4)))?;
-        }
-        let [inner, outer] = self.pile.flank_radii_mm;
-        let fitted = path(inner, outer);
-        let fitted: Vec<(i32, i32)> = fitted.into_iter().map(whole).collect();
-        root.draw(&PathElement::new(fitted, colour.stroke_width(9)))?;
-        let (x, y) = point(0.4 * line.toe_mm());
-        let anchor = if sign > 0.0 { HPos::Left } else { HPos::Right };
-        let at = (x as i32 + (sign * 110.0) as i32, y as i32 - 80);
-        let text = format!("{:.1}°", line.degrees());
-        root.draw(&Text::new(text, at, font(style::NAMES, (anchor, VPos::Center), UPRIGHT)))
+        sheet.dashed(&[point(0.0), point(side.toe_mm())], style::DASHED, colour, 4)?;
+        sheet.path(self.pile.flank_radii_mm.map(|r| whole(point(r))), colour, 9)?;
+        let (x, y) = point(0.4 * side.toe_mm());
+        let anchor = if side.sign > 0.0 { HPos::Left } else { HPos::Right };
+        let at = (x as i32 + (side.sign * 110.0) as i32, y as i32 - 80);
+        let text = format!("{:.1}°", side.degrees());
+        sheet.text(&text, at, style::NAMES, (anchor, VPos::Center))
     }
 
-    fn angle(&self, root: &Area) -> Result<(), Failure> {
+    fn angle(&self, sheet: &Sheet) -> Drawn {
         let a = self.pile;
         let text = format!(
             "Angle of repose {:.1}°, mean of all directions (95 % of this pile: {:.1}° to {:.1}°)",
             a.degrees, a.confidence_low_degrees, a.confidence_high_degrees
         );
         let at = (style::WIDTH as i32 / 2, ABOVE / 2);
-        root.draw(&Text::new(text, at, font(style::NUMBERS, CENTRE, UPRIGHT)))
+        sheet.text(&text, at, style::NUMBERS, (HPos::Center, VPos::Center))
     }
 
-    fn scale_bar(&self, root: &Area) -> Result<(), Failure> {
+    fn scale_bar(&self, sheet: &Sheet) -> Drawn {
         let y = self.height - BELOW / 2;
         let x = style::LEFT / 2;
         let end = x + (SCALE_BAR_MM * self.scale) as i32;
-        root.draw(&Rectangle::new([(x, y), (end, y + 12)], INK.filled()))?;
-        let at = (end + 30, y + 6);
+        sheet.rectangle([(x, y), (end, y + 12)], INK.filled())?;
         let text = format!("{SCALE_BAR_MM} mm");
-        let style = font(style::NUMBERS, (HPos::Left, VPos::Center), UPRIGHT);
-        root.draw(&Text::new(text, at, style))
+        sheet.text(&text, (end + 30, y + 6), style::NUMBERS, (HPos::Left, VPos::Center))
     }
 }
-
-const UPRIGHT: FontTransform = FontTransform::None;
-const CENTRE: (HPos, VPos) = (HPos::Center, VPos::Center);
 
 /// The slope of each sector of piles, by name; one pile shows its mean and its
 /// confidence interval, too.

@@ -1,24 +1,23 @@
 //! Draws a plot: bands and areas first, then axes, curves, and the legend below.
 
 use plotters::{
-    coord::Shift,
     prelude::*,
-    style::text_anchor::{HPos, Pos, VPos},
+    style::text_anchor::{HPos, VPos},
 };
 
-use super::{Look, Plot, Series};
+use super::{Look, Plot};
 use crate::report::{
     axis::Scale,
-    dash::dashes,
-    style::{self, Dash, INK, Marker},
+    sheet::{Drawn, Place, Sheet, drawn, whole},
+    style::{self, INK, Marker},
 };
 
-/// Why an SVG could not be drawn.
-pub(in crate::report) type Failure = DrawingAreaErrorKind<std::io::Error>;
-pub(in crate::report) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-
 impl Plot {
-    pub(super) fn draw(&self, svg: &mut String) -> Result<(), Failure> {
+    /// The plot as SVG.
+    ///
+    /// # Errors
+    /// A sentence on what plotters could not draw.
+    pub fn svg(&self) -> Result<String, String> {
         let (x, y) = self.scales();
         let names = self.y_names.clone();
         let y_numbers = names.unwrap_or_else(|| y.ticks.iter().map(|t| y.number(*t)).collect());
@@ -38,27 +37,27 @@ impl Plot {
         let rows = self.legend_rows();
         let legend_top = frame.bottom + style::BELOW;
         let height = legend_top + rows.len() as i32 * LEGEND_ROW + 20;
-        let root = SVGBackend::with_string(svg, (style::WIDTH, height as u32)).into_drawing_area();
-        root.fill(&WHITE)?;
-        let pen = Pen { root: &root, frame, plot: self, x, y, y_numbers };
-        pen.bands()?;
-        pen.envelopes()?;
-        pen.grid()?;
-        pen.marks()?;
-        pen.axes()?;
-        for series in &self.series {
-            pen.series(series)?;
-        }
-        pen.legend(&rows, legend_top)?;
-        root.present()?;
-        Ok(())
+        drawn(height, |sheet| {
+            let pen = Pen { sheet, frame, plot: self, x, y, y_numbers };
+            pen.bands()?;
+            pen.envelopes()?;
+            pen.grid()?;
+            pen.marks()?;
+            pen.axes()?;
+            for series in &self.series {
+                let places = series.points.iter().filter_map(|&(x, y)| pen.place(x, y));
+                pen.look(&series.look, &places.collect::<Vec<_>>())?;
+            }
+            pen.legend(&rows, legend_top)
+        })
     }
 
     /// Legend entries, wrapped to the width of the figure.
     fn legend_rows(&self) -> Vec<Vec<Entry<'_>>> {
         let bands = self.bands.iter().map(|b| Entry { label: &b.label, key: Key::Band });
         let areas = self.envelopes.iter().map(|e| Entry { label: &e.label, key: Key::Envelope });
-        let marks = self.marks.iter().map(|m| Entry { label: &m.label, key: Key::Mark });
+        let mark = Key::Look(Look::mark());
+        let marks = self.marks.iter().map(|m| Entry { label: &m.label, key: mark });
         let series = self.series.iter().map(|s| Entry { label: &s.label, key: Key::Look(s.look) });
         let mut rows: Vec<Vec<Entry>> = Vec::new();
         let mut used = f64::INFINITY;
@@ -88,11 +87,11 @@ struct Entry<'a> {
     key: Key,
 }
 
+#[derive(Clone, Copy)]
 enum Key {
     Look(Look),
     Band,
     Envelope,
-    Mark,
 }
 
 impl Entry<'_> {
@@ -110,7 +109,7 @@ struct Frame {
 }
 
 struct Pen<'a, 'b> {
-    root: &'a Area<'b>,
+    sheet: &'a Sheet<'b>,
     frame: Frame,
     plot: &'a Plot,
     x: Scale,
@@ -132,38 +131,22 @@ impl Pen<'_, '_> {
         Some(f64::from(bottom) - place * f64::from(bottom - top))
     }
 
-    fn line(
-        &self,
-        from: (i32, i32),
-        to: (i32, i32),
-        colour: RGBColor,
-        width: u32,
-    ) -> Result<(), Failure> {
-        self.root.draw(&PathElement::new(vec![from, to], colour.stroke_width(width)))
+    fn place(&self, x: f64, y: f64) -> Option<(f64, f64)> {
+        Some((self.x(x)?, self.y(y)?))
     }
 
-    fn text(
-        &self,
-        text: &str,
-        at: (i32, i32),
-        size: f64,
-        anchor: (HPos, VPos),
-    ) -> Result<(), Failure> {
-        self.root.draw(&Text::new(text.to_owned(), at, font(size, anchor, FontTransform::None)))
-    }
-
-    fn grid(&self) -> Result<(), Failure> {
+    fn grid(&self) -> Drawn {
         let Frame { left, right, top, bottom } = self.frame;
         for x in self.x.ticks.iter().filter_map(|t| self.x(*t)) {
-            self.line((x as i32, top), (x as i32, bottom), style::GRID, 2)?;
+            self.sheet.path([(x as i32, top), (x as i32, bottom)], style::GRID, 2)?;
         }
         for y in self.y.ticks.iter().filter_map(|t| self.y(*t)) {
-            self.line((left, y as i32), (right, y as i32), style::GRID, 2)?;
+            self.sheet.path([(left, y as i32), (right, y as i32)], style::GRID, 2)?;
         }
         Ok(())
     }
 
-    fn marks(&self) -> Result<(), Failure> {
+    fn marks(&self) -> Drawn {
         let Frame { left, right, top, bottom } = self.frame;
         for mark in &self.plot.marks {
             let ends = if mark.upright {
@@ -172,52 +155,45 @@ impl Pen<'_, '_> {
                 self.y(mark.at).map(|y| [(f64::from(left), y), (f64::from(right), y)])
             };
             if let Some(ends) = ends {
-                self.dashed(&ends, style::DOTTED, style::LIMIT.stroke_width(4))?;
+                self.look(&Look::mark(), &ends)?;
             }
         }
         Ok(())
     }
 
-    fn axes(&self) -> Result<(), Failure> {
+    fn axes(&self) -> Drawn {
         let Frame { left, right, top, bottom } = self.frame;
-        let frame = Rectangle::new([(left, top), (right, bottom)], INK.stroke_width(style::THIN));
-        self.root.draw(&frame)?;
+        let (sheet, above) = (self.sheet, (HPos::Center, VPos::Top));
+        sheet.rectangle([(left, top), (right, bottom)], INK.stroke_width(style::THIN))?;
         for x in self.x.minor.iter().filter_map(|t| self.x(*t)) {
             let x = x as i32;
-            self.line((x, bottom), (x, bottom - style::TICK / 2), INK, style::THIN)?;
+            sheet.path([(x, bottom), (x, bottom - style::TICK / 2)], INK, style::THIN)?;
         }
         for y in self.y.minor.iter().filter_map(|t| self.y(*t)) {
-            self.line((left, y as i32), (left + style::TICK / 2, y as i32), INK, style::THIN)?;
+            let y = y as i32;
+            sheet.path([(left, y), (left + style::TICK / 2, y)], INK, style::THIN)?;
         }
         for tick in &self.x.ticks {
             let Some(x) = self.x(*tick) else { continue };
             let x = x as i32;
-            self.line((x, bottom), (x, bottom - style::TICK), INK, style::THIN)?;
-            let number = self.x.number(*tick);
-            self.text(&number, (x, bottom + 18), style::NUMBERS, (HPos::Center, VPos::Top))?;
+            sheet.path([(x, bottom), (x, bottom - style::TICK)], INK, style::THIN)?;
+            sheet.text(&self.x.number(*tick), (x, bottom + 18), style::NUMBERS, above)?;
         }
         for (tick, number) in self.y.ticks.iter().zip(&self.y_numbers) {
             let Some(y) = self.y(*tick) else { continue };
             let y = y as i32;
-            self.line((left, y), (left + style::TICK, y), INK, style::THIN)?;
-            self.text(number, (left - 20, y), style::NUMBERS, (HPos::Right, VPos::Center))?;
+            sheet.path([(left, y), (left + style::TICK, y)], INK, style::THIN)?;
+            sheet.text(number, (left - 20, y), style::NUMBERS, (HPos::Right, VPos::Center))?;
         }
         let middle = ((left + right) / 2, bottom + 92);
-        self.text(&self.plot.x.name, middle, style::NAMES, (HPos::Center, VPos::Top))?;
-        let upright = font(style::NAMES, (HPos::Center, VPos::Top), FontTransform::Rotate270);
-        let at = (28, (top + bottom) / 2);
-        self.root.draw(&Text::new(self.plot.y.name.clone(), at, upright))
+        sheet.text(&self.plot.x.name, middle, style::NAMES, above)?;
+        let (middle, upright) = ((28, (top + bottom) / 2), FontTransform::Rotate270);
+        sheet.turned_text(&self.plot.y.name, middle, style::NAMES, above, upright)
     }
 
-    fn series(&self, series: &Series) -> Result<(), Failure> {
-        let points: Vec<(f64, f64)> =
-            series.points.iter().filter_map(|&(x, y)| Some((self.x(x)?, self.y(y)?))).collect();
-        self.look(&series.look, &points)
-    }
-
-    fn look(&self, look: &Look, points: &[(f64, f64)]) -> Result<(), Failure> {
+    fn look(&self, look: &Look, points: &[(f64, f64)]) -> Drawn {
         if let Some(dash) = look.line {
-            self.dashed(points, dash, look.colour.stroke_width(look.width))?;
+            self.sheet.dashed(points, dash, look.colour, look.width)?;
         }
         let Some(marker) = look.marker else { return Ok(()) };
         // Curves begin in one point; their markers do not.
@@ -232,93 +208,78 @@ impl Pen<'_, '_> {
         Ok(())
     }
 
-    fn dashed(&self, points: &[(f64, f64)], dash: Dash, stroke: ShapeStyle) -> Result<(), Failure> {
-        for piece in dashes(points, dash) {
-            let path: Vec<(i32, i32)> = piece.into_iter().map(whole).collect();
-            self.root.draw(&PathElement::new(path, stroke))?;
-        }
-        Ok(())
-    }
-
-    fn marker(&self, marker: Marker, (x, y): (i32, i32), look: &Look) -> Result<(), Failure> {
-        let colour = look.colour;
+    fn marker(&self, marker: Marker, (x, y): Place, look: &Look) -> Drawn {
+        let (sheet, colour) = (self.sheet, look.colour);
         // Thin curves have small markers.
         let r = if look.width > style::THIN { style::MARKER } else { style::SMALL_MARKER };
-        let polygon =
-            |points: Vec<(i32, i32)>| self.root.draw(&Polygon::new(points, colour.filled()));
         match marker {
-            Marker::Disc => self.root.draw(&Circle::new((x, y), r, colour.filled())),
+            Marker::Disc => sheet.circle((x, y), r, colour.filled()),
             Marker::Ring => {
-                self.root.draw(&Circle::new((x, y), r, WHITE.filled()))?;
-                self.root.draw(&Circle::new((x, y), r, colour.stroke_width(5)))
+                sheet.circle((x, y), r, WHITE.filled())?;
+                sheet.circle((x, y), r, colour.stroke_width(5))
             }
             Marker::Square => {
-                polygon(vec![(x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)])
+                let corners = [(x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)];
+                sheet.polygon(corners, colour)
             }
             Marker::Triangle => {
-                polygon(vec![(x, y - r * 5 / 4), (x + r * 6 / 5, y + r), (x - r * 6 / 5, y + r)])
+                let corners = [(x, y - r * 5 / 4), (x + r * 6 / 5, y + r), (x - r * 6 / 5, y + r)];
+                sheet.polygon(corners, colour)
             }
             Marker::Diamond => {
                 let d = r * 7 / 5;
-                polygon(vec![(x, y - d), (x + d, y), (x, y + d), (x - d, y)])
+                sheet.polygon([(x, y - d), (x + d, y), (x, y + d), (x - d, y)], colour)
             }
             Marker::Cross => {
-                self.line((x - r, y - r), (x + r, y + r), colour, 6)?;
-                self.line((x - r, y + r), (x + r, y - r), colour, 6)
+                sheet.path([(x - r, y - r), (x + r, y + r)], colour, 6)?;
+                sheet.path([(x - r, y + r), (x + r, y - r)], colour, 6)
             }
         }
     }
 
-    fn legend(&self, rows: &[Vec<Entry>], top: i32) -> Result<(), Failure> {
+    fn legend(&self, rows: &[Vec<Entry>], top: i32) -> Drawn {
         for (i, row) in rows.iter().enumerate() {
             let y = top + i as i32 * LEGEND_ROW + LEGEND_ROW / 2;
             let mut x = LEGEND_SIDE as i32;
             for entry in row {
-                let (from, to) = (f64::from(x), f64::from(x + KEY_WIDTH));
-                let y0 = f64::from(y);
+                let corners = [(x, y - 18), (x + KEY_WIDTH, y + 18)];
                 match entry.key {
-                    Key::Band => self.hatched((x, y - 18), (x + KEY_WIDTH, y + 18))?,
-                    Key::Envelope => {
-                        let corners = [(x, y - 18), (x + KEY_WIDTH, y + 18)];
-                        self.root.draw(&Rectangle::new(corners, style::ENVELOPE.filled()))?;
-                    }
-                    Key::Mark => {
-                        let stroke = style::LIMIT.stroke_width(4);
-                        self.dashed(&[(from, y0), (to, y0)], style::DOTTED, stroke)?;
-                    }
+                    Key::Band => self.hatched(corners)?,
+                    Key::Envelope => self.sheet.rectangle(corners, style::ENVELOPE.filled())?,
                     Key::Look(look) => {
                         let line = Look { marker: None, ..look };
-                        self.look(&line, &[(from, y0), (to, y0)])?;
+                        let ends = [x, x + KEY_WIDTH].map(|x| (f64::from(x), f64::from(y)));
+                        self.look(&line, &ends)?;
                         if let Some(marker) = look.marker {
                             self.marker(marker, (x + KEY_WIDTH / 2, y), &look)?;
                         }
                     }
                 }
                 let at = (x + KEY_WIDTH + KEY_GAP, y);
-                self.text(entry.label, at, style::NUMBERS, (HPos::Left, VPos::Center))?;
+                self.sheet.text(entry.label, at, style::NUMBERS, (HPos::Left, VPos::Center))?;
                 x += entry.width() as i32;
             }
         }
         Ok(())
     }
 
-    fn bands(&self) -> Result<(), Failure> {
+    fn bands(&self) -> Drawn {
         for band in &self.plot.bands {
             let (Some(a), Some(b)) = (self.y(band.between.0), self.y(band.between.1)) else {
                 continue;
             };
             let inside = |y: f64| (y.round() as i32).clamp(self.frame.top, self.frame.bottom);
             let (top, bottom) = (inside(a.min(b)), inside(a.max(b)));
-            self.hatched((self.frame.left, top), (self.frame.right, bottom))?;
+            self.hatched([(self.frame.left, top), (self.frame.right, bottom)])?;
         }
         Ok(())
     }
 
     /// A grey rectangle, hatched, so that it is seen in print as well.
-    fn hatched(&self, upper_left: (i32, i32), lower_right: (i32, i32)) -> Result<(), Failure> {
+    fn hatched(&self, corners: [Place; 2]) -> Drawn {
         const SPACING: usize = 40;
-        self.root.draw(&Rectangle::new([upper_left, lower_right], style::BAND.filled()))?;
-        let ((left, top), (right, bottom)) = (upper_left, lower_right);
+        self.sheet.rectangle(corners, style::BAND.filled())?;
+        let [(left, top), (right, bottom)] = corners;
         let height = bottom - top;
         for start in ((left - height)..right).step_by(SPACING) {
             // From (start, bottom) up to the right, cut at the sides.
@@ -327,46 +288,27 @@ impl Pen<'_, '_> {
             if cut_left + cut_right < height {
                 let from = (start + cut_left, bottom - cut_left);
                 let to = (start + height - cut_right, top + cut_right);
-                self.line(from, to, style::HATCH, 2)?;
+                self.sheet.path([from, to], style::HATCH, 2)?;
             }
         }
         Ok(())
     }
 
     /// Pale areas between a lower and an upper curve.
-    fn envelopes(&self) -> Result<(), Failure> {
+    fn envelopes(&self) -> Drawn {
         for envelope in &self.plot.envelopes {
-            let place = |x: f64, y: f64| Some(whole((self.x(x)?, self.y(y)?)));
+            let place = |x: f64, y: f64| self.place(x, y).map(whole);
             let edges: Vec<_> = envelope
                 .edges
                 .iter()
                 .filter_map(|&(x, low, high)| Some((place(x, low)?, place(x, high)?)))
                 .collect();
             let low = edges.iter().map(|e| e.0);
-            let outline: Vec<(i32, i32)> = low.chain(edges.iter().rev().map(|e| e.1)).collect();
+            let outline: Vec<Place> = low.chain(edges.iter().rev().map(|e| e.1)).collect();
             if edges.len() > 1 {
-                self.root.draw(&Polygon::new(outline, style::ENVELOPE.filled()))?;
+                self.sheet.polygon(outline, style::ENVELOPE)?;
             }
         }
         Ok(())
     }
-}
-
-/// The nearest whole point: plotters has no others.
-pub(in crate::report) fn whole((x, y): (f64, f64)) -> (i32, i32) {
-    (x.round() as i32, y.round() as i32)
-}
-
-/// A text style whose size in the SVG is `size`: plotters writes its own size
-/// over 1.24.
-pub(in crate::report) fn font(
-    size: f64,
-    anchor: (HPos, VPos),
-    transform: FontTransform,
-) -> TextStyle<'static> {
-    ("sans-serif", size * 1.24)
-        .into_font()
-        .transform(transform)
-        .color(&INK)
-        .pos(Pos::new(anchor.0, anchor.1))
 }
