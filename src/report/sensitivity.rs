@@ -258,11 +258,11 @@ fn remarks(row: &ParameterRow, effect: &Effect) -> String {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
 
     /// A row whose parameter moves every length by as much.
-    pub(in crate::report) fn row(name: &str, low: Option<f64>, high: Option<f64>) -> ParameterRow {
+    fn row(name: &str, low: Option<f64>, high: Option<f64>) -> ParameterRow {
         let of = |mean: Option<f64>| {
             mean.map(|mean| Estimate { mean, standard_error: Some(0.4), count: 3 })
         };
