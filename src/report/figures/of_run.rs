@@ -6,7 +6,7 @@ use crate::{
     report::{
         ReportError,
         axis::Axis,
-        plot::{Look, Plot, Series},
+        plot::{Look, Plot},
         table::table,
     },
 };
@@ -18,21 +18,12 @@ pub(in crate::report) fn of_run(run: &RunRecord) -> Result<Vec<Figure>, ReportEr
     Ok(figures)
 }
 
-fn curve(
-    run: &RunRecord,
-    n: usize,
-    label: &str,
-    value: impl Fn(&SeriesRow) -> Option<f64>,
-) -> Series {
-    let points: Vec<(f64, f64)> = run
-        .series
-        .iter()
-        .filter_map(|r| Some((r.time_s, value(r)?)))
-        .filter(|(t, v)| t.is_finite() && v.is_finite())
-        .collect();
-    // A curve that is not there has no place in the legend.
-    let label = if points.is_empty() { "" } else { label };
-    Series { label: label.to_owned(), look: Look::spaced(n), points }
+type Value = fn(&SeriesRow) -> Option<f64>;
+
+/// A value over the time of a run, where there is one.
+fn points(run: &RunRecord, value: Value) -> Vec<(f64, f64)> {
+    let points = run.series.iter().filter_map(|r| Some((r.time_s, value(r)?)));
+    points.filter(|(t, v)| t.is_finite() && v.is_finite()).collect()
 }
 
 /// Time axis and the beginning of every stage but the first.
@@ -47,14 +38,16 @@ fn over_time(run: &RunRecord, y: Axis) -> Plot {
 }
 
 fn heights(run: &RunRecord) -> Result<Figure, ReportError> {
-    let series = [
-        curve(run, 0, "Mean surface", |r| r.mean_surface_mm),
-        curve(run, 1, "Mean height of the grains", |r| Some(r.mean_grain_height_mm)),
-        curve(run, 2, "Lower face of the plate", |r| r.plate_height_mm),
-        curve(run, 3, "Top of the pile above its base", |r| r.pile_height_mm),
+    let heights: [(&str, Value); 4] = [
+        ("Mean surface", |r| r.mean_surface_mm),
+        ("Mean height of the grains", |r| Some(r.mean_grain_height_mm)),
+        ("Lower face of the plate", |r| r.plate_height_mm),
+        ("Top of the pile above its base", |r| r.pile_height_mm),
     ];
     let mut plot = over_time(run, Axis::linear("Height above the floor (mm)").from_zero());
-    plot.series.extend(series);
+    for (n, (label, height)) in heights.into_iter().enumerate() {
+        plot.add_some(label, Look::spaced(n), points(run, height));
+    }
     let table = table!(&run.series, |r| {
         "time_s" => r.time_s,
         "stage" => r.stage,
@@ -69,10 +62,8 @@ fn heights(run: &RunRecord) -> Result<Figure, ReportError> {
 }
 
 fn energy(run: &RunRecord) -> Result<Figure, ReportError> {
-    let mut series = curve(run, 0, "", |r| Some(r.kinetic_energy_j));
-    series.look.marker = None;
     let mut plot = over_time(run, Axis::logarithmic("Kinetic energy (J)"));
-    plot.series.push(series);
+    plot.add("", Look::line(0), points(run, |r| Some(r.kinetic_energy_j)));
     let table = table!(&run.series, |r| {
         "time_s" => r.time_s,
         "stage" => r.stage,
