@@ -88,9 +88,7 @@ impl ColumnChart {
             }
             plot.series.extend(of);
         }
-        for (n, at) in self.stages.iter().enumerate() {
-            plot.mark_upright(if n == 0 { "Beginning of a stage" } else { "" }, *at);
-        }
+        plot.mark_upright("Beginning of a stage", self.stages.iter().copied());
         Ok(plot)
     }
 

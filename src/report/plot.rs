@@ -195,18 +195,18 @@ impl Plot {
         }
     }
 
-    /// Adds an upright line from one value to another, with a stroke of this half width at
-    /// either end.
+    /// Adds a line between two ends, with a stroke across at either, which reaches so far to both
+    /// sides along the axes.
     pub fn add_interval(
         &mut self,
         label: &str,
         look: Look,
-        (at, low, high): (f64, f64, f64),
-        stroke: f64,
+        ends: [(f64, f64); 2],
+        (dx, dy): (f64, f64),
     ) {
-        self.add(label, look, vec![(at, low), (at, high)]);
-        for end in [low, high] {
-            self.add("", look, vec![(at - stroke, end), (at + stroke, end)]);
+        self.add(label, look, ends.to_vec());
+        for (x, y) in ends {
+            self.add("", look, vec![(x - dx, y - dy), (x + dx, y + dy)]);
         }
     }
 
@@ -215,9 +215,12 @@ impl Plot {
         self.marks.push(Mark { label: label.into(), at, upright: false });
     }
 
-    /// Marks a value of the horizontal axis.
-    pub fn mark_upright(&mut self, label: impl Into<String>, at: f64) {
-        self.marks.push(Mark { label: label.into(), at, upright: true });
+    /// Marks values of the horizontal axis, with one entry in the legend.
+    pub fn mark_upright(&mut self, label: &str, values: impl IntoIterator<Item = f64>) {
+        let labels = std::iter::once(label).chain(std::iter::repeat(""));
+        for (label, at) in labels.zip(values) {
+            self.marks.push(Mark { label: label.to_owned(), at, upright: true });
+        }
     }
 
     /// Hatches the laboratory's range on the vertical axis.

@@ -49,12 +49,9 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
         plot.add("Line", Look::line(0), line.into());
         if let Some(i) = solution.interval_95 {
             let (a, b) = (i.low.clamp(low, high), i.high.clamp(low, high));
-            let stroke = 0.012 * (plot_height(of));
-            plot.add("", Look::line(1), vec![(a, of.wanted), (b, of.wanted)]);
-            for end in [a, b] {
-                let ends = vec![(end, of.wanted - stroke), (end, of.wanted + stroke)];
-                plot.add("", Look::line(1), ends);
-            }
+            let stroke = 0.012 * plot_height(of);
+            let ends = [(a, of.wanted), (b, of.wanted)];
+            plot.add_interval("", Look::line(1), ends, (0.0, stroke));
         }
         if (low..=high).contains(&solution.value) {
             let label = "Found, with its 95 % confidence";

@@ -218,8 +218,7 @@ fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
         plot.add(label, Look::points(n), points);
     }
     for limit in [of.height_limit_percent, of.settlement_limit_percent] {
-        plot.mark_upright(format!("± {limit} %"), limit);
-        plot.mark_upright("", -limit);
+        plot.mark_upright(&format!("± {limit} %"), [limit, -limit]);
     }
     Figure::new(
         "convergence-deviations",

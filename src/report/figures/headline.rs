@@ -51,7 +51,7 @@ pub(in crate::report) fn figure(
         let (at, low, high) = (CONTINUOUS_S, laboratory.low, laboratory.high);
         let label = format!("Laboratory, {} to {} mm", compact(low), compact(high));
         let look = Look { width: 2 * style::CURVE, ..Look::of(style::INK) };
-        plot.add_interval(&label, look, (at, low, high), STROKE_S);
+        plot.add_interval(&label, look, [(at, low), (at, high)], (STROKE_S, 0.0));
     }
     let caption = caption(study, ours.as_ref(), &stock);
     Figure::new("settlement", "Settlement of the top plate", caption, &[plot], &table)

@@ -106,7 +106,8 @@ pub(super) fn with_confidence(study: &StudyView) -> Result<Figure, ReportError> 
         means.push((*cm, mean));
         single.extend(q.values.iter().map(|v| (*cm, *v)));
         if let Some(i) = q.interval {
-            plot.add_interval("", Look::line(0), (*cm, i.low, i.high), STROKE_CM);
+            let ends = [(*cm, i.low), (*cm, i.high)];
+            plot.add_interval("", Look::line(0), ends, (STROKE_CM, 0.0));
         }
     }
     let table = table!(heights.iter().filter(|(_, q)| q.mean.is_some()), |(_, q)| {

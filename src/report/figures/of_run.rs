@@ -30,10 +30,8 @@ fn points(run: &RunRecord, value: Value) -> Vec<(f64, f64)> {
 fn over_time(run: &RunRecord, y: Axis) -> Plot {
     let x = Axis::linear("Time (s)").holding(run.series.iter().map(|r| r.time_s)).from_zero();
     let mut plot = Plot::new(x, y);
-    for rows in run.series.windows(2).filter(|w| w[1].stage != w[0].stage) {
-        let label = if plot.marks.is_empty() { "Beginning of a stage" } else { "" };
-        plot.mark_upright(label, rows[1].time_s);
-    }
+    let begin = run.series.windows(2).filter(|w| w[1].stage != w[0].stage);
+    plot.mark_upright("Beginning of a stage", begin.map(|w| w[1].time_s));
     plot
 }
 

@@ -35,8 +35,7 @@ pub(super) fn creep(study: &StudyView, standard: &Standard) -> Result<Figure, Re
     let runs = study.runs;
     let limit = standard.creep_um_per_s;
     let mut plot = by_run(runs, Axis::linear("Creep of the resting specimen (µm/s)"));
-    plot.mark_upright(format!("Standard: within ±{limit} µm/s"), limit);
-    plot.mark_upright("", -limit);
+    plot.mark_upright(&format!("Standard: within ±{limit} µm/s"), [limit, -limit]);
     let label = "Sinking rate of the mean grain height";
     add_dots(&mut plot, runs, 0, label, |r| r.summary.creep_um_per_s);
     let table = table!(runs.iter().map(|r| (r, r.summary.rest_test)), |(r, c)| {
@@ -65,7 +64,7 @@ pub(super) fn overlap(study: &StudyView, standard: &Standard) -> Result<Figure, 
     let (mean_limit, p99_limit) = (standard.overlap_mean_percent, standard.overlap_p99_percent);
     let mut plot = by_run(runs, Axis::logarithmic("Overlap (% of the equivalent diameter)"));
     for (label, at) in [("mean", mean_limit), ("99th percentile", p99_limit)] {
-        plot.mark_upright(format!("Standard: {label} below {at} %"), at);
+        plot.mark_upright(&format!("Standard: {label} below {at} %"), [at]);
     }
     add_dots(&mut plot, runs, 0, "Mean", |r| Some(r.summary.overlap.mean_percent));
     add_dots(&mut plot, runs, 1, "99th percentile", |r| Some(r.summary.overlap.p99_percent));

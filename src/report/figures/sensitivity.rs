@@ -56,7 +56,7 @@ fn panel(
     legend: bool,
 ) -> Plot {
     let mut plot = Plot::of_rows(Axis::linear(axis), rows.iter().map(|r| label(r)).collect(), ROW);
-    plot.mark_upright("", 0.0);
+    plot.mark_upright("", [0.0]);
     let parts: [End; 2] =
         [("at the low end", 0, -0.18, |e| e.low_mm), ("at the high end", 1, 0.18, |e| e.high_mm)];
     for (name, colour, offset, value) in parts {

@@ -44,10 +44,7 @@ pub(super) fn intermittent(study: &StudyView) -> Result<Figure, ReportError> {
     let (mut plot, table) = curves(&runs, end);
     let mut edges: Vec<f64> = bounds.iter().flat_map(|b| [b.0, b.1]).collect();
     edges.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
-    for (i, at) in edges.into_iter().enumerate() {
-        let label = if i == 0 { "Start and end of a period" } else { "" };
-        plot.mark_upright(label, at);
-    }
+    plot.mark_upright("Start and end of a period", edges);
     let rest = number(study.intermittent.rest_s, 1);
     let caption = format!(
         "Settlement of the top plate under intermittent vibration: {} periods of {} s, with rests \
