@@ -240,6 +240,15 @@ impl Plot {
     }
 }
 
+/// Plots that are read alike, one below the other, with one legend: that of the last.
+pub fn with_one_legend(plots: impl IntoIterator<Item = Plot>) -> Vec<Plot> {
+    let mut plots: Vec<Plot> = plots.into_iter().collect();
+    for plot in plots.iter_mut().rev().skip(1) {
+        plot.series.iter_mut().for_each(|series| series.label.clear());
+    }
+    plots
+}
+
 /// Plots as one SVG, one below the other; else a sentence on what could not be drawn.
 pub fn stacked(plots: &[Plot]) -> Result<String, String> {
     if let [alone] = plots {

@@ -8,7 +8,7 @@ use crate::{
         Effect, ParameterRow, ReportError, Sensitivity,
         axis::Axis,
         calibration::with_unit,
-        plot::{Look, Plot},
+        plot::{Look, Plot, with_one_legend},
         sensitivity::{OUTCOMES, ranked},
         style,
         table::{Table, row},
@@ -29,11 +29,9 @@ pub(in crate::report) fn of_sensitivity(of: &Sensitivity) -> Result<Figure, Repo
     let mut table =
         Table::new(["outcome", "parameter", "end", "value", "change_mm", "standard_error_mm"]);
     let mut panels = Vec::new();
-    for (index, (outcome, title, effect)) in OUTCOMES.into_iter().enumerate() {
+    for (outcome, title, effect) in OUTCOMES {
         let rows = ranked(&of.parameters, effect);
-        // One legend does for all panels.
-        let last = index + 1 == OUTCOMES.len();
-        panels.push(panel(&format!("{title}, change (mm)"), &rows, effect, last));
+        panels.push(panel(&format!("{title}, change (mm)"), &rows, effect));
         for row in rows {
             let e = effect(row);
             for (end, value, change) in [("low", row.low, e.low_mm), ("high", row.high, e.high_mm)]
@@ -46,22 +44,17 @@ pub(in crate::report) fn of_sensitivity(of: &Sensitivity) -> Result<Figure, Repo
     let caption = "Change from the default at either end of each parameter's range, the largest \
                    first; thin lines: ± standard error over configurations. A bar no longer than \
                    its thin line is scatter; the table says which effects lie inside it.";
-    Figure::new("sensitivity", "What each parameter moves over its range", caption, &panels, &table)
+    let (title, panels) = ("What each parameter moves over its range", with_one_legend(panels));
+    Figure::new("sensitivity", title, caption, &panels, &table)
 }
 
-fn panel(
-    axis: &str,
-    rows: &[&ParameterRow],
-    effect: fn(&ParameterRow) -> Effect,
-    legend: bool,
-) -> Plot {
+fn panel(axis: &str, rows: &[&ParameterRow], effect: fn(&ParameterRow) -> Effect) -> Plot {
     let mut plot = Plot::of_rows(Axis::linear(axis), rows.iter().map(|r| label(r)).collect(), ROW);
     plot.mark_upright("", [0.0]);
     let parts: [End; 2] =
         [("at the low end", 0, -0.18, |e| e.low_mm), ("at the high end", 1, 0.18, |e| e.high_mm)];
-    for (name, colour, offset, value) in parts {
+    for (mut label, colour, offset, value) in parts {
         let bar = Look { width: BAR, ..Look::line(colour) };
-        let mut label = if legend { name } else { "" };
         for (i, row) in rows.iter().enumerate() {
             let Some(estimate) = value(&effect(row)) else { continue };
             let at = i as f64 + offset;

@@ -6,7 +6,7 @@ use crate::{
     report::{
         ReportError, Sweep, SweepEffect, SweepFactor, SweepPoint, SweepRun,
         axis::{Axis, Scale},
-        plot::{Look, Plot},
+        plot::{Look, Plot, with_one_legend},
         style::{self, Marker},
         sweep::shown,
         sweep_outcomes::{in_words, main_outcomes},
@@ -74,10 +74,7 @@ fn effect_figure(
             table.row(row![&effect.outcome, shown(value), e.mean, e.t_low, e.t_high, e.count]);
         }
     }
-    let panel = |(place, effect): (usize, &&SweepEffect)| {
-        effect_panel(of, n, factor, effect, place + 1 == effects.len())
-    };
-    let panels: Vec<Plot> = effects.iter().enumerate().map(panel).collect();
+    let panels = effects.iter().map(|effect| effect_panel(of, n, factor, effect));
     let caption = if factor.sampled {
         "Every run at the value that was drawn; all other ranges were drawn from as well. Crosses: runs \
          left out of the effects, not being valid or short of grains."
@@ -92,7 +89,7 @@ fn effect_figure(
         )
     };
     let title = format!("What {} moves", factor.path);
-    figure_of(&stem("effect", &factor.path), &title, caption, &panels, &table)
+    figure_of(&stem("effect", &factor.path), &title, caption, panels, &table)
 }
 
 /// A figure, where it has panels.
@@ -100,19 +97,14 @@ fn figure_of(
     stem: &str,
     title: &str,
     caption: String,
-    panels: &[Plot],
+    panels: impl IntoIterator<Item = Plot>,
     table: &Table,
 ) -> Result<Option<Figure>, ReportError> {
-    (!panels.is_empty()).then(|| Figure::new(stem, title, caption, panels, table)).transpose()
+    let panels = with_one_legend(panels);
+    (!panels.is_empty()).then(|| Figure::new(stem, title, caption, &panels, table)).transpose()
 }
 
-fn effect_panel(
-    of: &Sweep,
-    n: usize,
-    factor: &SweepFactor,
-    effect: &SweepEffect,
-    has_legend: bool,
-) -> Plot {
+fn effect_panel(of: &Sweep, n: usize, factor: &SweepFactor, effect: &SweepEffect) -> Plot {
     let of_point = |point: &str| of.points.iter().find(|p| p.point == point);
     let is_shown = |point: &str| {
         // Points at which another factor differs say nothing of this one.
@@ -132,18 +124,13 @@ fn effect_panel(
     let (runs, left_out) = (shown_runs(true), shown_runs(false));
     let of_values = || effect.means.iter().map(|(v, e)| (factor.number(v), e));
     let mean_points: Vec<(f64, f64)> = of_values().map(|(at, e)| (at, e.mean)).collect();
-    let bars: Vec<[(f64, f64); 2]> =
-        of_values().filter_map(|(at, e)| Some([(at, e.t_low?), (at, e.t_high?)])).collect();
+    let bars = of_values().filter_map(|(at, e)| Some([(at, e.t_low?), (at, e.t_high?)]));
     let mut plot = Plot::new(axis(factor), Axis::linear(in_words(&effect.outcome, &of.names)));
     plot.frame_height = PANEL;
-    let label = |text| if has_legend { text } else { "" };
-    plot.add_some(label("Single runs"), Look::rings(), runs);
-    plot.add_some(label("Left out of the means"), Look::rings().marker(Marker::Cross), left_out);
-    for bar in bars {
-        plot.add("", Look::line(0), bar.to_vec());
-    }
-    let look = means(0, factor, Marker::Disc);
-    plot.add_some(label("Means, 95 % confidence"), look, mean_points);
+    plot.add_some("Single runs", Look::rings(), runs);
+    plot.add_some("Left out of the means", Look::rings().marker(Marker::Cross), left_out);
+    bars.for_each(|bar| plot.add("", Look::line(0), bar.to_vec()));
+    plot.add_some("Means, 95 % confidence", means(0, factor, Marker::Disc), mean_points);
     plot
 }
 
@@ -154,22 +141,20 @@ fn pair_figure(of: &Sweep, a: usize, b: usize) -> Result<Option<Figure>, ReportE
     let has = |path: &&str| of.points.iter().any(|p| p.outcomes.contains_key(*path));
     let outcomes: Vec<&str> = main_outcomes(&of.runs).into_iter().filter(has).collect();
     let mut panels = Vec::new();
-    for (index, path) in outcomes.iter().enumerate() {
+    for path in outcomes {
         let mut plot = Plot::new(axis(first), Axis::linear(in_words(path, &of.names)));
         plot.frame_height = PANEL;
-        let is_last = index + 1 == outcomes.len();
         for (k, value) in second.values.iter().enumerate() {
             let mut points = Vec::new();
             for at in &first.values {
                 let there = |p: &&SweepPoint| p.values[a] == *at && p.values[b] == *value;
                 let results = of.points.iter().filter(there);
-                let results = results.filter_map(|p| Some(p.outcomes.get(*path)?.mean));
+                let results = results.filter_map(|p| Some(p.outcomes.get(path)?.mean));
                 let Some(middle) = mean(&results.collect::<Vec<f64>>()) else { continue };
                 points.push((first.number(at), middle));
-                table.row(row![*path, shown(at), shown(value), middle]);
+                table.row(row![path, shown(at), shown(value), middle]);
             }
             let label = format!("{} = {}", second.path, shown(value));
-            let label = if is_last { label } else { String::new() };
             plot.add_some(label, means(k, first, style::marker(k)), points);
         }
         panels.push(plot);
@@ -178,5 +163,5 @@ fn pair_figure(of: &Sweep, a: usize, b: usize) -> Result<Option<Figure>, ReportE
                    run beside each other: the two factors act each by itself.";
     let stem = stem("pair", &format!("{}-{}", first.path, second.path));
     let title = format!("{} and {} together", first.path, second.path);
-    figure_of(&stem, &title, caption.to_owned(), &panels, &table)
+    figure_of(&stem, &title, caption.to_owned(), panels, &table)
 }
