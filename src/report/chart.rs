@@ -1,10 +1,6 @@
 //! A chart of laws and measurements: plots below each other, and the table of their points.
 
-use super::{
-    Figure, ReportError,
-    plot::Plot,
-    table::{Table, row},
-};
+use super::{Figure, ReportError, plot::Plot};
 
 /// A chart that is a figure of its own.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,17 +23,8 @@ impl Chart {
     pub fn figure(&self) -> Result<Figure, ReportError> {
         let x = self.panels.first().map_or("", |panel| panel.x.name.as_str());
         let names = self.panels.iter().map(|panel| panel.y.name.as_str());
-        let mut table = Table::new(["curve", x].into_iter().chain(names));
-        for (n, panel) in self.panels.iter().enumerate() {
-            for series in &panel.series {
-                for (x, y) in &series.points {
-                    let mut cells = row![&series.label, *x];
-                    cells.extend((0..self.panels.len()).map(|k| (k == n).then_some(*y).into()));
-                    table.row(cells);
-                }
-            }
-        }
-        Figure::new(&self.stem, &self.title, &self.caption, &self.panels, &table)
+        let columns: Vec<&str> = ["curve", x].into_iter().chain(names).collect();
+        Figure::of_curves(&self.stem, &self.title, &self.caption, &self.panels, &columns)
     }
 }
 

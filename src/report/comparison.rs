@@ -291,16 +291,14 @@ fn overlaid(of: &CompareRecord, shown: &Shown) -> Result<Option<Figure>, ReportE
     let point = |r: &SeriesRow| Some((r.time_s, (shown.value)(r)?));
     let y = Axis::scaled(shown.is_log, shown.axis).from_zero();
     let mut plot = Plot::new(Axis::linear("Time (s)"), y);
-    let mut table = Table::new(["run", "time_s", shown.column]);
     for (n, run) in of.runs.iter().enumerate() {
-        let points: Vec<(f64, f64)> = run.series.iter().filter_map(point).collect();
-        for (time, value) in &points {
-            table.row(row![&run.name, *time, *value]);
-        }
         let is_handed = run.specimen_by.is_some();
         let dash = if is_handed { style::DASHED } else { style::SOLID };
+        let points = run.series.iter().filter_map(point).collect();
         plot.add(&run.name, Look::line(n).dash(dash), points);
     }
-    let figure = || Figure::new(shown.stem, shown.title, shown.caption, &[plot], &table);
-    (!table.is_empty()).then(figure).transpose()
+    let has_points = plot.series.iter().any(|series| !series.points.is_empty());
+    let columns = ["run", "time_s", shown.column];
+    let figure = || Figure::of_curves(shown.stem, shown.title, shown.caption, &[plot], &columns);
+    has_points.then(figure).transpose()
 }

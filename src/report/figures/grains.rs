@@ -43,7 +43,6 @@ fn size_axis(sizes: impl Iterator<Item = f64>) -> Axis {
 
 /// The paper's Figure 1, of a study.
 pub(super) fn sizes(study: &StudyView) -> Result<Figure, ReportError> {
-    let (plot, table) = draw(&study.sieve, &study.sieved_grains);
     let made = study.generated.as_ref().map_or_else(String::new, |made| {
         format!(
             " The grains generated from it, each through the virtual sieve (the smallest square \
@@ -57,32 +56,24 @@ pub(super) fn sizes(study: &StudyView) -> Result<Figure, ReportError> {
          grains of 2343 g, 55 to 65 in 100 g, poorly graded) come out.",
         gradation_in_words(&study.gradation),
     );
-    Figure::new(
-        "figure-01-grain-size-distribution",
-        "Figure 1. Grain size distribution",
-        caption,
-        &[plot],
-        &table,
-    )
+    let (stem, title) = ("figure-01-grain-size-distribution", "Figure 1. Grain size distribution");
+    curves(stem, title, caption, [&study.sieve, &study.sieved_grains])
 }
 
 /// Specified against generated.
-fn draw(specified: &[(f64, f64)], generated: &[(f64, f64)]) -> (Plot, Table) {
+fn curves(
+    stem: &str,
+    title: &str,
+    caption: String,
+    [specified, generated]: [&[(f64, f64)]; 2],
+) -> Result<Figure, ReportError> {
     let x = size_axis(specified.iter().chain(generated).map(|p| p.0));
     let y = Axis::with_ticks("Mass passing (%)", &[0.0, 20.0, 40.0, 60.0, 80.0, 100.0]);
     let mut plot = Plot::new(x, y);
-    let curves = [
-        ("Sieve data the grains are made from", Look::marked(0), specified),
-        ("Generated grains, sieved", Look::spaced(1).dash(style::DASHED), generated),
-    ];
-    let mut table = Table::new(["curve", "size_mm", "passing_percent"]);
-    for (label, look, points) in curves.into_iter().filter(|c| !c.2.is_empty()) {
-        plot.add(label, look, points.to_vec());
-        for &(size, passing) in points {
-            table.row(row![label, size, passing]);
-        }
-    }
-    (plot, table)
+    plot.add_some("Sieve data the grains are made from", Look::marked(0), specified.to_vec());
+    let look = Look::spaced(1).dash(style::DASHED);
+    plot.add_some("Generated grains, sieved", look, generated.to_vec());
+    Figure::of_curves(stem, title, caption, &[plot], &["curve", "size_mm", "passing_percent"])
 }
 
 /// The curves of a single run's grains, in its own folder. `words` says
@@ -92,12 +83,12 @@ pub(in crate::report) fn of_grains(
     generated: &[(f64, f64)],
     words: &str,
 ) -> Result<Figure, ReportError> {
-    let (plot, table) = draw(specified, generated);
     let caption = format!(
         "Grain size distribution of the grains, each through the virtual sieve (the smallest \
          square opening that it passes in any orientation). {words}"
     );
-    Figure::new("grain-size-distribution", "Grain size distribution", caption, &[plot], &table)
+    let (stem, title) = ("grain-size-distribution", "Grain size distribution");
+    curves(stem, title, caption, [specified, generated])
 }
 
 /// Name, symbol and column of a number.

@@ -20,7 +20,7 @@ use super::{
     ReportError, Standard,
     plot::{Plot, stacked},
     png,
-    table::Table,
+    table::{Table, row},
 };
 use crate::{
     paper::StudyView,
@@ -63,6 +63,28 @@ impl Figure {
         table: &Table,
     ) -> Result<Self, ReportError> {
         Self::of_svg(stem, title, caption, stacked(plots), table)
+    }
+
+    /// A figure of plots below each other, and the table of their points: the curve, its value on
+    /// the horizontal axis, and a column for each plot.
+    pub(super) fn of_curves(
+        stem: &str,
+        title: &str,
+        caption: impl Into<String>,
+        plots: &[Plot],
+        columns: &[&str],
+    ) -> Result<Self, ReportError> {
+        let mut table = Table::new(columns.iter().copied());
+        for (n, plot) in plots.iter().enumerate() {
+            for series in &plot.series {
+                for (x, y) in &series.points {
+                    let mut cells = row![&series.label, *x];
+                    cells.extend((0..plots.len()).map(|k| (k == n).then_some(*y).into()));
+                    table.row(cells);
+                }
+            }
+        }
+        Self::new(stem, title, caption, plots, &table)
     }
 
     fn of_svg(
