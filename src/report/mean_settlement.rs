@@ -6,8 +6,17 @@ use serde::{Deserialize, Serialize};
 use super::quality::never_mixed;
 use crate::{
     paper::{StudyView, constants::VIBRATED_FALLING_HEIGHT_MM, settlement_curve},
-    record::{RunKind, RunRecord, SeriesRow},
+    record::{RunKind, RunRecord, SeriesRow, Settlement},
 };
+
+/// What settles: its name, and its settlement in a run.
+type Settles = (&'static str, fn(&RunRecord) -> Option<&Settlement>);
+
+/// The plate, and the mean surface of the grains.
+pub(super) const SETTLEMENTS: [Settles; 2] = [
+    ("plate", |r| r.summary.settlement_mm.as_ref()),
+    ("mean surface", |r| r.summary.surface_settlement_mm.as_ref()),
+];
 
 /// A curve: time in s, settlement in mm.
 type Curve = Vec<(f64, f64)>;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::record::{RunRecord, left_out_in_words};
+use crate::record::{NO_VALID_RUN, RunRecord, left_out_in_words};
 
 /// The accuracy standard (`docs/accuracy.md`): what a run must stay below.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -32,6 +32,23 @@ pub(super) fn never_mixed<'a>(
     let (counting, others): (Vec<_>, Vec<_>) = runs.partition(|r| r.counts_in_means());
     let left_out = LeftOut { runs: others.len(), all: counting.is_empty() && !others.is_empty() };
     (if left_out.all { others } else { counting }, left_out)
+}
+
+/// What was found of the runs that count, followed by how many of all do not and are left out of
+/// means and of what was found; where nothing was, why.
+pub(super) fn found_in(
+    runs: &[&RunRecord],
+    found: Option<String>,
+    these: &str,
+    without_runs: &str,
+) -> String {
+    let left_out = runs.iter().filter(|r| !r.counts_in_means()).count();
+    let end = format!(" and from {these}, not being valid or short of grains");
+    match found {
+        Some(found) => found + &sentence_of_left_out(left_out, runs.len(), &end),
+        None if left_out > 0 => format!("There is {NO_VALID_RUN}."),
+        None => without_runs.to_owned(),
+    }
 }
 
 /// That runs are left out of means, as another sentence with how it ends; nothing where none is.

@@ -3,12 +3,12 @@
 use super::Figure;
 use crate::{
     paper::{Interval, StudyView, text::number, uncertainty},
-    record::{NO_VALID_RUN, RunKind, RunRecord},
+    record::{RunKind, RunRecord},
     report::{
         ReportError,
         axis::Axis,
         plot::{Look, Plot},
-        quality::sentence_of_left_out,
+        quality::found_in,
         style::{self, Marker},
         table::table,
     },
@@ -57,21 +57,11 @@ pub(super) fn over_falling_height(study: &StudyView) -> Result<Figure, ReportErr
         plot.add_key("95th percentile of the surface (same colours)", look);
     }
     let counting = runs.iter().filter(|r| r.counts_in_means());
-    let left_out = runs.iter().filter(|r| !r.counts_in_means()).count();
-    let said = sentence_of_left_out(
-        left_out,
-        runs.len(),
-        " and from this range, not being valid or short of grains",
-    );
-    let range = match Interval::of(counting.map(|r| mean(r))) {
-        Some(i) => format!(
-            "The simulated mean surfaces lie between {} and {} mm.{said}",
-            number(i.low, 1),
-            number(i.high, 1)
-        ),
-        None if left_out > 0 => format!("There is {NO_VALID_RUN}."),
-        None => "No pluviation run was done.".to_owned(),
-    };
+    let range = Interval::of(counting.map(|r| mean(r))).map(|i| {
+        let (low, high) = (number(i.low, 1), number(i.high, 1));
+        format!("The simulated mean surfaces lie between {low} and {high} mm.")
+    });
+    let range = found_in(&runs, range, "this range", "No pluviation run was done.");
     let caption = format!(
         "Standing height after pluviation over falling height. Solid: mean of the surface over the \
          cylinder's area; dashed: its 95th percentile, nearer to what an eye reads through the \
@@ -79,13 +69,8 @@ pub(super) fn over_falling_height(study: &StudyView) -> Result<Figure, ReportErr
          available to us (only its text was); none is drawn. The paper's text: the standing height decreases as the falling \
          height increases."
     );
-    Figure::new(
-        "figure-07-standing-height",
-        "Figure 7. Standing height after pluviation",
-        caption,
-        &[plot],
-        &table,
-    )
+    let title = "Figure 7. Standing height after pluviation";
+    Figure::new("figure-07-standing-height", title, caption, &[plot], &table)
 }
 
 /// Means with their confidence intervals, and every configuration as a point.
@@ -133,11 +118,6 @@ pub(super) fn with_confidence(study: &StudyView) -> Result<Figure, ReportError> 
         "No bars: fewer than two configurations give no interval."
     };
     let caption = format!("Standing height (mean surface). {bars} {}", found.trend.verdict);
-    Figure::new(
-        "uncertainty-standing-height",
-        "How sure the standing heights are",
-        caption,
-        &[plot],
-        &table,
-    )
+    let title = "How sure the standing heights are";
+    Figure::new("uncertainty-standing-height", title, caption, &[plot], &table)
 }

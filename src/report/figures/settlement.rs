@@ -3,11 +3,12 @@
 use super::Figure;
 use crate::{
     paper::{Interval, StudyView, bands, settlement_curve, text::number},
-    record::{NO_VALID_RUN, RunKind, RunRecord, SeriesRow},
+    record::{RunKind, RunRecord, SeriesRow},
     report::{
         ReportError,
+        mean_settlement::SETTLEMENTS,
         plot::{Look, Plot},
-        quality::sentence_of_left_out,
+        quality::found_in,
         style,
         table::{Table, table},
     },
@@ -28,13 +29,8 @@ pub(super) fn continuous(study: &StudyView) -> Result<Figure, ReportError> {
         band.high,
         finals(&runs)
     );
-    Figure::new(
-        "figure-09-continuous-vibration",
-        "Figure 9. Settlement of the top plate under continuous vibration",
-        caption,
-        &[plot],
-        &table,
-    )
+    let title = "Figure 9. Settlement of the top plate under continuous vibration";
+    Figure::new("figure-09-continuous-vibration", title, caption, &[plot], &table)
 }
 
 pub(super) fn intermittent(study: &StudyView) -> Result<Figure, ReportError> {
@@ -56,13 +52,8 @@ pub(super) fn intermittent(study: &StudyView) -> Result<Figure, ReportError> {
         (study.intermittent.period_s * 100.0).round() / 100.0,
         finals(&runs)
     );
-    Figure::new(
-        "figure-10-intermittent-vibration",
-        "Figure 10. Settlement of the top plate under intermittent vibration",
-        caption,
-        &[plot],
-        &table,
-    )
+    let title = "Figure 10. Settlement of the top plate under intermittent vibration";
+    Figure::new("figure-10-intermittent-vibration", title, caption, &[plot], &table)
 }
 
 /// The settlement of one run, for its own folder; `None` where it was not vibrated.
@@ -112,40 +103,22 @@ fn curves(runs: &[&RunRecord], at_least_s: f64) -> (Plot, Table) {
         "left_out_of_means" => run.summary.why_left_out().join("; "),
     });
     if !runs.is_empty() {
-        plot.add_key(
-            "Mean surface (same colours)",
-            Look::of(style::INK).dash(style::DASHED).thin(),
-        );
+        let look = Look::of(style::INK).dash(style::DASHED).thin();
+        plot.add_key("Mean surface (same colours)", look);
     }
     (plot, table)
 }
 
 /// The final settlements in a sentence.
 fn finals(runs: &[&RunRecord]) -> String {
-    let left_out = runs.iter().filter(|r| !r.counts_in_means()).count();
-    let said = sentence_of_left_out(
-        left_out,
-        runs.len(),
-        " and from these numbers, not being valid or short of grains",
-    );
-    let of = |plate: bool| {
-        let values = runs.iter().filter(|r| r.counts_in_means()).filter_map(|r| {
-            let s = &r.summary;
-            let s = if plate { &s.settlement_mm } else { &s.surface_settlement_mm };
-            s.as_ref().map(|s| s.final_mm)
-        });
-        Interval::of(values).map(|i| {
-            let (low, high) = (number(i.low, 1), number(i.high, 1));
-            if low == high { format!("{low} mm") } else { format!("{low} to {high} mm") }
-        })
-    };
-    match (of(true), of(false)) {
-        (Some(plate), Some(surface)) => {
-            format!("Final settlement of the plate: {plate}; of the mean surface: {surface}.{said}")
-        }
-        (Some(plate), None) => format!("Final settlement of the plate: {plate}.{said}"),
-        (None, Some(surface)) => format!("Final settlement of the mean surface: {surface}.{said}"),
-        (None, None) if left_out > 0 => format!("There is {NO_VALID_RUN}."),
-        (None, None) => "No such run was done.".to_owned(),
-    }
+    let found = SETTLEMENTS.into_iter().filter_map(|(what, settlement)| {
+        let counting = runs.iter().filter(|r| r.counts_in_means());
+        let of = Interval::of(counting.filter_map(|r| Some(settlement(r)?.final_mm)))?;
+        let (low, high) = (number(of.low, 1), number(of.high, 1));
+        let shown = if low == high { low } else { format!("{low} to {high}") };
+        Some(format!("of the {what}: {shown} mm"))
+    });
+    let found: Vec<String> = found.collect();
+    let said = (!found.is_empty()).then(|| format!("Final settlement {}.", found.join("; ")));
+    found_in(runs, said, "these numbers", "No such run was done.")
 }

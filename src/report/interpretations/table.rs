@@ -10,7 +10,7 @@ use crate::{
         text::{compact, number},
     },
     record::{NO_VALID_RUN, RunKind, RunRecord, Settlement},
-    report::{quality::never_mixed, sections::paper_value},
+    report::{mean_settlement::SETTLEMENTS, quality::never_mixed, sections::paper_value},
 };
 
 /// A row of the table.
@@ -187,12 +187,7 @@ impl Rows<'_> {
             true => s.after_5_s,
             false => s.after_each_period.first().copied(),
         };
-        type Of = fn(&RunRecord) -> Option<&Settlement>;
-        let of: [(&str, Of); 2] = [
-            ("plate", |r| r.summary.settlement_mm.as_ref()),
-            ("mean surface", |r| r.summary.surface_settlement_mm.as_ref()),
-        ];
-        for (what, settlement) in of {
+        for (what, settlement) in SETTLEMENTS {
             // The paper speaks of the plate.
             let (lab, share) = match (what, is_continuous) {
                 ("plate", true) => ("14 to 19.61", "about 80"),
