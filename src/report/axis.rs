@@ -66,13 +66,6 @@ impl Axis {
         Self::divided("", Scale { from, to, ticks, ..Scale::default() })
     }
 
-    /// Falling heights in cm from 0 to a highest; markers at the ends stand clear of the frame.
-    pub fn falling_heights(highest: f64) -> Self {
-        let ticks = (0..=4).map(|i| f64::from(i) * highest / 4.0).collect();
-        let (from, to) = (-0.05 * highest, 1.05 * highest);
-        Self::divided("Falling height (cm)", Scale { from, to, ticks, ..Scale::default() })
-    }
-
     /// The same axis, reaching to values whatever is drawn.
     pub fn holding(mut self, values: impl IntoIterator<Item = f64>) -> Self {
         self.holds.extend(values);
@@ -198,12 +191,9 @@ fn log_number(tick: f64) -> String {
         let decimals = (least..least + 3).find(whole).unwrap_or(least);
         return format!("{tick:.decimals$}");
     }
-    let superscript = |c: char| match c {
-        '-' => '\u{207B}',
-        '1' => '\u{00B9}',
-        '2' => '\u{00B2}',
-        '3' => '\u{00B3}',
-        d => char::from_u32(0x2070 + (d as u32 - '0' as u32)).unwrap_or(d),
+    let superscript = |c: char| match c.to_digit(10) {
+        Some(digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(digit as usize).unwrap_or(c),
+        None => '\u{207B}',
     };
     format!("10{}", exponent.to_string().chars().map(superscript).collect::<String>())
 }

@@ -170,6 +170,15 @@ impl Plot {
         )
     }
 
+    /// An empty plot of standing heights over falling heights from 0 to a highest in cm; markers at
+    /// the ends stand clear of the frame.
+    pub fn of_standing_heights(highest: f64) -> Self {
+        let ticks = (0..=4).map(|i| f64::from(i) * highest / 4.0).collect();
+        let (from, to) = (-0.05 * highest, 1.05 * highest);
+        let x = Scale { from, to, ticks, ..Scale::default() };
+        Self::new(Axis::divided("Falling height (cm)", x), Axis::linear("Standing height (mm)"))
+    }
+
     /// An empty plot with a named row for each of some things, from the top, and so much height
     /// for each.
     pub fn of_rows(x: Axis, names: Vec<String>, height: u32) -> Self {
@@ -183,9 +192,11 @@ impl Plot {
         self.series.push(Series { label: label.into(), look, points });
     }
 
-    /// Adds an entry to the legend that explains a look.
-    pub fn add_key(&mut self, label: &str, look: Look) {
-        self.add(label, look, Vec::new());
+    /// Adds an entry to the legend for thin dashed curves, where there are any curves.
+    pub fn add_key_of_thin(&mut self, label: &str) {
+        if !self.series.is_empty() {
+            self.add(label, Look::of(style::INK).dash(style::DASHED).thin(), Vec::new());
+        }
     }
 
     /// Adds a series, and its entry in the legend, where it has points.

@@ -6,7 +6,6 @@ use crate::{
     record::{RunKind, RunRecord},
     report::{
         ReportError,
-        axis::Axis,
         plot::{Look, Plot},
         quality::found_in,
         style::{self, Marker},
@@ -29,8 +28,7 @@ pub(super) fn over_falling_height(study: &StudyView) -> Result<Figure, ReportErr
     let p95 = |r: &RunRecord| r.summary.standing_height_mm.p95;
     let highest_fall =
         runs.iter().map(|r| r.falling_height_mm / MM_IN_CM).fold(20.0, f64::max).min(1e3);
-    let x = Axis::falling_heights(highest_fall);
-    let mut plot = Plot::new(x, Axis::linear("Standing height (mm)"));
+    let mut plot = Plot::of_standing_heights(highest_fall);
     let each = runs.chunk_by(|a, b| a.configuration == b.configuration);
     for (n, of) in each.enumerate() {
         let points = |height: &dyn Fn(&RunRecord) -> f64| {
@@ -52,10 +50,7 @@ pub(super) fn over_falling_height(study: &StudyView) -> Result<Figure, ReportErr
         "void_ratio" => r.summary.void_ratio,
         "left_out_of_means" => r.summary.why_left_out().join("; "),
     });
-    if !runs.is_empty() {
-        let look = Look::of(style::INK).dash(style::DASHED).thin();
-        plot.add_key("95th percentile of the surface (same colours)", look);
-    }
+    plot.add_key_of_thin("95th percentile of the surface (same colours)");
     let counting = runs.iter().filter(|r| r.counts_in_means());
     let range = Interval::of(counting.map(|r| mean(r))).map(|i| {
         let (low, high) = (number(i.low, 1), number(i.high, 1));
@@ -81,9 +76,8 @@ pub(super) fn with_confidence(study: &StudyView) -> Result<Figure, ReportError> 
         .iter()
         .filter_map(|q| Some((q.falling_height_mm? / MM_IN_CM, q)))
         .collect();
-    let highest = heights.iter().map(|h| h.0).fold(20.0, f64::max);
-    let x = Axis::falling_heights(highest);
-    let mut plot = Plot::new(x, Axis::linear("Standing height (mm)"));
+    let highest_fall = heights.iter().map(|h| h.0).fold(20.0, f64::max);
+    let mut plot = Plot::of_standing_heights(highest_fall);
     let mut means = Vec::new();
     let mut single = Vec::new();
     for (cm, q) in &heights {

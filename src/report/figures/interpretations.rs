@@ -7,7 +7,6 @@ use crate::{
     record::{RunKind, RunRecord},
     report::{
         InterpretationColumn, ReportError,
-        axis::Axis,
         mean_settlement::mean_curve,
         plot::{Look, Plot},
         quality::never_mixed,
@@ -93,7 +92,7 @@ fn heights(columns: &[InterpretationColumn]) -> Result<Figure, ReportError> {
         }
         curves.push((column, points, some_not_valid));
     }
-    let mut plot = Plot::new(Axis::falling_heights(20.0), Axis::linear("Standing height (mm)"));
+    let mut plot = Plot::of_standing_heights(20.0);
     let missing = add(&mut plot, curves, None);
     let caption = format!(
         "Mean surface after pluviation over falling height, mean over the configurations. The \

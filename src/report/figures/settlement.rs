@@ -102,10 +102,7 @@ fn curves(runs: &[&RunRecord], at_least_s: f64) -> (Plot, Table) {
         "surface_settlement_mm" => row.surface_settlement_mm,
         "left_out_of_means" => run.summary.why_left_out().join("; "),
     });
-    if !runs.is_empty() {
-        let look = Look::of(style::INK).dash(style::DASHED).thin();
-        plot.add_key("Mean surface (same colours)", look);
-    }
+    plot.add_key_of_thin("Mean surface (same colours)");
     (plot, table)
 }
 
