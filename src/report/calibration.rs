@@ -9,8 +9,7 @@ use super::{
     Figure, ReportError,
     figures::{self, capital},
     page::{Block, Page},
-    sections::range,
-    table::{Cell, Table, besides, dash, missing, plus_minus, table},
+    table::{Cell, Table, besides, dash, from_to, missing, plus_minus, table},
 };
 use crate::{
     paper::{
@@ -277,7 +276,8 @@ pub fn found(of: &Calibration) -> Vec<(String, String)> {
     if let Some(s) = of.solution {
         row(&format!("{} needed", of.unknown_in_words()), compact(s.value));
         let none = || "none: the slope does not differ significantly from zero".to_owned();
-        row("its 95 % confidence interval", s.interval_95.map_or_else(none, range));
+        let interval = s.interval_95.map_or_else(none, |i| from_to(i.low, i.high));
+        row("its 95 % confidence interval", interval);
         let known_to = |mean, off| with_unit(&plus_minus(mean, Some(off), compact), &of.unit);
         let there = known_to(of.wanted, s.result_half_width_95);
         row(&format!("{} there", target_in_words(&of.target)), there);

@@ -6,7 +6,7 @@ use super::{
     Choice, Column, ReportInput,
     html::{glue, name},
     page::Block,
-    table::{Cell, Table, dash, row, table},
+    table::{Cell, Table, dash, from_to, row, table},
 };
 use crate::{
     paper::{
@@ -133,7 +133,7 @@ fn claim_row(claim: &Claim, beside: &[Column]) -> Vec<Cell> {
     };
     let paper = html! {
         (paper_value(claim).unwrap_or_else(dash))
-        @if let Some(i) = read_as { " " span.unit { "(read as " (range(i)) ")" } }
+        @if let Some(i) = read_as { " " span.unit { "(read as " (from_to(i.low, i.high)) ")" } }
     };
     let ours = html! {
         (value_or_not_valid(claim.ours, claim.spread, claim.not_valid, &claim.unit))
@@ -160,16 +160,11 @@ fn claim_row(claim: &Claim, beside: &[Column]) -> Vec<Cell> {
     cells
 }
 
-/// From its lower end to its upper one.
-pub(super) fn range(of: Interval) -> String {
-    format!("{} to {}", compact(of.low), compact(of.high))
-}
-
 /// What the paper gives, in words.
 pub(super) fn paper_value(claim: &Claim) -> Option<String> {
     Some(match claim.paper? {
         PaperValue::Value { value } => compact(value),
-        PaperValue::Range(i) => range(i),
+        PaperValue::Range(i) => from_to(i.low, i.high),
     })
 }
 

@@ -11,7 +11,7 @@ use super::{
     convergence::{estimate, specimen},
     figures,
     page::{Block, Page},
-    table::{Cell, Record, Table, dash, missing, plus_minus, table},
+    table::{Cell, Record, Table, counted, dash, from_to, missing, plus_minus, table},
 };
 use crate::{
     measure::Estimate,
@@ -166,7 +166,7 @@ fn table(of: &Sensitivity) -> Table {
 
 fn page(of: &Sensitivity, figure: Figure) -> Page {
     let intro = format!(
-        "{}, {} configuration{}. Each parameter is varied by itself, all others at their defaults. \
+        "{}, {}. Each parameter is varied by itself, all others at their defaults. \
          Differences in mm ± standard error, paired by configuration: runs of a pair have the same \
          grains in the same order. A packing is chaotic, so that pairs scatter; \"~\" marks an \
          effect that lies inside that scatter: the 95 % confidence interval (Student's t) of its \
@@ -175,8 +175,7 @@ fn page(of: &Sensitivity, figure: Figure) -> Page {
          that are not valid, or short of grains, are left out of every difference with their pair \
          (docs/accuracy.md), and counted.",
         specimen(&of.scenario, of.grains, of.quick),
-        of.configurations,
-        if of.configurations == 1 { "" } else { "s" },
+        counted(of.configurations as usize, "configuration"),
     );
     let default = of.default.as_ref().map(without_a_change).unwrap_or_default();
     let ranges = table!(&of.parameters, |p| {
@@ -231,17 +230,13 @@ fn effects(of: &Sensitivity, effect: fn(&ParameterRow) -> Effect) -> Table {
     let per_unit = |e: Estimate| plus_minus(e.mean, e.standard_error, compact);
     table!(rows, |(row, e)| {
         "parameter" => &row.title,
-        "range" => with_unit(&range(row), &row.unit),
+        "range" => with_unit(&from_to(row.low, row.high), &row.unit),
         "at the low end" => Cell::number(change(row, e.low_mm, mm)),
         "at the high end" => Cell::number(change(row, e.high_mm, mm)),
         "over the range" => Cell::number(change(row, e.range_mm, mm)),
         "for one unit" => Cell::number(change(row, e.per_unit_mm, per_unit)),
         "remarks" => remarks(row, &e),
     })
-}
-
-fn range(row: &ParameterRow) -> String {
-    format!("{} to {}", compact(row.low), compact(row.high))
 }
 
 fn remarks(row: &ParameterRow, effect: &Effect) -> String {

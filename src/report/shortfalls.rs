@@ -1,6 +1,9 @@
 //! What falls short, said from the data.
 
-use super::{ReportInput, Standard, sections::range};
+use super::{
+    ReportInput, Standard,
+    table::{counted, from_to},
+};
 use crate::{
     paper::{
         StudyView, Verdict,
@@ -75,7 +78,8 @@ fn claims_missed(input: &ReportInput) -> Vec<String> {
         .filter_map(|c| {
             let ours = compact(c.ours?);
             let band = c.read_as?;
-            let expected = if band.low == band.high { compact(band.low) } else { range(band) };
+            let is_one = band.low == band.high;
+            let expected = if is_one { compact(band.low) } else { from_to(band.low, band.high) };
             let statement = c.statement.trim_end_matches('.');
             Some(format!("{statement}: expected {expected}, found {ours} {}.", c.unit))
         })
@@ -172,8 +176,7 @@ fn overlap(study: &StudyView, standard: &Standard) -> Option<String> {
 fn grains_lost(study: &StudyView) -> Vec<String> {
     let total = |of: fn(&RunRecord) -> usize| {
         let runs: Vec<&RunRecord> = study.runs.iter().filter(|r| of(r) > 0).collect();
-        let count = runs.iter().map(|r| of(r)).sum::<usize>();
-        let grains = if count == 1 { "1 grain".to_owned() } else { format!("{count} grains") };
+        let grains = counted(runs.iter().map(|r| of(r)).sum::<usize>(), "grain");
         (!runs.is_empty()).then_some((grains, runs))
     };
     let lacking = |fate: &str, (grains, runs): (String, Vec<&RunRecord>)| {

@@ -5,7 +5,7 @@ use super::{
     page::{Block, Page},
     sweep::shown,
     sweep_outcomes::{in_words, main_outcomes},
-    table::{Cell, Table, besides, dash, missing, plus_minus, row, table},
+    table::{Cell, Table, besides, counted, dash, missing, plus_minus, row, table},
 };
 use crate::{paper::text::compact, plain::plain, record::left_out_in_words};
 
@@ -33,10 +33,9 @@ pub(super) fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
     let left_out = of.left_out().count();
     let say = |count: usize, text: String| if count > 0 { text } else { String::new() };
     let lead = format!(
-        "{} points in {} configuration{}: {done} of {} runs have results{}{}{}{}{}.",
+        "{} points in {}: {done} of {} runs have results{}{}{}{}{}.",
         of.points.len(),
-        of.configurations,
-        if of.configurations == 1 { "" } else { "s" },
+        counted(of.configurations as usize, "configuration"),
         of.planned,
         say(failed, format!(", {failed} failed")),
         say(

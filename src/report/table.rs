@@ -68,6 +68,16 @@ pub(super) fn plus_minus(mean: f64, off: Option<f64>, shown: impl Fn(f64) -> Str
     }
 }
 
+/// From one value to another.
+pub(super) fn from_to(low: f64, high: f64) -> String {
+    format!("{} to {}", compact(low), compact(high))
+}
+
+/// How many of something there are.
+pub(super) fn counted(count: usize, one: &str) -> String {
+    if count == 1 { format!("1 {one}") } else { format!("{count} {one}s") }
+}
+
 /// How many of something there are besides; nothing where there are none.
 pub(super) fn besides(count: usize, what: &str) -> String {
     if count > 0 { format!(", {count} {what}") } else { String::new() }

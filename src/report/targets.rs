@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::{
     ReportError,
     page::{Block, Page},
-    table::{Cell, Table, plus_minus, row, table},
+    table::{Cell, Table, from_to, plus_minus, row, table},
 };
 use crate::measure::{inference::wilson_interval, regression::LinearFit};
 use crate::paper::text::compact;
@@ -196,7 +196,7 @@ impl TargetsFound {
         table!(&self.targets, |t| {
             "target" => t.target.title(),
             "wanted" => t.target.range(),
-            "smallest to largest" => range(t.values),
+            "smallest to largest" => from_to(t.values[0], t.values[1]),
             "runs that meet it" => share(t.runs_meeting, t.runs_counted, t.share_meeting),
             "fit" => format!("{:.2}, {:.2} unseen", t.fit.explained, t.fit.predicted).replace('-', "−"),
             "best" => Cell::number(percent(t.best)),
@@ -207,8 +207,8 @@ impl TargetsFound {
         let titles = self.targets.iter().map(|t| t.target.title());
         let mut table =
             Table::new(["factor", "range"].map(str::to_owned).into_iter().chain(titles));
-        for (name, ends) in &self.factors {
-            let mut cells = row![name, range(*ends)];
+        for (name, [low, high]) in &self.factors {
+            let mut cells = row![name, from_to(*low, *high)];
             cells.extend(self.targets.iter().map(|t| {
                 let effect = t.effects.get(name);
                 effect.map(|(by, half)| Cell::number(plus_minus(*by, Some(*half), compact))).into()
@@ -294,10 +294,6 @@ impl TargetsFound {
         }
         page
     }
-}
-
-fn range([low, high]: [f64; 2]) -> String {
-    format!("{} to {}", compact(low), compact(high))
 }
 
 /// How many of so many, with the interval of their share.

@@ -12,7 +12,7 @@ use crate::{
         Column, MeanSettlement, ReportError,
         plot::{Envelope, Look, Plot},
         style::{self, Dash},
-        table::{Table, row},
+        table::{Table, counted, row},
     },
 };
 
@@ -36,7 +36,7 @@ pub(in crate::report) fn figure(
         // One run is no band.
         if m.band_runs > 1 {
             plot.envelopes.push(Envelope {
-                label: format!("{}, lowest to highest", runs(m.band_runs)),
+                label: format!("{}, lowest to highest", counted(m.band_runs, "run")),
                 edges: m.shaken.iter().map(|r| (r[0], r[2], r[3])).collect(),
             });
         }
@@ -57,14 +57,10 @@ pub(in crate::report) fn figure(
     Figure::new("settlement", "Settlement of the top plate", caption, &[plot], &table)
 }
 
-fn runs(count: usize) -> String {
-    if count == 1 { "1 run".to_owned() } else { format!("{count} runs") }
-}
-
 /// Adds the mean settlement, and beside it that of the same specimens unshaken.
 fn add(plot: &mut Plot, name: &str, m: &MeanSettlement, n: usize, dash: Dash) {
     let mark = if m.valid { "" } else { " (not valid)" };
-    let label = format!("{name}, mean of {}{mark}", runs(m.runs));
+    let label = format!("{name}, mean of {}{mark}", counted(m.runs, "run"));
     plot.add(label, Look::line(n).dash(dash), m.shaken.iter().map(|r| (r[0], r[1])).collect());
     let unshaken = m.unshaken.clone();
     plot.add_some(format!("{name}, unshaken"), Look::line(n).dash(style::DOTTED), unshaken);
@@ -118,7 +114,8 @@ fn caption(study: &StudyView, ours: Option<&MeanSettlement>, stock: &[&MeanSettl
     }
     if m.left_out > 0 && m.valid {
         let are = if m.left_out == 1 { "is" } else { "are" };
-        said.push(format!("{} {are} left out, not counting in means.", runs(m.left_out)));
+        let runs = counted(m.left_out, "run");
+        said.push(format!("{runs} {are} left out, not counting in means."));
     }
     said.join(" ")
 }

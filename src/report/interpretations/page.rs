@@ -11,7 +11,7 @@ use crate::{
         html::name,
         page::{Block, Page},
         quality::sentence_of_left_out,
-        table::{Cell, Table, row},
+        table::{Cell, Table, counted, row},
     },
 };
 
@@ -55,10 +55,10 @@ fn how_read(columns: &[InterpretationColumn]) -> String {
     let configurations = columns.iter().map(|c| c.configurations).max().unwrap_or(0);
     format!(
         "Every column is the same programme with the same grains under another interpretation of the paper, \
-         in {configurations} {}. A cell is the mean over the runs that have it, with the smallest \
+         in {}. A cell is the mean over the runs that have it, with the smallest \
          and the largest in brackets. Runs that are not valid, or short of grains, are left out of it, and counted; where \
          no run is valid, the mean is of those that are not, and marked “not valid”: the two never stand in one mean. ✓ and ✗: the paper's statement is met, or it is not.",
-        if configurations == 1 { "configuration" } else { "configurations" }
+        counted(configurations as usize, "configuration")
     )
 }
 
