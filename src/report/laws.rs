@@ -13,7 +13,10 @@ use super::{
     style,
     table::{Cell, Table, dash, row, table},
 };
-use crate::paper::{Interval, text::compact};
+use crate::paper::{
+    Interval,
+    text::{compact, listed},
+};
 
 /// A law with what each engine made of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,7 +90,7 @@ fn page(cases: &[LawCase], figures: Vec<Figure>) -> Page {
     let rows = || cases.iter().flat_map(|c| &c.rows);
     let met = rows().filter(|r| r.met).count();
     let unexpected = cases.iter().filter(|c| c.rows.iter().any(|r| !r.as_expected));
-    let unexpected: Vec<&str> = unexpected.map(|c| c.id.as_str()).collect();
+    let unexpected: Vec<String> = unexpected.map(|c| c.id.clone()).collect();
     let lead = format!(
         "Of {} experiments, {met} obey their law within the stated tolerance. {} do not, for reasons \
          that are known and given below; {}.",
@@ -98,10 +101,7 @@ fn page(cases: &[LawCase], figures: Vec<Figure>) -> Page {
             n => format!("{n} cases have an unexpected outcome"),
         }
     );
-    let unexpected = match unexpected.as_slice() {
-        [] => String::new(),
-        ids => format!("Unexpected: {}.", ids.join(", ")),
-    };
+    let unexpected = listed("Unexpected:", &unexpected);
     let each = cases.iter().zip(figures).flat_map(|(case, figure)| one(case, figure));
     let head = [Block::Lead(lead), Block::Banner(unexpected)];
     Page::new("Exact laws and what engines make of them", head)
@@ -167,27 +167,24 @@ fn figure(case: &LawCase) -> Result<Figure, ReportError> {
     // Errors over scales of length: both over many decades.
     let axis = |name: &str, value: fn(&(f64, f64)) -> f64| {
         let values = case.curves.iter().flat_map(|c| &c.points).map(value);
-        let range = Interval::of(values);
-        let decades = range.is_some_and(|r| r.low > 0.0 && r.high / r.low > 1e3);
+        let decades = Interval::of(values).is_some_and(|r| r.low > 0.0 && r.high / r.low > 1e3);
         Axis::scaled(decades && !name.contains("(s)"), name)
     };
     let mut plot = Plot::new(axis(&case.x, |p| p.0), axis(&case.y, |p| p.1));
     let mut settings: Vec<&str> = Vec::new();
     let mut table = Table::new(["setting", "curve", "x", "y"]);
-    // The law is drawn over the engines' curves.
-    let order = case.curves.iter().filter(|c| c.setting.is_some());
-    let laws: Vec<&LawCurve> = case.curves.iter().filter(|c| c.setting.is_none()).collect();
-    for curve in order {
-        let setting = curve.setting.as_deref().unwrap_or_default();
-        let first = !settings.contains(&setting);
-        if first {
+    for curve in &case.curves {
+        let Some(setting) = curve.setting.as_deref() else { continue };
+        let known = settings.iter().position(|s| *s == setting);
+        let n = known.unwrap_or_else(|| {
             settings.push(setting);
-        }
-        let n = settings.iter().position(|s| *s == setting).unwrap_or(0);
-        let label = if first { setting } else { "" };
+            settings.len() - 1
+        });
+        let label = if known.is_none() { setting } else { "" };
         plot.add(label, Look::spaced(n).thin(), thinned(&curve.points));
     }
-    if let Some(law) = laws.first() {
+    // The law is drawn over the engines' curves.
+    if let Some(law) = case.curves.iter().find(|c| c.setting.is_none()) {
         plot.add(&law.name, Look::of(style::INK).dash(style::DASHED), thinned(&law.points));
     }
     for curve in &case.curves {
@@ -203,10 +200,6 @@ fn figure(case: &LawCase) -> Result<Figure, ReportError> {
 fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let every = points.len().div_ceil(MOST_POINTS).max(1);
     let last = points.len().saturating_sub(1);
-    points
-        .iter()
-        .enumerate()
-        .filter(|(i, _)| i % every == 0 || *i == last)
-        .map(|(_, p)| *p)
-        .collect()
+    let kept = points.iter().enumerate().filter(|(i, _)| i % every == 0 || *i == last);
+    kept.map(|(_, point)| *point).collect()
 }

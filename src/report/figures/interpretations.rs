@@ -3,7 +3,7 @@
 use super::Figure;
 use crate::{
     measure::statistics::mean,
-    paper::{bands, constants, settlement_curve},
+    paper::{bands, constants, settlement_curve, text::listed},
     record::{RunKind, RunRecord},
     report::{
         InterpretationColumn, ReportError,
@@ -52,15 +52,12 @@ fn add(plot: &mut Plot, curves: Vec<Curve>, marker_spacing: Option<f64>) -> Stri
     let mut missing = Vec::new();
     for (n, (column, points, not_valid)) in curves.into_iter().enumerate() {
         if points.is_empty() {
-            missing.push(column.name.as_str());
+            missing.push(column.name.clone());
         }
         let mark = if not_valid { " (not valid)" } else { "" };
         plot.add_some(format!("{}{mark}", column.name), look(n, marker_spacing), points);
     }
-    match missing.as_slice() {
-        [] => String::new(),
-        names => format!(" Without a run that kept grains: {}.", names.join(", ")),
-    }
+    listed(" Without a run that kept grains:", &missing)
 }
 
 fn heights(columns: &[InterpretationColumn]) -> Result<Figure, ReportError> {
