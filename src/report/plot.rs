@@ -200,7 +200,13 @@ impl Plot {
     }
 
     /// Adds a series, and its entry in the legend, where it has points.
-    pub fn add_some(&mut self, label: impl Into<String>, look: Look, points: Vec<(f64, f64)>) {
+    pub fn add_some(
+        &mut self,
+        label: impl Into<String>,
+        look: Look,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) {
+        let points: Vec<(f64, f64)> = points.into_iter().collect();
         if !points.is_empty() {
             self.add(label, look, points);
         }

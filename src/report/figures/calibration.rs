@@ -19,26 +19,20 @@ const PIECES: usize = 60;
 pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, ReportError> {
     let (low, high) = (of.between.low, of.between.high);
     let measured = of.runs.iter().filter_map(|r| Some((r.value, r.counted()?)));
-    let points: Vec<(f64, f64)> = measured.collect();
     let left_out = of.runs.iter().filter(|r| r.is_left_out());
-    let left_out: Vec<(f64, f64)> = left_out.filter_map(|r| Some((r.value, r.result?))).collect();
-    let identity: Vec<(f64, f64)> = match of.identity {
-        Some(_) => (0..=PIECES)
-            .map(|i| low + (high - low) * i as f64 / PIECES as f64)
-            .map(|mu| (mu, mu.atan().to_degrees()))
-            .collect(),
-        None => Vec::new(),
-    };
+    let left_out = left_out.filter_map(|r| Some((r.value, r.result?)));
+    let means = of.values.iter().filter_map(|v| Some((v.value, v.mean?)));
     let x = Axis::linear(capital(of.unknown_in_words())).holding([low, high]);
     let mut plot = Plot::new(x, Axis::linear(name_of_result(of)));
     plot.mark_level(format!("Wanted: {}", with_unit(&compact(of.wanted), &of.unit)), of.wanted);
-    plot.add_some("Angle of friction, atan μ", Look::law(2), identity);
-    plot.add_some("Single runs", Look::rings(), points);
+    if of.identity.is_some() {
+        let values = (0..=PIECES).map(|i| low + (high - low) * i as f64 / PIECES as f64);
+        let angles = values.map(|mu| (mu, mu.atan().to_degrees()));
+        plot.add_some("Angle of friction, atan μ", Look::law(2), angles);
+    }
+    plot.add_some("Single runs", Look::rings(), measured);
     plot.add_some("Left out", Look::rings().marker(Marker::Cross), left_out);
-    let means: Vec<(f64, f64)> =
-        of.values.iter().filter_map(|v| Some((v.value, v.mean?))).collect();
-    let discs = Look { line: None, ..Look::line(0).marker(Marker::Disc) };
-    plot.add_some("Means", discs, means);
+    plot.add_some("Means", Look::points(0), means);
     if let Some(solution) = of.solution {
         let fitted = || of.values.iter().filter(|v| v.in_fit).map(|v| v.value);
         let ends = [

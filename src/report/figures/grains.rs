@@ -70,9 +70,10 @@ fn curves(
     let x = size_axis(specified.iter().chain(generated).map(|p| p.0));
     let y = Axis::with_ticks("Mass passing (%)", &[0.0, 20.0, 40.0, 60.0, 80.0, 100.0]);
     let mut plot = Plot::new(x, y);
-    plot.add_some("Sieve data the grains are made from", Look::marked(0), specified.to_vec());
     let look = Look::spaced(1).dash(style::DASHED);
-    plot.add_some("Generated grains, sieved", look, generated.to_vec());
+    let specified = specified.iter().copied();
+    plot.add_some("Sieve data the grains are made from", Look::marked(0), specified);
+    plot.add_some("Generated grains, sieved", look, generated.iter().copied());
     Figure::of_curves(stem, title, caption, &[plot], &["curve", "size_mm", "passing_percent"])
 }
 

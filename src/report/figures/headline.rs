@@ -62,7 +62,7 @@ fn add(plot: &mut Plot, name: &str, m: &MeanSettlement, n: usize, dash: Dash) {
     let mark = if m.valid { "" } else { " (not valid)" };
     let label = format!("{name}, mean of {}{mark}", counted(m.runs, "run"));
     plot.add(label, Look::line(n).dash(dash), m.shaken.iter().map(|r| (r[0], r[1])).collect());
-    let unshaken = m.unshaken.clone();
+    let unshaken = m.unshaken.iter().copied();
     plot.add_some(format!("{name}, unshaken"), Look::line(n).dash(style::DOTTED), unshaken);
 }
 

@@ -114,20 +114,16 @@ fn effect_panel(of: &Sweep, n: usize, factor: &SweepFactor, effect: &SweepEffect
                 p.values.iter().zip(base).enumerate().all(|(k, (v, b))| k == n || v == b)
             })
     };
-    let shown_runs = |counting: bool| -> Vec<(f64, f64)> {
-        let here = of.runs.iter().filter(|r| is_shown(&r.point));
-        let these = here.filter(|r| r.counts_in_means() == counting);
-        let at =
-            |r: &SweepRun| Some((factor.number(&r.values[n]), *r.outcomes.get(&effect.outcome)?));
-        these.filter_map(at).collect()
-    };
-    let (runs, left_out) = (shown_runs(true), shown_runs(false));
+    let at = |r: &SweepRun| Some((factor.number(&r.values[n]), *r.outcomes.get(&effect.outcome)?));
+    let runs = of.runs.iter().filter(|r| is_shown(&r.point));
+    let (counting, left_out): (Vec<_>, Vec<_>) = runs.partition(|r| r.counts_in_means());
     let of_values = || effect.means.iter().map(|(v, e)| (factor.number(v), e));
-    let mean_points: Vec<(f64, f64)> = of_values().map(|(at, e)| (at, e.mean)).collect();
+    let mean_points = of_values().map(|(at, e)| (at, e.mean));
     let bars = of_values().filter_map(|(at, e)| Some([(at, e.t_low?), (at, e.t_high?)]));
     let mut plot = Plot::new(axis(factor), Axis::linear(in_words(&effect.outcome, &of.names)));
     plot.frame_height = PANEL;
-    plot.add_some("Single runs", Look::rings(), runs);
+    plot.add_some("Single runs", Look::rings(), counting.into_iter().filter_map(at));
+    let left_out = left_out.into_iter().filter_map(at);
     plot.add_some("Left out of the means", Look::rings().marker(Marker::Cross), left_out);
     bars.for_each(|bar| plot.add("", Look::line(0), bar.to_vec()));
     plot.add_some("Means, 95 % confidence", means(0, factor, Marker::Disc), mean_points);
