@@ -226,7 +226,7 @@ fn page(of: &Convergence, figures: Vec<Figure>) -> Page {
     let ladders: Vec<&str> = of.rows.iter().map(|row| row.ladder.as_str()).collect();
     for (n, ladder) in ladders.iter().enumerate().filter(|(n, l)| !ladders[..*n].contains(l)) {
         let rows: Vec<&ConvergenceRow> = of.rows.iter().filter(|r| r.ladder == *ladder).collect();
-        let table = ladder_table(&rows, several_precisions(of));
+        let table = ladder_table(&rows, of);
         page = page.section(&format!("ladder-{n}"), ladder, [Block::Table(table)]);
     }
     let deviations = format!("Deviations from the finest rung of \"{}\".", of.reference);
@@ -245,29 +245,27 @@ pub(super) fn specimen(scenario: &str, grains: Option<usize>, quick: bool) -> St
     format!("Scenario `{scenario}`, {grains}{}", if quick { ", the smaller specimen" } else { "" })
 }
 
-fn several_precisions(of: &Convergence) -> bool {
-    let first = of.rows.first().map(|r| &r.result.precision);
-    of.rows.iter().any(|r| Some(&r.result.precision) != first)
-}
-
-/// A rung, with its precision where there are several.
-fn rung(row: &ConvergenceRow, precisions: bool, ending: &str) -> String {
-    match precisions {
-        true => format!("{}, {}{ending}", row.rung, row.result.precision),
-        false => row.rung.clone(),
+/// A ladder or rung of a row, with the row's precision where there are several in the study.
+pub(super) fn with_precision(name: &str, row: &ConvergenceRow, of: &Convergence) -> String {
+    let precision = &row.result.precision;
+    match of.rows.iter().any(|r| r.result.precision != of.rows[0].result.precision) {
+        true => format!("{name}, {precision}"),
+        false => name.to_owned(),
     }
 }
 
 /// A ladder and a rung of it.
-fn setting(row: &ConvergenceRow, precisions: bool) -> String {
-    format!("{}: {}", row.ladder, rung(row, precisions, " precision"))
+fn setting(row: &ConvergenceRow, of: &Convergence) -> String {
+    let rung = with_precision(&row.rung, row, of);
+    let ending = if rung == row.rung { "" } else { " precision" };
+    format!("{}: {rung}{ending}", row.ladder)
 }
 
 fn cheapest(of: &Convergence) -> [Block; 2] {
     let said = |number: Option<usize>| {
         let Some(row) = number.and_then(|n| of.rows.get(n)) else { return "none".to_owned() };
         let cost = row.result.wall_s_per_simulated_s.map_or(f64::NAN, |c| c.mean);
-        let name = setting(row, several_precisions(of));
+        let name = setting(row, of);
         let finest = match row.finest_of_study {
             true => ", which is what all others are compared with",
             false => "",
@@ -294,9 +292,9 @@ fn cheapest(of: &Convergence) -> [Block; 2] {
     [Block::Text(standard), Block::List(settings.into())]
 }
 
-fn ladder_table(rows: &[&ConvergenceRow], precisions: bool) -> Table {
+fn ladder_table(rows: &[&ConvergenceRow], of: &Convergence) -> Table {
     table!(rows.iter().map(|row| (row, &row.result, row.from_ladder)), |(row, v, from)| {
-        "setting" => rung(row, precisions, ""),
+        "setting" => with_precision(&row.rung, row, of),
         "runs; grains outside" => runs(v),
         "height" => length(v, v.poured_height_mm),
         "%" => deviation(&from.height, v, v.poured_height_mm, row.finest_of_ladder),
@@ -324,7 +322,7 @@ fn against_the_study(of: &Convergence) -> Table {
     let cost = |r: &ConvergenceRow| mean(r.result.wall_s_per_simulated_s).unwrap_or(f64::MAX);
     rows.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
     table!(rows.iter().map(|row| (row, &row.result, row.from_study)), |(row, v, from)| {
-        "setting" => setting(row, several_precisions(of)),
+        "setting" => setting(row, of),
         "s a simulated s" => Cell::compact(mean(v.wall_s_per_simulated_s)),
         "height, %" => deviation(&from.height, v, v.poured_height_mm, row.finest_of_study),
         "plate, %" => deviation(&from.plate, v, v.plate_settlement_mm, row.finest_of_study),

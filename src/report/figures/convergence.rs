@@ -7,6 +7,7 @@ use crate::{
     report::{
         Convergence, ConvergenceRow, Deviation, ReportError, Standard,
         axis::{Axis, Scale},
+        convergence::with_precision,
         plot::{Look, Plot},
         style::{self, Dash},
         table::{Table, row},
@@ -17,12 +18,12 @@ use crate::{
 const ROW: u32 = 66;
 
 pub(in crate::report) fn of_convergence(of: &Convergence) -> Result<Vec<Figure>, ReportError> {
+    let lines = lines(of);
     let mut figures = Vec::new();
-    if !lines(of).is_empty() {
-        figures.extend(against_rate(of)?);
+    for shown in SHOWN.iter().filter(|_| !lines.is_empty()) {
+        figures.push(against_rate(of, &lines, shown)?);
     }
-    figures.push(deviations(of)?);
-    figures.push(cost(of)?);
+    figures.extend([deviations(of)?, cost(of)?]);
     Ok(figures)
 }
 
@@ -93,25 +94,22 @@ const SHOWN: [Shown; 5] = [
     },
 ];
 
-/// Ladders that refine the rate, in every precision: name and rungs.
-fn lines(of: &Convergence) -> Vec<(String, Vec<&ConvergenceRow>)> {
+/// A ladder in a precision: its name, with the precision where there are several, and its rungs.
+type Ladder<'a> = (String, Vec<&'a ConvergenceRow>);
+
+/// Ladders that refine the rate, in every precision.
+fn lines(of: &Convergence) -> Vec<Ladder<'_>> {
     ladders(of)
         .into_iter()
         .filter(|(_, rows)| rows.iter().any(|r| r.result.rate_hz != rows[0].result.rate_hz))
         .collect()
 }
 
-/// Every ladder in every precision: its name, with the precision where there
-/// are several, and its rungs.
-fn ladders(of: &Convergence) -> Vec<(String, Vec<&ConvergenceRow>)> {
-    let several = of.rows.iter().any(|r| r.result.precision != of.rows[0].result.precision);
-    let mut ladders: Vec<(String, Vec<&ConvergenceRow>)> = Vec::new();
+/// Every ladder in every precision.
+fn ladders(of: &Convergence) -> Vec<Ladder<'_>> {
+    let mut ladders: Vec<Ladder> = Vec::new();
     for row in &of.rows {
-        let name = if several {
-            format!("{}, {}", row.ladder, row.result.precision)
-        } else {
-            row.ladder.clone()
-        };
+        let name = with_precision(&row.ladder, row, of);
         match ladders.iter_mut().find(|(known, _)| *known == name) {
             Some((_, rows)) => rows.push(row),
             None => ladders.push((name, vec![row])),
@@ -120,16 +118,7 @@ fn ladders(of: &Convergence) -> Vec<(String, Vec<&ConvergenceRow>)> {
     ladders
 }
 
-fn against_rate(of: &Convergence) -> Result<Vec<Figure>, ReportError> {
-    let lines = lines(of);
-    SHOWN.iter().map(|shown| one_against_rate(of, &lines, shown)).collect()
-}
-
-fn one_against_rate(
-    of: &Convergence,
-    lines: &[(String, Vec<&ConvergenceRow>)],
-    shown: &Shown,
-) -> Result<Figure, ReportError> {
+fn against_rate(of: &Convergence, lines: &[Ladder], shown: &Shown) -> Result<Figure, ReportError> {
     let limits = (shown.limits)(&of.standard);
     let is_log = !limits.is_empty();
     let mut curves: Vec<(&str, Dash, Value)> = vec![("", style::SOLID, shown.value)];
@@ -141,17 +130,17 @@ fn one_against_rate(
             let mut points = Vec::new();
             for row in rows {
                 let rate = row.result.rate_hz;
-                let Some(value) = value(&row.result) else { continue };
-                points.push((rate, value.mean));
-                if let Some(error) = value.standard_error {
+                let Some(Estimate { mean, standard_error, count }) = value(&row.result) else {
+                    continue;
+                };
+                points.push((rate, mean));
+                if let Some(error) = standard_error {
                     // On a logarithmic axis zero has no place.
-                    let low = value.mean - error;
-                    let low = if is_log && low <= 0.0 { value.mean } else { low };
-                    let ends = vec![(rate, low), (rate, value.mean + error)];
+                    let low = if is_log && mean - error <= 0.0 { mean } else { mean - error };
+                    let ends = vec![(rate, low), (rate, mean + error)];
                     plot.add("", Look::line(n).thin(), ends);
                 }
-                let (mean, error) = (value.mean, value.standard_error);
-                table.row(row![line, rate, *name, mean, error, value.count]);
+                table.row(row![line, rate, *name, mean, standard_error, count]);
             }
             let label = if name.is_empty() { line.as_str() } else { "" };
             plot.add(label, Look::marked(n).dash(dash), points);
@@ -166,7 +155,7 @@ fn one_against_rate(
 }
 
 /// A logarithmic axis numbered at the rates themselves.
-fn rate_axis(lines: &[(String, Vec<&ConvergenceRow>)]) -> Axis {
+fn rate_axis(lines: &[Ladder]) -> Axis {
     let mut rates: Vec<f64> =
         lines.iter().flat_map(|(_, rows)| rows.iter().map(|r| r.result.rate_hz)).collect();
     rates.sort_by(f64::total_cmp);
@@ -185,52 +174,44 @@ type Part = (&'static str, &'static str, fn(&ConvergenceRow) -> Deviation, f64);
 
 /// Deviations from the finest rung of each ladder, one line a setting.
 fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
-    let rows: Vec<(String, &ConvergenceRow)> = ladders(of)
+    let (names, rows): (Vec<String>, Vec<&ConvergenceRow>) = ladders(of)
         .into_iter()
-        .flat_map(|(name, rows)| rows.into_iter().map(move |r| (name.clone(), r)))
+        .flat_map(|(name, rows)| rows.into_iter().map(move |r| (format!("{name}: {}", r.rung), r)))
         .filter(|(_, row)| !row.finest_of_ladder)
-        .collect();
+        .unzip();
     let parts: [Part; 3] = [
         ("Height", "height", |r| r.from_ladder.height, -0.22),
         ("Settlement of the plate", "plate", |r| r.from_ladder.plate, 0.0),
         ("Settlement of the surface", "surface", |r| r.from_ladder.surface, 0.22),
     ];
-    let names = rows.iter().map(|(name, r)| format!("{name}: {}", r.rung)).collect();
     let x = Axis::linear("Deviation from the finest rung (%)");
-    let mut plot = Plot::of_rows(x, names, ROW);
+    let mut plot = Plot::of_rows(x, names.clone(), ROW);
     let mut table =
         Table::new(["setting", "what", "deviation_percent", "standard_error", "inside_scatter"]);
     for (n, (label, what, value, offset)) in parts.into_iter().enumerate() {
         let mut points = Vec::new();
-        for (i, (name, row)) in rows.iter().enumerate() {
+        for (i, (setting, row)) in names.iter().zip(&rows).enumerate() {
             let deviation = value(row);
-            let Some(percent) = deviation.percent else { continue };
+            let Some(Estimate { mean, standard_error, .. }) = deviation.percent else { continue };
             let at = i as f64 + offset;
-            points.push((percent.mean, at));
-            if let Some(error) = percent.standard_error {
-                let ends = vec![(percent.mean - error, at), (percent.mean + error, at)];
-                plot.add("", Look::line(n).thin(), ends);
+            points.push((mean, at));
+            if let Some(error) = standard_error {
+                plot.add("", Look::line(n).thin(), vec![(mean - error, at), (mean + error, at)]);
             }
-            let setting = format!("{name}: {}", row.rung);
-            let (mean, error) = (percent.mean, percent.standard_error);
-            table.row(row![setting, what, mean, error, deviation.inside_scatter]);
+            table.row(row![setting, what, mean, standard_error, deviation.inside_scatter]);
         }
         plot.add(label, Look::points(n), points);
     }
     for limit in [of.height_limit_percent, of.settlement_limit_percent] {
         plot.mark_upright(&format!("± {limit} %"), [limit, -limit]);
     }
-    Figure::new(
-        "convergence-deviations",
-        "Deviation of every setting from the finest of its ladder",
-        format!(
-            "Deviations from the finest rung of each ladder, paired by configuration, ± standard \
-             error. Dotted: {} % for the height, {} % for the settlements.",
-            of.height_limit_percent, of.settlement_limit_percent
-        ),
-        &[plot],
-        &table,
-    )
+    let title = "Deviation of every setting from the finest of its ladder";
+    let caption = format!(
+        "Deviations from the finest rung of each ladder, paired by configuration, ± standard \
+         error. Dotted: {} % for the height, {} % for the settlements.",
+        of.height_limit_percent, of.settlement_limit_percent
+    );
+    Figure::new("convergence-deviations", title, caption, &[plot], &table)
 }
 
 /// What a setting costs, and how far it is from what is allowed.
@@ -252,14 +233,9 @@ fn cost(of: &Convergence) -> Result<Figure, ReportError> {
         }
     }
     plot.mark_level("what is allowed", 1.0);
-    Figure::new(
-        "convergence-cost",
-        "Cost against error",
-        "The largest of overlap, creep and deviations, each over what the standard allows, against \
-         wall time; below the dotted line the whole standard is met. Lines join the rungs of a ladder \
-         in order. The setting that the study is compared with is left out: it cannot deviate from \
-         itself.",
-        &[plot],
-        &table,
-    )
+    let caption = "The largest of overlap, creep and deviations, each over what the standard allows, \
+                   against wall time; below the dotted line the whole standard is met. Lines join the \
+                   rungs of a ladder in order. The setting that the study is compared with is left \
+                   out: it cannot deviate from itself.";
+    Figure::new("convergence-cost", "Cost against error", caption, &[plot], &table)
 }
