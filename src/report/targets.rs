@@ -1,7 +1,7 @@
 //! Which values of the factors of sweeps meet several targets together: what was found, and its
 //! files.
 
-use std::{collections::BTreeMap, fmt::Write, path::Path};
+use std::{collections::BTreeMap, path::Path};
 
 use serde::Serialize;
 
@@ -145,31 +145,16 @@ pub const EXCLUDED_BELOW: f64 = 0.05;
 impl TargetsFound {
     /// What it comes to, in a sentence or two.
     pub fn answer(&self) -> String {
-        let excluded: Vec<String> = self
-            .pairs
-            .iter()
-            .filter(|pair| pair.best < EXCLUDED_BELOW)
-            .map(|pair| format!("{} ({})", self.names(&pair.targets), percent(pair.best)))
-            .collect();
-        let impossible: Vec<String> = self
-            .targets
-            .iter()
-            .filter(|t| t.best < EXCLUDED_BELOW)
-            .map(|t| format!("{} ({})", t.target.title(), percent(t.best)))
-            .collect();
-        let mut text = match &self.all.points {
-            None => String::new(),
-            Some(points) => format!("Points that meet all targets: {}. ", points.text()),
-        };
-        let _ = match self.all.best < EXCLUDED_BELOW {
-            true => write!(
-                text,
+        let points = self.all.points.map(PointsMet::text);
+        let mut said: Vec<String> = Vec::new();
+        said.extend(points.map(|points| format!("Points that meet all targets: {points}.")));
+        said.push(match self.all.best < EXCLUDED_BELOW {
+            true => format!(
                 "By the linear models a run nowhere in these ranges meets all targets with more \
                  than {}.",
                 percent(self.all.best.max(0.001))
             ),
-            false => write!(
-                text,
+            false => format!(
                 "By the linear models a run meets all targets with {} at best{}.",
                 percent(self.all.best),
                 match self.all.at.is_empty() {
@@ -177,14 +162,16 @@ impl TargetsFound {
                     false => format!(", at {}", place(&self.all.at)),
                 }
             ),
-        };
-        if !impossible.is_empty() {
-            let _ = write!(text, " Not met anywhere by itself: {}.", impossible.join("; "));
-        }
-        if !excluded.is_empty() {
-            let _ = write!(text, " Targets that exclude each other: {}.", excluded.join("; "));
-        }
-        text
+        });
+        let alone = self.targets.iter().map(|t| (t.target.title(), t.best));
+        let pairs = self.pairs.iter().map(|pair| (self.names(&pair.targets), pair.best));
+        said.extend(excluded("Not met anywhere by itself", alone));
+        said.extend(excluded("Targets that exclude each other", pairs));
+        said.join(" ")
+    }
+
+    fn titles(&self) -> impl Iterator<Item = String> {
+        self.targets.iter().map(|t| t.target.title())
     }
 
     fn names(&self, which: &[usize]) -> String {
@@ -204,9 +191,8 @@ impl TargetsFound {
     }
 
     fn effects(&self) -> Table {
-        let titles = self.targets.iter().map(|t| t.target.title());
-        let mut table =
-            Table::new(["factor", "range"].map(str::to_owned).into_iter().chain(titles));
+        let first = ["factor", "range"].map(str::to_owned);
+        let mut table = Table::new(first.into_iter().chain(self.titles()));
         for (name, [low, high]) in &self.factors {
             let mut cells = row![name, from_to(*low, *high)];
             cells.extend(self.targets.iter().map(|t| {
@@ -234,9 +220,8 @@ impl TargetsFound {
 
     fn correlated(&self) -> Option<Table> {
         let correlations = self.correlations.as_ref()?;
-        let titles = || self.targets.iter().map(|t| t.target.title());
-        let mut table = Table::new([String::new()].into_iter().chain(titles()));
-        for (title, of) in titles().zip(correlations) {
+        let mut table = Table::new([String::new()].into_iter().chain(self.titles()));
+        for (title, of) in self.titles().zip(correlations) {
             let mut cells = row![title];
             cells.extend(of.iter().map(|r| Cell::number(format!("{r:+.2}").replace('-', "−"))));
             table.row(cells);
@@ -245,8 +230,7 @@ impl TargetsFound {
     }
 
     fn met_at(&self) -> Table {
-        let titles = self.targets.iter().map(|t| t.target.title());
-        let mut table = Table::new(self.factors.keys().cloned().chain(titles));
+        let mut table = Table::new(self.factors.keys().cloned().chain(self.titles()));
         for point in &self.met_at {
             let at = |name: &String| point.at.get(name).map(|x| Cell::number(compact(*x))).into();
             let mut cells: Vec<Cell> = self.factors.keys().map(at).collect();
@@ -294,6 +278,15 @@ impl TargetsFound {
         }
         page
     }
+}
+
+/// What is met nowhere with a probability to speak of, in a sentence; none where nothing is.
+fn excluded(said: &str, each: impl Iterator<Item = (String, f64)>) -> Option<String> {
+    let each: Vec<String> = each
+        .filter(|(_, best)| *best < EXCLUDED_BELOW)
+        .map(|(name, best)| format!("{name} ({})", percent(best)))
+        .collect();
+    (!each.is_empty()).then(|| format!("{said}: {}.", each.join("; ")))
 }
 
 /// How many of so many, with the interval of their share.

@@ -75,9 +75,7 @@ fn heights(columns: &[InterpretationColumn]) -> Result<Figure, ReportError> {
         let mut some_not_valid = false;
         for fh in constants::FALLING_HEIGHTS_MM {
             let height = |r: &RunRecord| r.summary.standing_height_mm.mean_surface;
-            let from = column
-                .of_kind(RunKind::Pluviation)
-                .filter(|r| (r.falling_height_mm - fh).abs() < 0.5 && height(r).is_finite());
+            let from = column.poured_from(fh).filter(|r| height(r).is_finite());
             let (shown, left_out) = never_mixed(from);
             let heights: Vec<f64> = shown.into_iter().map(height).collect();
             if let Some(mean) = mean(&heights) {

@@ -64,6 +64,12 @@ impl InterpretationColumn {
         self.runs.iter().filter(move |r| r.kind == kind && has_grains(r))
     }
 
+    /// The runs that were poured from a height in mm and kept grains.
+    pub(super) fn poured_from(&self, height_mm: f64) -> impl Iterator<Item = &RunRecord> {
+        let poured = self.of_kind(RunKind::Pluviation);
+        poured.filter(move |r| (r.falling_height_mm - height_mm).abs() < 0.5)
+    }
+
     pub(super) fn meeting_standard(&self) -> usize {
         self.runs.iter().filter(|r| r.summary.meets_standard).count()
     }

@@ -137,11 +137,8 @@ pub(super) fn rows(columns: &[InterpretationColumn]) -> Vec<InterpretationRow> {
     table.part = FIGURE_7;
     for fh in constants::FALLING_HEIGHTS_MM {
         let quantity = format!("from {} cm", number(fh / 10.0, 0));
-        table.add(&quantity, "mm", "", |c| {
-            let poured = c.of_kind(RunKind::Pluviation);
-            let from = poured.filter(|r| (r.falling_height_mm - fh).abs() < 0.5);
-            InterpretationCell::of_runs(from, |r| r.summary.standing_height_mm.mean())
-        });
+        let height = |r: &RunRecord| r.summary.standing_height_mm.mean();
+        table.add(&quantity, "mm", "", |c| InterpretationCell::of_runs(c.poured_from(fh), height));
     }
     table.add_settlements(FIGURE_9, RunKind::VibrationContinuous);
     table.add_settlements(FIGURE_10, RunKind::VibrationIntermittent);
