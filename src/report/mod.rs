@@ -195,5 +195,6 @@ pub fn pile_figures(
     specimen: &Specimen,
     pile: &AngleOfRepose,
 ) -> Result<(), ReportError> {
-    figures::of_pile(specimen, pile)?.iter().try_for_each(|figure| figure.write(folder))
+    figures::side_view(specimen, pile)?.write(folder)?;
+    figures::by_azimuth(&[("", pile)])?.write(folder)
 }

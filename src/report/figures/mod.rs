@@ -33,7 +33,7 @@ pub(super) use grains::{of_grains, of_shapes};
 pub(super) use headline::figure as headline;
 pub(super) use interpretations::of_interpretations;
 pub(super) use of_run::of_run;
-pub(super) use pile::of_pile;
+pub(super) use pile::by_azimuth;
 pub use pile::side_view;
 pub(super) use sensitivity::of_sensitivity;
 pub(super) use sweep::of_sweep;
@@ -134,12 +134,12 @@ pub(super) fn of_study(study: &StudyView, standard: &Standard) -> Result<Vec<Fig
         quality::creep(study, standard)?,
         quality::overlap(study, standard)?,
     ];
-    let piles: Vec<(String, &AngleOfRepose)> = study
-        .of_kind(RunKind::Repose)
-        .filter_map(|r| Some((r.name.clone(), r.summary.angle_of_repose.as_ref()?)))
+    let piles = study.of_kind(RunKind::Repose);
+    let piles: Vec<(&str, &AngleOfRepose)> = piles
+        .filter_map(|r| Some((r.name.as_str(), r.summary.angle_of_repose.as_ref()?)))
         .collect();
     if !piles.is_empty() {
-        figures.push(pile::by_azimuth(&piles)?);
+        figures.push(by_azimuth(&piles)?);
     }
     Ok(figures)
 }

@@ -40,14 +40,6 @@ const FIXED: [f64; 3] = [168.0, 174.0, 180.0];
 /// Share of the light that a face turned away from it still has.
 const SHADE: f64 = 0.42;
 
-/// `pile` and `angle-by-azimuth`.
-pub(in crate::report) fn of_pile(
-    specimen: &Specimen,
-    pile: &AngleOfRepose,
-) -> Result<Vec<Figure>, ReportError> {
-    Ok(vec![side_view(specimen, pile)?, by_azimuth(&[("".into(), pile)])?])
-}
-
 /// The mean of fitted lines on a side of the pile.
 struct Side {
     name: &'static str,
@@ -214,7 +206,7 @@ impl<'a> Picture<'a> {
 /// The slope of each sector of piles, by name; one pile shows its mean and its
 /// confidence interval, too.
 pub(in crate::report) fn by_azimuth(
-    piles: &[(String, &AngleOfRepose)],
+    piles: &[(&str, &AngleOfRepose)],
 ) -> Result<Figure, ReportError> {
     let x = Axis::with_ticks(
         "Azimuth about the axis (°)",
@@ -227,7 +219,7 @@ pub(in crate::report) fn by_azimuth(
         plot.add_band("95 % confidence interval of the mean", interval);
         plot.mark_level(format!("Mean, {:.1}°", pile.degrees), pile.degrees);
     }
-    for (n, (name, pile)) in piles.iter().enumerate() {
+    for (n, &(name, pile)) in piles.iter().enumerate() {
         let points = pile.by_azimuth.iter().filter_map(|a| Some((a.azimuth_degrees, a.degrees?)));
         let label = if name.is_empty() { "Sector of 10°" } else { name };
         plot.add(label, Look::marked(n).thin(), points.collect());
