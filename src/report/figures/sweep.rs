@@ -116,7 +116,8 @@ fn effect_panel(of: &Sweep, n: usize, factor: &SweepFactor, effect: &SweepEffect
     };
     let at = |r: &SweepRun| Some((factor.number(&r.values[n]), *r.outcomes.get(&effect.outcome)?));
     let runs = of.runs.iter().filter(|r| is_shown(&r.point));
-    let (counting, left_out): (Vec<_>, Vec<_>) = runs.partition(|r| r.counts_in_means());
+    let (counting, left_out): (Vec<&SweepRun>, Vec<&SweepRun>) =
+        runs.partition(|r| r.counts_in_means());
     let of_values = || effect.means.iter().map(|(v, e)| (factor.number(v), e));
     let mean_points = of_values().map(|(at, e)| (at, e.mean));
     let bars = of_values().filter_map(|(at, e)| Some([(at, e.t_low?), (at, e.t_high?)]));
