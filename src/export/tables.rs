@@ -3,64 +3,37 @@
 
 use super::*;
 use crate::measure::{pairs_within, touching_gap};
-use crate::record::to_csv;
 use crate::units::{to_g, to_mm, to_mm3};
 
-#[derive(Debug, Serialize)]
-struct GrainRow {
-    grain: String,
-    fate: Fate,
-    mass_g: f64,
-    volume_mm3: f64,
-    equivalent_diameter_mm: f64,
-    x_mm: f64,
-    y_mm: f64,
-    z_mm: f64,
-    rotation_x: f64,
-    rotation_y: f64,
-    rotation_z: f64,
-    rotation_w: f64,
-    velocity_x_mm_per_s: f64,
-    velocity_y_mm_per_s: f64,
-    velocity_z_mm_per_s: f64,
-    angular_velocity_x_rad_per_s: f64,
-    angular_velocity_y_rad_per_s: f64,
-    angular_velocity_z_rad_per_s: f64,
-}
+/// Columns of [`grains_csv`].
+const GRAINS: &str = "grain,fate,mass_g,volume_mm3,equivalent_diameter_mm,x_mm,y_mm,z_mm,\
+                      rotation_x,rotation_y,rotation_z,rotation_w,\
+                      velocity_x_mm_per_s,velocity_y_mm_per_s,velocity_z_mm_per_s,\
+                      angular_velocity_x_rad_per_s,angular_velocity_y_rad_per_s,\
+                      angular_velocity_z_rad_per_s";
 
-#[derive(Debug, Default, Serialize)]
-struct ContactRow {
-    first: String,
-    second: String,
-    x_mm: f64,
-    y_mm: f64,
-    z_mm: f64,
-    normal_x: f64,
-    normal_y: f64,
-    normal_z: f64,
-    force_x_n: f64,
-    force_y_n: f64,
-    force_z_n: f64,
-}
+/// Columns of [`contacts_csv`].
+const CONTACTS: &str = "first,second,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z,\
+                        force_x_n,force_y_n,force_z_n";
 
-#[derive(Debug, Default, Serialize)]
-struct PairRow {
-    first: String,
-    second: String,
-    gap_mm: f64,
-    overlap_percent: f64,
-}
+/// Columns of [`pairs_csv`].
+const PAIRS: &str = "first,second,gap_mm,overlap_percent";
 
-/// Rows as CSV; where there are none, the header alone.
-fn with_header<T: Serialize + Default>(
-    rows: impl IntoIterator<Item = T>,
+/// A header and rows with as many cells; groups of cells within a row lie flat.
+fn table(
+    columns: &str,
+    rows: impl Iterator<Item = impl Serialize>,
 ) -> Result<Vec<u8>, csv::Error> {
-    let table = to_csv(rows)?;
-    if !table.is_empty() {
-        return Ok(table);
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    writer.write_record(columns.split(','))?;
+    for row in rows {
+        writer.serialize(row)?;
     }
-    let sample = to_csv([T::default()])?;
-    Ok(sample.split_inclusive(|byte| *byte == b'\n').next().unwrap_or_default().to_vec())
+    writer.into_inner().map_err(|e| e.into_error().into())
+}
+
+fn in_mm(of: &Vector) -> [f64; 3] {
+    [to_mm(of.x), to_mm(of.y), to_mm(of.z)]
 }
 
 /// One row a grain, also for those that left the apparatus (where they were
@@ -68,34 +41,22 @@ fn with_header<T: Serialize + Default>(
 /// world axes.
 ///
 /// # Errors
-/// As [`to_csv`].
+/// The writer's; writing to memory does not fail.
 pub fn grains_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
     let grains = specimen.grains.grains.iter().zip(&specimen.state.bodies);
-    to_csv(grains.enumerate().map(|(n, (grain, state))| {
+    let rows = grains.enumerate().map(|(n, (grain, state))| {
         let body = &state.body;
-        let (at, q) = (body.pose.translation.vector, body.pose.rotation.coords);
-        let (v, w) = (body.linear_velocity, body.angular_velocity);
-        GrainRow {
-            grain: grain_name(n),
-            fate: state.fate,
-            mass_g: to_g(grain.mass),
-            volume_mm3: to_mm3(grain.volume),
-            equivalent_diameter_mm: to_mm(grain.equivalent_diameter),
-            x_mm: to_mm(at.x),
-            y_mm: to_mm(at.y),
-            z_mm: to_mm(at.z),
-            rotation_x: q.x,
-            rotation_y: q.y,
-            rotation_z: q.z,
-            rotation_w: q.w,
-            velocity_x_mm_per_s: to_mm(v.x),
-            velocity_y_mm_per_s: to_mm(v.y),
-            velocity_z_mm_per_s: to_mm(v.z),
-            angular_velocity_x_rad_per_s: w.x,
-            angular_velocity_y_rad_per_s: w.y,
-            angular_velocity_z_rad_per_s: w.z,
-        }
-    }))
+        let (q, w) = (body.pose.rotation.coords, body.angular_velocity);
+        (
+            (grain_name(n), state.fate),
+            [to_g(grain.mass), to_mm3(grain.volume), to_mm(grain.equivalent_diameter)],
+            in_mm(&body.pose.translation.vector),
+            [q.x, q.y, q.z, q.w],
+            in_mm(&body.linear_velocity),
+            [w.x, w.y, w.z],
+        )
+    });
+    table(GRAINS, rows)
 }
 
 /// One row a loaded contact: point midway between the surfaces, unit normal
@@ -103,22 +64,14 @@ pub fn grains_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
 /// engine gave no contacts, the header alone.
 ///
 /// # Errors
-/// As [`to_csv`].
+/// The writer's; writing to memory does not fail.
 pub fn contacts_csv(setup: &Setup, specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
-    let row = |c: &SavedContact| ContactRow {
-        first: party_name(setup, c.between[0]),
-        second: party_name(setup, c.between[1]),
-        x_mm: to_mm(c.point_m.x),
-        y_mm: to_mm(c.point_m.y),
-        z_mm: to_mm(c.point_m.z),
-        normal_x: c.normal.x,
-        normal_y: c.normal.y,
-        normal_z: c.normal.z,
-        force_x_n: c.force_n.x,
-        force_y_n: c.force_n.y,
-        force_z_n: c.force_n.z,
+    let row = |c: &SavedContact| {
+        let names = c.between.map(|party| party_name(setup, party));
+        let (n, f) = (c.normal, c.force_n);
+        (names, in_mm(&c.point_m), [n.x, n.y, n.z], [f.x, f.y, f.z])
     };
-    with_header(specimen.state.contacts.iter().map(row))
+    table(CONTACTS, specimen.state.contacts.iter().map(row))
 }
 
 /// One row for every two grains that touch, measured outside any engine: gap,
@@ -127,7 +80,7 @@ pub fn contacts_csv(setup: &Setup, specimen: &Specimen) -> Result<Vec<u8>, csv::
 /// alone.
 ///
 /// # Errors
-/// As [`to_csv`].
+/// The writer's; writing to memory does not fail.
 pub fn pairs_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
     let present: Vec<usize> = specimen.present().collect();
     let grains = &specimen.grains.grains;
@@ -135,14 +88,9 @@ pub fn pairs_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
     let rows = touching.iter().map(|p| {
         let sizes = grains[p.a].equivalent_diameter + grains[p.b].equivalent_diameter;
         let overlap_percent = 100.0 * (-p.gap).max(0.0) / (sizes / 2.0);
-        PairRow {
-            first: grain_name(p.a),
-            second: grain_name(p.b),
-            gap_mm: to_mm(p.gap),
-            overlap_percent,
-        }
+        (grain_name(p.a), grain_name(p.b), to_mm(p.gap), overlap_percent)
     });
-    with_header(rows)
+    table(PAIRS, rows)
 }
 
 #[cfg(test)]
@@ -151,16 +99,13 @@ mod tests {
 
     #[test]
     fn a_table_without_rows_has_the_header_of_one_with_them() {
-        let pair = || PairRow { first: grain_name(0), second: grain_name(1), ..PairRow::default() };
-        let text = |rows: Vec<PairRow>| {
-            String::from_utf8(with_header(rows).expect("a table")).expect("UTF-8")
+        let text = |rows: Vec<([String; 2], f64)>| {
+            let table = table("first,second,gap_mm", rows.into_iter()).expect("a table");
+            String::from_utf8(table).expect("UTF-8")
         };
-        let (none, one) = (text(Vec::new()), text(vec![pair()]));
-        assert_eq!(none, "first,second,gap_mm,overlap_percent\n", "law: the header alone");
-        assert_eq!(one.lines().next(), none.lines().next(), "law: of the same columns");
-        let contacts = with_header(Vec::<ContactRow>::new()).expect("a table");
-        let expected = "first,second,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z,\
-                        force_x_n,force_y_n,force_z_n\n";
-        assert_eq!(contacts, expected.as_bytes(), "law: of contacts");
+        let (none, one) = (text(Vec::new()), text(vec![([0, 1].map(grain_name), -0.5)]));
+        assert_eq!(none, "first,second,gap_mm\n", "law: the header alone");
+        let expected = "first,second,gap_mm\ngrain_00000,grain_00001,-0.5\n";
+        assert_eq!(one, expected, "law: of the same columns");
     }
 }
