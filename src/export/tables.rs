@@ -20,10 +20,7 @@ const CONTACTS: &str = "first,second,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z,\
 const PAIRS: &str = "first,second,gap_mm,overlap_percent";
 
 /// A header and rows with as many cells; groups of cells within a row lie flat.
-fn table(
-    columns: &str,
-    rows: impl Iterator<Item = impl Serialize>,
-) -> Result<Vec<u8>, csv::Error> {
+fn table(columns: &str, rows: impl Iterator<Item = impl Serialize>) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
     writer.write_record(columns.split(','))?;
     for row in rows {

@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, sync::Arc};
 
 use rayon::prelude::*;
 
-use super::xml::{CellKind, PolyData, Values};
+use super::xml::{LINES, POLYS, PolyData, VERTS, Values};
 use crate::export::moments::Moment;
 use crate::export::parts::Part;
 use crate::geometry::{Point, Vector};
@@ -22,7 +22,7 @@ pub fn sieve_sizes(grains: &GrainSet) -> Vec<f64> {
 pub fn grains(moment: &Moment, set: &Arc<GrainSet>, sizes: &[f64]) -> PolyData {
     let specimen = moment.specimen(set);
     let present: Vec<usize> = specimen.present().collect();
-    let mut data = PolyData::new(CellKind::Polys);
+    let mut data = PolyData::new(POLYS);
     let mut faces = Vec::with_capacity(present.len());
     for &n in &present {
         let shape = &set.grains[n].shape;
@@ -35,7 +35,7 @@ pub fn grains(moment: &Moment, set: &Arc<GrainSet>, sizes: &[f64]) -> PolyData {
         faces.push(shape.faces().len());
     }
     let touching = neighbours(&specimen);
-    let ints = |of: &dyn Fn(usize) -> i32| Values::Int(present.iter().map(|&n| of(n)).collect());
+    let ints = |of: &dyn Fn(usize) -> i32| Values::ints(present.iter().map(|&n| of(n)));
     let floats = |of: &dyn Fn(usize) -> Option<f64>| Values::floats(present.iter().map(|&n| of(n)));
     let of_grains = [
         ("grain", ints(&|n| n as i32)),
@@ -53,7 +53,7 @@ pub fn grains(moment: &Moment, set: &Arc<GrainSet>, sizes: &[f64]) -> PolyData {
 
 /// The parts of the apparatus that stand; `part` counts them in their order.
 pub fn apparatus(moment: &Moment, parts: &[Part]) -> PolyData {
-    let mut data = PolyData::new(CellKind::Polys);
+    let mut data = PolyData::new(POLYS);
     let mut kinds = Vec::new();
     for (number, part) in parts.iter().enumerate() {
         let Some(pose) = part.pose(&moment.frame) else { continue };
@@ -63,7 +63,7 @@ pub fn apparatus(moment: &Moment, parts: &[Part]) -> PolyData {
             kinds.push(number as i32);
         }
     }
-    data.cell_data = vec![("part", Values::Int(kinds))];
+    data.cell_data = vec![("part", Values::ints(kinds))];
     data
 }
 
@@ -90,14 +90,13 @@ fn normal_force(contact: &SavedContact) -> f64 {
 
 /// The loaded contacts as points, with force and normal.
 pub fn contacts(setup: &Setup, state: &SpecimenState) -> PolyData {
-    let mut data = PolyData::new(CellKind::Verts);
+    let mut data = PolyData::new(VERTS);
     for contact in &state.contacts {
         let number = data.point(&Point::from(contact.point_m));
         data.cell(std::iter::once(number));
     }
     let all = || state.contacts.iter();
-    let party =
-        |which: usize| Values::Int(all().map(|c| party_number(setup, c.between[which])).collect());
+    let party = |which: usize| Values::ints(all().map(|c| party_number(setup, c.between[which])));
     data.point_data = vec![
         ("first", party(0)),
         ("second", party(1)),
@@ -141,7 +140,7 @@ pub fn chains(setup: &Setup, state: &SpecimenState) -> PolyData {
         bond.normal_force += normal_force(contact);
         bond.points.push(contact.point_m);
     }
-    let mut data = PolyData::new(CellKind::Lines);
+    let mut data = PolyData::new(LINES);
     for (between, bond) in bonds.values() {
         let mean = bond.points.iter().sum::<Vector>() / bond.points.len() as f64;
         let ends = between.map(|party| match party {
@@ -153,7 +152,7 @@ pub fn chains(setup: &Setup, state: &SpecimenState) -> PolyData {
     }
     let all = || bonds.values();
     let party = |which: usize| {
-        Values::Int(all().map(|(between, _)| party_number(setup, between[which])).collect())
+        Values::ints(all().map(|(between, _)| party_number(setup, between[which])))
     };
     data.cell_data = vec![
         ("first", party(0)),

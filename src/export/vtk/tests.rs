@@ -259,7 +259,7 @@ fn without_contacts_there_are_no_files_of_them() {
 
 #[test]
 fn a_file_without_cells_is_a_file() {
-    let data = PolyData::new(xml::CellKind::Lines);
+    let data = PolyData::new(xml::LINES);
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("none.vtp");
     fs::write(&path, data.to_bytes(1.5).expect("bytes")).expect("a file");

@@ -14,89 +14,56 @@ use crate::geometry::{Point, Vector};
 
 /// Numbers of an array, one entry a point or cell.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Values {
-    /// Whole numbers.
-    Int(Vec<i32>),
-    /// Numbers in single precision.
-    Float(Vec<f32>),
-    /// Vectors in single precision.
-    Vectors(Vec<[f32; 3]>),
+pub struct Values {
+    /// VTK's name of their type.
+    kind: &'static str,
+    /// Numbers of an entry.
+    components: usize,
+    /// The numbers, little-endian.
+    numbers: Vec<[u8; 4]>,
 }
 
 impl Values {
+    /// Whole numbers.
+    pub fn ints(of: impl IntoIterator<Item = i32>) -> Self {
+        let numbers = of.into_iter().map(i32::to_le_bytes).collect();
+        Self { kind: "Int32", components: 1, numbers }
+    }
+
     /// Numbers rounded to single precision; NaN where there is none.
     pub fn floats(of: impl Iterator<Item = Option<f64>>) -> Self {
-        Self::Float(of.map(|x| x.map_or(f32::NAN, |x| x as f32)).collect())
+        let single = of.map(|x| x.map_or(f32::NAN, |x| x as f32));
+        Self { kind: "Float32", components: 1, numbers: single.map(f32::to_le_bytes).collect() }
     }
 
     /// Vectors rounded to single precision.
     pub fn vectors(of: impl Iterator<Item = Vector>) -> Self {
-        Self::Vectors(of.map(|v| [v.x as f32, v.y as f32, v.z as f32]).collect())
+        let numbers = of.flat_map(|v| [v.x, v.y, v.z]).map(|x| (x as f32).to_le_bytes());
+        Self { kind: "Float32", components: 3, numbers: numbers.collect() }
     }
 
     /// Every entry so many times as is said for it.
     pub fn repeated(&self, times: &[usize]) -> Self {
-        fn each<T: Copy>(values: &[T], times: &[usize]) -> Vec<T> {
-            let pairs = values.iter().zip(times);
-            pairs.flat_map(|(&v, &n)| std::iter::repeat_n(v, n)).collect()
-        }
-        match self {
-            Self::Int(values) => Self::Int(each(values, times)),
-            Self::Float(values) => Self::Float(each(values, times)),
-            Self::Vectors(values) => Self::Vectors(each(values, times)),
-        }
-    }
-
-    fn kind(&self) -> (&'static str, usize) {
-        match self {
-            Self::Int(_) => ("Int32", 1),
-            Self::Float(_) => ("Float32", 1),
-            Self::Vectors(_) => ("Float32", 3),
-        }
-    }
-
-    fn bytes(&self) -> Vec<u8> {
-        match self {
-            Self::Int(values) => values.iter().flat_map(|x| x.to_le_bytes()).collect(),
-            Self::Float(values) => values.iter().flat_map(|x| x.to_le_bytes()).collect(),
-            Self::Vectors(values) => {
-                values.iter().flatten().flat_map(|x| x.to_le_bytes()).collect()
-            }
-        }
+        let entries = self.numbers.chunks_exact(self.components).zip(times);
+        Self { numbers: entries.flat_map(|(entry, &n)| entry.repeat(n)).collect(), ..*self }
     }
 }
 
 /// An array with its name.
 pub type Named = (&'static str, Values);
 
-/// What the cells of a file are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CellKind {
-    /// Points.
-    Verts,
-    /// Lines.
-    Lines,
-    /// Polygons, counter-clockwise seen from outside.
-    Polys,
-}
-
-impl CellKind {
-    const ALL: [Self; 3] = [Self::Verts, Self::Lines, Self::Polys];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Verts => "Verts",
-            Self::Lines => "Lines",
-            Self::Polys => "Polys",
-        }
-    }
-}
+/// VTK's name of cells that are points.
+pub const VERTS: &str = "Verts";
+/// Of lines.
+pub const LINES: &str = "Lines";
+/// Of polygons, counter-clockwise seen from outside.
+pub const POLYS: &str = "Polys";
 
 /// A file in the making: cells of one kind and what is known of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolyData {
-    kind: CellKind,
-    points: Vec<[f32; 3]>,
+    kind: &'static str,
+    points: Vec<Vector>,
     corners: Vec<i32>,
     /// Number of corners up to the end of each cell.
     ends: Vec<i32>,
@@ -107,15 +74,15 @@ pub struct PolyData {
 }
 
 impl PolyData {
-    /// A file without cells.
-    pub fn new(kind: CellKind) -> Self {
+    /// A file without cells, which are to be [`VERTS`], [`LINES`] or [`POLYS`].
+    pub fn new(kind: &'static str) -> Self {
         let (points, corners, ends) = (Vec::new(), Vec::new(), Vec::new());
         Self { kind, points, corners, ends, point_data: Vec::new(), cell_data: Vec::new() }
     }
 
     /// Adds a point, in m; gives its number.
     pub fn point(&mut self, at: &Point) -> usize {
-        self.points.push([at.x as f32, at.y as f32, at.z as f32]);
+        self.points.push(at.coords);
         self.points.len() - 1
     }
 
@@ -143,9 +110,9 @@ impl PolyData {
         // Writing into a string cannot fail.
         let _ = writeln!(xml, "{time}</DataArray>\n</FieldData>");
         let _ = write!(xml, "<Piece NumberOfPoints=\"{}\" NumberOfStrips=\"0\"", self.points.len());
-        for kind in CellKind::ALL {
+        for kind in [VERTS, LINES, POLYS] {
             let count = if kind == self.kind { self.cells() } else { 0 };
-            let _ = write!(xml, " NumberOf{}=\"{count}\"", kind.name());
+            let _ = write!(xml, " NumberOf{kind}=\"{count}\"");
         }
         xml += ">\n";
         for (section, arrays) in [("PointData", &self.point_data), ("CellData", &self.cell_data)] {
@@ -156,11 +123,11 @@ impl PolyData {
             let _ = writeln!(xml, "</{section}>");
         }
         xml += "<Points>\n";
-        appended.add(&mut xml, "Points", &Values::Vectors(self.points.clone()))?;
-        let _ = writeln!(xml, "</Points>\n<{}>", self.kind.name());
-        appended.add(&mut xml, "connectivity", &Values::Int(self.corners.clone()))?;
-        appended.add(&mut xml, "offsets", &Values::Int(self.ends.clone()))?;
-        let _ = writeln!(xml, "</{}>\n</Piece>\n</PolyData>", self.kind.name());
+        appended.add(&mut xml, "Points", &Values::vectors(self.points.iter().copied()))?;
+        let _ = writeln!(xml, "</Points>\n<{}>", self.kind);
+        appended.add(&mut xml, "connectivity", &Values::ints(self.corners.iter().copied()))?;
+        appended.add(&mut xml, "offsets", &Values::ints(self.ends.iter().copied()))?;
+        let _ = writeln!(xml, "</{}>\n</Piece>\n</PolyData>", self.kind);
         // The numbers begin after the underscore.
         xml += "<AppendedData encoding=\"raw\">\n_";
         let mut bytes = xml.into_bytes();
@@ -178,14 +145,14 @@ struct Appended {
 
 impl Appended {
     fn add(&mut self, xml: &mut String, name: &str, values: &Values) -> io::Result<()> {
-        let (kind, components) = values.kind();
+        let Values { kind, components, numbers } = values;
         let _ = writeln!(
             xml,
             "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" \
              format=\"appended\" offset=\"{}\"/>",
             self.bytes.len()
         );
-        let plain = values.bytes();
+        let plain = numbers.as_flattened();
         // Head of an array: number of blocks, size of a block, size of a last
         // block that is not full, then the compressed size of each block. An
         // array is one full block here, or none.
@@ -195,7 +162,7 @@ impl Appended {
         }
         if !plain.is_empty() {
             let mut packed = ZlibEncoder::new(Vec::new(), Compression::default());
-            packed.write_all(&plain)?;
+            packed.write_all(plain)?;
             let packed = packed.finish()?;
             self.bytes.extend((packed.len() as u64).to_le_bytes());
             self.bytes.extend(packed);
