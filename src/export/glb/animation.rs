@@ -5,7 +5,7 @@ use super::*;
 /// An animation in the making, with a key at each of its times.
 #[derive(Debug)]
 pub struct Animation {
-    times: Vec<f32>,
+    times: Vec<[f32; 1]>,
     input: Option<usize>,
     channels: Vec<Value>,
     samplers: Vec<Value>,
@@ -13,23 +13,21 @@ pub struct Animation {
 
 impl Animation {
     /// With keys at times in s, which begin at 0 and rise.
-    pub fn new(times: Vec<f32>) -> Self {
+    pub fn new(times: Vec<[f32; 1]>) -> Self {
         Self { times, input: None, channels: Vec::new(), samplers: Vec::new() }
     }
 
-    fn channel(
+    fn channel<const N: usize>(
         &mut self,
         node: usize,
         path: &str,
         how: &str,
-        output: usize,
+        values: &[[f32; N]],
         buffers: &mut Buffers,
     ) {
+        let output = buffers.floats(Use::Animation, values);
         let times = &self.times;
-        let input = *self.input.get_or_insert_with(|| {
-            let times: Vec<[f32; 1]> = times.iter().map(|&t| [t]).collect();
-            buffers.floats(Use::Animation, &times)
-        });
+        let input = *self.input.get_or_insert_with(|| buffers.floats(Use::Animation, times));
         self.channels.push(json!({
             "sampler": self.samplers.len(), "target": { "node": node, "path": path }
         }));
@@ -44,24 +42,21 @@ impl Animation {
         let same = |differs: &dyn Fn(&Pose) -> bool| !whole.iter().any(differs);
         if !same(&|p: &Pose| p.translation != first.translation) {
             let places: Vec<[f32; 3]> = whole.iter().map(place).collect();
-            let output = buffers.floats(Use::Animation, &places);
-            self.channel(node, "translation", "LINEAR", output, buffers);
+            self.channel(node, "translation", "LINEAR", &places, buffers);
         }
         if !same(&|p: &Pose| p.rotation != first.rotation) {
-            let output = buffers.floats(Use::Animation, &turns(&whole));
-            self.channel(node, "rotation", "LINEAR", output, buffers);
+            self.channel(node, "rotation", "LINEAR", &turns(&whole), buffers);
         }
         if poses.iter().any(Option::is_none) {
             let sizes: Vec<[f32; 3]> =
                 poses.iter().map(|p| [if p.is_some() { 1.0 } else { 0.0 }; 3]).collect();
-            let output = buffers.floats(Use::Animation, &sizes);
-            self.channel(node, "scale", "STEP", output, buffers);
+            self.channel(node, "scale", "STEP", &sizes, buffers);
         }
     }
 
     /// The animation; none where nothing moves.
     pub fn finish(self, name: &str) -> Option<Value> {
-        let (channels, samplers) = (self.channels, self.samplers);
+        let Self { channels, samplers, .. } = self;
         (!channels.is_empty())
             .then(|| json!({ "name": name, "channels": channels, "samplers": samplers }))
     }

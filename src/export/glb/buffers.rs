@@ -30,16 +30,6 @@ pub struct Buffers {
     accessors: Vec<Value>,
 }
 
-/// A finished buffer with its description.
-pub struct Finished {
-    /// `bufferViews`.
-    pub views: Vec<Value>,
-    /// `accessors`.
-    pub accessors: Vec<Value>,
-    /// The bytes.
-    pub bytes: Vec<u8>,
-}
-
 impl Buffers {
     /// Number and bytes of the view of a use.
     fn view(&mut self, of: Use) -> (usize, &mut Vec<u8>) {
@@ -80,20 +70,17 @@ impl Buffers {
     /// Adds the corners of triangles; gives the accessor.
     pub fn indices(&mut self, corners: &[u32]) -> usize {
         let largest = corners.iter().max().copied().unwrap_or(0);
-        let accessor =
-            |kind| json!({ "componentType": kind, "count": corners.len(), "type": "SCALAR" });
         // The largest number of a kind is kept for other ends.
-        if largest < u32::from(u16::MAX) {
-            let bytes = corners.iter().flat_map(|&n| (n as u16).to_le_bytes());
-            self.add(Use::Indices, bytes, accessor(UNSIGNED_SHORT))
-        } else {
-            let bytes = corners.iter().flat_map(|n| n.to_le_bytes());
-            self.add(Use::Indices, bytes, accessor(UNSIGNED_INT))
-        }
+        let (kind, size) =
+            if largest < u32::from(u16::MAX) { (UNSIGNED_SHORT, 2) } else { (UNSIGNED_INT, 4) };
+        let accessor = json!({ "componentType": kind, "count": corners.len(), "type": "SCALAR" });
+        // The lower bytes come first.
+        let bytes = corners.iter().flat_map(|n| n.to_le_bytes().into_iter().take(size));
+        self.add(Use::Indices, bytes, accessor)
     }
 
-    /// Puts the views one after the other.
-    pub fn finish(self) -> Finished {
+    /// Puts the views one after the other: `bufferViews`, `accessors`, and the bytes.
+    pub fn finish(self) -> (Vec<Value>, Vec<Value>, Vec<u8>) {
         let (mut views, mut bytes) = (Vec::new(), Vec::new());
         for (of, content) in self.views {
             let mut view = json!({
@@ -110,7 +97,7 @@ impl Buffers {
             views.push(view);
             bytes.extend(content);
         }
-        Finished { views, accessors: self.accessors, bytes }
+        (views, self.accessors, bytes)
     }
 }
 

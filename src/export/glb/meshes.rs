@@ -15,13 +15,8 @@ pub struct Meshes {
     known: HashMap<Shape, usize>,
 }
 
-/// What makes two grains' meshes the same: faces, corners bit by bit, material.
-#[derive(Debug, PartialEq, Eq, Hash)]
-struct Shape {
-    vertices: Vec<[u64; 3]>,
-    faces: Vec<Vec<u32>>,
-    material: usize,
-}
+/// What makes two grains' meshes the same: corners bit by bit, faces, material.
+type Shape = (Vec<[u64; 3]>, Vec<Vec<u32>>, usize);
 
 impl Meshes {
     /// The mesh of a grain's shape, in its own frame; one of all grains of that
@@ -33,11 +28,8 @@ impl Meshes {
         buffers: &mut Buffers,
     ) -> usize {
         let bits = |v: &Point| [v.x, v.y, v.z].map(f64::to_bits);
-        let key = Shape {
-            vertices: shape.vertices().iter().map(bits).collect(),
-            faces: shape.faces().to_vec(),
-            material,
-        };
+        let vertices = shape.vertices().iter().map(bits).collect();
+        let key: Shape = (vertices, shape.faces().to_vec(), material);
         if let Some(&known) = self.known.get(&key) {
             return known;
         }

@@ -55,7 +55,7 @@ pub fn glb(moments: &Moments, every: Option<f64>) -> Result<Glb, GlbTooLarge> {
         None => &all[all.len().saturating_sub(1)..],
     };
     let start = taken.first().map_or(0.0, |m| m.frame.time);
-    let times: Vec<f32> = taken.iter().map(|m| (m.frame.time - start) as f32).collect();
+    let times = taken.iter().map(|m| [(m.frame.time - start) as f32]).collect();
     let mut file = File {
         taken,
         buffers: Buffers::default(),
@@ -93,23 +93,23 @@ pub fn glb(moments: &Moments, every: Option<f64>) -> Result<Glb, GlbTooLarge> {
         "scenes": [{ "name": format!("{}, {stage}", moments.scenario), "nodes": [0] }],
         "nodes": file.nodes,
     });
-    let finished = file.buffers.finish();
+    let (views, accessors, bytes) = file.buffers.finish();
     // glTF has no empty lists.
     for (name, list) in [
         ("materials", materials),
         ("meshes", file.meshes.list),
         ("animations", animation.into_iter().collect()),
-        ("accessors", finished.accessors),
-        ("bufferViews", finished.views),
+        ("accessors", accessors),
+        ("bufferViews", views),
     ] {
         if !list.is_empty() {
             document[name] = list.into();
         }
     }
-    if !finished.bytes.is_empty() {
-        document["buffers"] = json!([{ "byteLength": finished.bytes.len() }]);
+    if !bytes.is_empty() {
+        document["buffers"] = json!([{ "byteLength": bytes.len() }]);
     }
-    let bytes = container(document.to_string().into_bytes(), finished.bytes)?;
+    let bytes = container(document.to_string().into_bytes(), bytes)?;
     Ok(Glb { bytes, grains: grains.len(), keys })
 }
 
