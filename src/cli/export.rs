@@ -147,36 +147,38 @@ fn specimen(args: &ExportArgs) -> Result<Written, CliError> {
 }
 
 fn contents(args: &ExportArgs, run: &Exported) -> Result<Vec<(&'static str, Vec<u8>)>, CliError> {
-    let manifest = args.run.join("manifest.json");
-    let apparatus = |reason| ExportError::Apparatus { manifest: manifest.clone(), reason };
-    let refused = |name: &str, why: String| FileError::new("write", &args.out.join(name), why);
-    let made = |name: &'static str, content: Result<Vec<u8>, String>| {
-        content.map(|content| (name, content)).map_err(|why| refused(name, why))
-    };
-    let table =
-        |name, content: Result<Vec<u8>, csv::Error>| made(name, content.map_err(|e| e.to_string()));
-    let solid = |name, content: io::Result<Vec<u8>>| made(name, content.map_err(|e| e.to_string()));
+    let apparatus = |reason| ExportError::apparatus(&args.run, reason);
     Ok(match args.format {
         Format::Json => {
             let text = serde_json::to_string(&run.scene().map_err(apparatus)?);
             let text = text.map(|text| format!("{text}\n").into_bytes());
-            vec![made("scene.json", text.map_err(|e| e.to_string()))?]
+            vec![made(args, "scene.json", text)?]
         }
         Format::Csv => vec![
-            table("grains.csv", grains_csv(&run.specimen))?,
-            table("contacts.csv", contacts_csv(&run.setup, &run.specimen))?,
-            table("pairs.csv", pairs_csv(&run.specimen))?,
+            made(args, "grains.csv", grains_csv(&run.specimen))?,
+            made(args, "contacts.csv", contacts_csv(&run.setup, &run.specimen))?,
+            made(args, "pairs.csv", pairs_csv(&run.specimen))?,
         ],
         Format::Obj => {
             let walls = apparatus_obj(&run.setup, &run.specimen).map_err(apparatus)?;
             let grains = grains_obj(&run.specimen);
             vec![("grains.obj", grains.into_bytes()), ("apparatus.obj", walls.into_bytes())]
         }
-        Format::Stl => vec![solid("grains.stl", grains_stl(&run.specimen))?],
-        Format::Ply => vec![solid("grains.ply", grains_ply(&run.specimen))?],
+        Format::Stl => vec![made(args, "grains.stl", grains_stl(&run.specimen))?],
+        Format::Ply => vec![made(args, "grains.ply", grains_ply(&run.specimen))?],
         // These show stages, not one specimen.
         Format::Vtk | Format::Glb => Vec::new(),
     })
+}
+
+/// A file with its name.
+fn made<E: ToString>(
+    args: &ExportArgs,
+    name: &'static str,
+    content: Result<Vec<u8>, E>,
+) -> Result<(&'static str, Vec<u8>), FileError> {
+    let content = content.map_err(|why| FileError::new("write", &args.out.join(name), why))?;
+    Ok((name, content))
 }
 
 /// What is said of the last stage of what was written.

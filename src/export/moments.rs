@@ -60,7 +60,7 @@ pub struct Moment<'a> {
 /// # Errors
 /// [`ExportError`], naming the file or what was asked for.
 pub fn read_moments(folder: &Path, stage: Option<&str>) -> Result<Moments, ExportError> {
-    let (manifest, path) = Manifest::of(folder)?;
+    let manifest = Manifest::of(folder)?;
     let before = |number: usize| number.checked_sub(1).and_then(|n| manifest.stages.get(n));
     let chosen: Vec<(String, &StageEntry, Option<&StageEntry>)> = match stage {
         None => {
@@ -68,12 +68,12 @@ pub fn read_moments(folder: &Path, stage: Option<&str>) -> Result<Moments, Expor
             all.map(|(n, entry)| (entry.stage.clone(), entry, before(n))).collect()
         }
         Some(asked) => {
-            let (number, name, entry) = manifest.find(&path, asked)?;
+            let (number, name, entry) = manifest.find(asked)?;
             vec![(name, entry, before(number.unwrap_or(manifest.stages.len())))]
         }
     };
-    let setup = setup_of(&manifest, &path)?;
-    let grains = Arc::new(grains_of(folder, &manifest)?);
+    let setup = manifest.setup()?;
+    let grains = Arc::new(manifest.grains()?);
     let root = run_file(folder, "stages");
     let mut stages = Vec::new();
     for (name, entry, before) in chosen {
@@ -92,8 +92,8 @@ pub fn read_moments(folder: &Path, stage: Option<&str>) -> Result<Moments, Expor
         stages.push(StageMoments { name, frames, begin, end });
     }
     let base = stages.iter().find_map(|s| s.end.base.as_ref());
-    let parts = parts(&setup, &grains, base)
-        .map_err(|reason| ExportError::Apparatus { manifest: path.clone(), reason })?;
+    let parts =
+        parts(&setup, &grains, base).map_err(|reason| ExportError::apparatus(folder, reason))?;
     Ok(Moments { scenario: manifest.scenario.name, setup, grains, parts, stages })
 }
 

@@ -63,11 +63,11 @@ fn read(
     frames_in: FrameReader,
     asked: Option<&str>,
 ) -> Result<Playback, ExportError> {
-    let (manifest, path) = Manifest::of(folder)?;
-    let asked = asked.map(|asked| manifest.find(&path, asked)).transpose()?;
+    let manifest = Manifest::of(folder)?;
+    let asked = asked.map(|asked| manifest.find(asked)).transpose()?;
     let rest_test = asked.filter(|(number, _, _)| number.is_none());
-    let setup = setup_of(&manifest, &path)?;
-    let grains = Arc::new(grains_of(folder, &manifest)?);
+    let setup = manifest.setup()?;
+    let grains = Arc::new(manifest.grains()?);
     let root = run_file(folder, "stages");
     let mut stages = Vec::new();
     let of_scenario = manifest.stages.iter().map(|entry| (entry.stage.clone(), entry));

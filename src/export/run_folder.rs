@@ -50,6 +50,16 @@ pub enum ExportError {
     },
 }
 
+impl ExportError {
+    /// The scenario in the manifest of a run folder makes no laboratory.
+    pub fn apparatus(folder: &Path, reason: ApparatusError) -> Self {
+        Self::Apparatus { manifest: folder.join(MANIFEST), reason }
+    }
+}
+
+/// The file that says what a run folder holds.
+const MANIFEST: &str = "manifest.json";
+
 /// How the rest test after the last stage is asked for.
 const REST_TEST: &str = "rest_test";
 
@@ -63,6 +73,9 @@ pub(super) struct Manifest {
     /// SHA-256 of the files beside it; none for those of older versions.
     #[serde(default)]
     files_sha256: BTreeMap<String, String>,
+    /// The folder that it is of.
+    #[serde(skip)]
+    folder: PathBuf,
 }
 
 #[derive(Deserialize)]
@@ -104,9 +117,9 @@ impl Exported {
 /// # Errors
 /// [`ExportError`], naming the file or what was asked for.
 pub fn read_run(folder: &Path, stage: Option<&str>) -> Result<Exported, ExportError> {
-    let (manifest, path) = Manifest::of(folder)?;
-    let setup = setup_of(&manifest, &path)?;
-    let set = grains_of(folder, &manifest)?;
+    let manifest = Manifest::of(folder)?;
+    let setup = manifest.setup()?;
+    let set = manifest.grains()?;
     let (number, name, state) = match stage {
         None => {
             let file = folder.join("specimen.json");
@@ -116,7 +129,7 @@ pub fn read_run(folder: &Path, stage: Option<&str>) -> Result<Exported, ExportEr
             (Some(manifest.stages.len().saturating_sub(1)), name, state)
         }
         Some(asked) => {
-            let (number, name, entry) = manifest.find(&path, asked)?;
+            let (number, name, entry) = manifest.find(asked)?;
             (number, name, state_of(&run_file(folder, "stages"), entry, &set)?.0)
         }
     };
@@ -139,8 +152,7 @@ pub fn read_run(folder: &Path, stage: Option<&str>) -> Result<Exported, ExportEr
 /// [`ExportError`], naming the file.
 pub fn read_at_rest(folder: &Path) -> Result<Exported, ExportError> {
     let last = read_run(folder, None)?;
-    let (manifest, _) = Manifest::of(folder)?;
-    if manifest.rest_test.is_some() { read_run(folder, Some(REST_TEST)) } else { Ok(last) }
+    stage_at_rest(folder)?.map_or(Ok(last), |asked| read_run(folder, Some(asked)))
 }
 
 /// How the stage is asked for at whose end a run's specimen is at rest, where that is not its
@@ -149,13 +161,7 @@ pub fn read_at_rest(folder: &Path) -> Result<Exported, ExportError> {
 /// # Errors
 /// [`ExportError`], naming the file.
 pub fn stage_at_rest(folder: &Path) -> Result<Option<&'static str>, ExportError> {
-    let (manifest, _) = Manifest::of(folder)?;
-    Ok(manifest.rest_test.is_some().then_some(REST_TEST))
-}
-
-pub(super) fn setup_of(manifest: &Manifest, path: &Path) -> Result<Setup, ExportError> {
-    Setup::new(&manifest.scenario)
-        .map_err(|reason| ExportError::Apparatus { manifest: path.to_owned(), reason })
+    Ok(Manifest::of(folder)?.rest_test.is_some().then_some(REST_TEST))
 }
 
 /// The state at the end of a stored stage, which has as many bodies as there are grains, and the
@@ -178,12 +184,6 @@ pub(super) fn fit(frames: &[Frame], path: &Path, grains: &GrainSet) -> Result<()
     reason.map_or(Ok(()), |reason| Err(FileError::unfit(path, reason)))
 }
 
-pub(super) fn grains_of(folder: &Path, manifest: &Manifest) -> Result<GrainSet, FileError> {
-    let path = run_file(folder, "grains.json");
-    let json = manifest.read(&path)?;
-    grains::from_json(&json).map_err(|e| FileError::unfit(&path, e))
-}
-
 /// What a folder is that has no manifest.
 fn without_manifest(folder: &Path) -> &'static str {
     match () {
@@ -196,15 +196,15 @@ fn without_manifest(folder: &Path) -> &'static str {
 }
 
 impl Manifest {
-    /// That of a run folder, and its file. Its scenario is one that can be run:
+    /// That of a run folder. Its scenario is one that can be run:
     /// whoever reads it builds its laboratory.
-    pub(super) fn of(folder: &Path) -> Result<(Self, PathBuf), FileError> {
+    pub(super) fn of(folder: &Path) -> Result<Self, FileError> {
         if let Err(error) = input::is_folder(folder)
             && Refusal::within(&error).is_some()
         {
             return Err(FileError::unread(folder, &error));
         }
-        let path = folder.join("manifest.json");
+        let path = folder.join(MANIFEST);
         if folder.is_dir() && !path.exists() {
             return Err(FileError::new("read", folder, without_manifest(folder)));
         }
@@ -213,7 +213,19 @@ impl Manifest {
             let faults: Vec<String> = found.faults().iter().map(ToString::to_string).collect();
             return Err(FileError::unfit(&path, faults.join("; ")));
         }
-        Ok((manifest, path))
+        Ok(Self { folder: folder.to_owned(), ..manifest })
+    }
+
+    /// The laboratory of the scenario.
+    pub(super) fn setup(&self) -> Result<Setup, ExportError> {
+        Setup::new(&self.scenario).map_err(|reason| ExportError::apparatus(&self.folder, reason))
+    }
+
+    /// The grains of the run.
+    pub(super) fn grains(&self) -> Result<GrainSet, FileError> {
+        let path = run_file(&self.folder, "grains.json");
+        let json = self.read(&path)?;
+        grains::from_json(&json).map_err(|e| FileError::unfit(&path, e))
     }
 
     /// Reads a file of the run that must be as it was written.
@@ -227,29 +239,25 @@ impl Manifest {
     /// The stage of a number or name: its number, which the rest test has none of, and its name.
     pub(super) fn find(
         &self,
-        path: &Path,
         asked: &str,
     ) -> Result<(Option<usize>, String, &StageEntry), ExportError> {
         if let (REST_TEST, Some(entry)) = (asked, &self.rest_test) {
             return Ok((None, REST_TEST.to_owned(), entry));
         }
-        let stages = &self.stages;
+        let (stages, manifest) = (&self.stages, self.folder.join(MANIFEST));
         match MeantStage::of(asked, stages.iter().map(|s| s.stage.as_str())) {
             MeantStage::One(n) => Ok((Some(n), stages[n].stage.clone(), &stages[n])),
             MeantStage::Several(numbers) => Err(ExportError::SeveralStages {
                 asked: asked.to_owned(),
                 choice: MeantStage::choice(&numbers),
-                manifest: path.to_owned(),
+                manifest,
             }),
             MeantStage::None => {
                 let mut known: Vec<String> =
                     stages.iter().enumerate().map(|(n, s)| format!("{n} {}", s.stage)).collect();
                 known.extend(self.rest_test.as_ref().map(|_| REST_TEST.to_owned()));
-                Err(ExportError::NoStage {
-                    asked: asked.to_owned(),
-                    stages: known.join(", "),
-                    manifest: path.to_owned(),
-                })
+                let stages = known.join(", ");
+                Err(ExportError::NoStage { asked: asked.to_owned(), stages, manifest })
             }
         }
     }

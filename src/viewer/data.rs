@@ -87,8 +87,7 @@ pub fn read_run_data(folder: &Path) -> Result<RunData, ExportError> {
         .map(|n| read_run(folder, Some(&n.to_string())))
         .collect::<Result<Vec<Exported>, _>>()?;
     let ends: Vec<Specimen> = ends.into_iter().map(|end| end.specimen).collect();
-    let manifest = folder.join("manifest.json");
-    encode(&playback, &ends).map_err(|reason| ExportError::Apparatus { manifest, reason })
+    encode(&playback, &ends).map_err(|reason| ExportError::apparatus(folder, reason))
 }
 
 /// A run and the specimen at the end of each of its stages.
