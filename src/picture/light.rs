@@ -63,26 +63,8 @@ impl Light {
         Self { lamp, lamps, sky, reach }
     }
 
-    /// The samples of one pixel of the square at a point of body `own`.
-    pub fn sample(
-        &self,
-        scene: &Scene,
-        at: Vector,
-        normal: &Vector,
-        own: u32,
-        pixel: usize,
-    ) -> Lit {
-        let pixel = pixel % PIXELS;
-        self.gather(scene, at, normal, own, &[pixel, pixel + PIXELS])
-    }
-
-    /// A quarter of all samples, for points whose surface no pixel shows.
-    pub fn sample_alone(&self, scene: &Scene, at: Vector, normal: &Vector, own: u32) -> Lit {
-        let samples: [usize; SAMPLES / 4] = std::array::from_fn(|n| 4 * n + n % 4);
-        self.gather(scene, at, normal, own, &samples)
-    }
-
-    fn gather(
+    /// What some of the samples find at a point of body `own`.
+    pub fn gather(
         &self,
         scene: &Scene,
         at: Vector,
@@ -101,12 +83,8 @@ impl Light {
         });
         let sky = share(sky.count());
         let faces = normal.dot(&self.lamp) > 0.0;
-        let lamp = if faces {
-            share(samples.iter().filter(|&&n| sees(self.lamps[n], f64::MAX)).count())
-        } else {
-            0.0
-        };
-        Lit { sky, lamp }
+        let lamp = samples.iter().filter(|&&n| faces && sees(self.lamps[n], f64::MAX));
+        Lit { sky, lamp: share(lamp.count()) }
     }
 
     /// The colour of a surface in this light.
@@ -124,6 +102,17 @@ impl Light {
     pub fn shadow(lit: Lit) -> f32 {
         0.62 * (1.0 - 0.55 * lit.sky - 0.45 * lit.lamp)
     }
+}
+
+/// The samples of the pixel in a column and row.
+pub fn samples_of(x: usize, y: usize) -> [usize; 2] {
+    let pixel = SQUARE * (y % SQUARE) + x % SQUARE;
+    [pixel, pixel + PIXELS]
+}
+
+/// A quarter of all samples, for points whose surface no pixel shows.
+pub fn samples_alone() -> [usize; SAMPLES / 4] {
+    std::array::from_fn(|n| 4 * n + n % 4)
 }
 
 /// The n-th of so many points spread evenly over the unit disc: radius and angle
@@ -185,13 +174,15 @@ mod tests {
         let wall = Solid::new(&shape, &Pose::translation(0.05 + 1e-9, 0.0, 50.0));
         let scene = Scene::new(vec![Body::new(wall, Colour::GREY)], None);
         let mut sky = 0.0;
+        let gather = |normal: Vector, samples: &[usize]| {
+            light().gather(&scene, Vector::zeros(), &normal, u32::MAX, samples).sky
+        };
         for pixel in 0..PIXELS {
-            let own = u32::MAX;
-            sky += light().sample(&scene, Vector::zeros(), &Vector::z(), own, pixel).sky;
+            sky += gather(Vector::z(), &samples_of(pixel % SQUARE, pixel / SQUARE));
         }
         let sky = sky / PIXELS as f32;
         assert!((sky - 0.5).abs() < 0.05, "law: a wall hides half the sky, got {sky}");
-        let away = light().sample_alone(&scene, Vector::zeros(), &-Vector::x(), u32::MAX);
-        assert_eq!(away.sky, 1.0, "law: what looks away from the wall sees all of its sky");
+        let away = gather(-Vector::x(), &samples_alone());
+        assert_eq!(away, 1.0, "law: what looks away from the wall sees all of its sky");
     }
 }

@@ -25,16 +25,14 @@ const GLASS_EDGE: f32 = 0.03;
 /// What a ray sees.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Seen {
-    body: u32,
-    plane: u32,
-    t: f64,
+    hit: Hit,
     /// Share of the light that the glass before it lets through.
     clear: f32,
 }
 
 impl Seen {
     fn same_face(&self, other: &Self) -> bool {
-        self.body == other.body && self.plane == other.plane
+        self.hit.body == other.hit.body && self.hit.plane == other.hit.plane
     }
 }
 
@@ -58,16 +56,19 @@ pub fn render(scene: &Scene, camera: &Camera, width: u32, height: u32, glass_dep
     let size = [width as f32, height as f32];
     let studio = Studio { scene, camera, light, radius, glass_depth, size };
     let (columns, rows) = (width as usize, height as usize);
-    let seen = by_rows(columns, rows, |x, y| studio.look(x as f64 + 0.5, y as f64 + 0.5));
-    let lit = by_rows(columns, rows, |x, y| studio.sample(&seen[y * columns + x], x, y));
+    let seen = by_pixel(columns, rows, |x, y| studio.look(x as f64 + 0.5, y as f64 + 0.5));
+    let lit = by_pixel(columns, rows, |x, y| {
+        let own = &seen[y * columns + x];
+        studio.lit(own, &studio.ray(x, y), &samples_of(x, y)).unwrap_or_default()
+    });
     // Averaged twice, once before and once after each pixel, so that nothing is shifted.
     let raw = Grid { columns, rows, seen: &seen, lit: &lit };
-    let lit = by_rows(columns, rows, |x, y| {
+    let lit = by_pixel(columns, rows, |x, y| {
         let (back, ahead) = (SQUARE / 2, SQUARE - 1 - SQUARE / 2);
         raw.mean(&seen[y * columns + x], x, y, back, ahead).unwrap_or_default()
     });
     let grid = Grid { columns, rows, seen: &seen, lit: &lit };
-    let pixels = by_rows(columns, rows, |x, y| {
+    let pixels = by_pixel(columns, rows, |x, y| {
         let own = &seen[y * columns + x];
         if !grid.on_edge(x, y) {
             let lit = grid.mean(own, x, y, SQUARE - 1 - SQUARE / 2, SQUARE / 2);
@@ -80,7 +81,7 @@ pub fn render(scene: &Scene, camera: &Camera, width: u32, height: u32, glass_dep
             let seen = studio.look(px, py);
             let ray = studio.camera.ray(px, py);
             let near = grid.mean(&seen, x, y, SQUARE / 2, SQUARE / 2);
-            let lit = near.or_else(|| studio.sample_alone(&seen, &ray));
+            let lit = near.or_else(|| studio.lit(&seen, &ray, &samples_alone()));
             let colour = studio.colour(&seen, &ray, lit);
             sum = std::array::from_fn(|n| sum[n] + colour[n]);
         }
@@ -89,25 +90,14 @@ pub fn render(scene: &Scene, camera: &Camera, width: u32, height: u32, glass_dep
     Image { width, height, pixels }
 }
 
-/// Computes every pixel by itself, rows side by side.
-fn by_rows<T: Send + Default + Clone>(
+/// Computes every pixel by itself, row by row.
+fn by_pixel<T: Send>(
     columns: usize,
     rows: usize,
     pixel: impl Fn(usize, usize) -> T + Sync,
 ) -> Vec<T> {
-    let mut out = vec![T::default(); columns * rows];
-    out.par_chunks_mut(columns.max(1)).enumerate().for_each(|(y, row)| {
-        for (x, out) in row.iter_mut().enumerate() {
-            *out = pixel(x, y);
-        }
-    });
-    out
-}
-
-impl Default for Seen {
-    fn default() -> Self {
-        Self { body: NOTHING, plane: 0, t: f64::MAX, clear: 1.0 }
-    }
+    let pixels = (0..columns * rows).into_par_iter();
+    pixels.map(|n| pixel(n % columns, n / columns)).collect()
 }
 
 impl Studio<'_> {
@@ -117,43 +107,34 @@ impl Studio<'_> {
 
     fn look(&self, x: f64, y: f64) -> Seen {
         let ray = self.camera.ray(x, y);
-        let mut seen = match self.scene.first_hit(&ray) {
-            Some(hit) => Seen { body: hit.body, plane: hit.plane, t: hit.t, clear: 1.0 },
-            None => self.ground(&ray).unwrap_or_default(),
-        };
-        let length = self.scene.glass_on(&ray, seen.t);
-        seen.clear = (-length / self.glass_depth).exp() as f32;
-        seen
+        let nothing = Hit { body: NOTHING, plane: 0, t: f64::MAX };
+        let hit = self.scene.first_hit(&ray).or_else(|| self.ground(&ray)).unwrap_or(nothing);
+        let length = self.scene.glass_on(&ray, hit.t);
+        Seen { hit, clear: (-length / self.glass_depth).exp() as f32 }
     }
 
     /// The ground, where shadows may fall on it.
-    fn ground(&self, ray: &Ray) -> Option<Seen> {
+    fn ground(&self, ray: &Ray) -> Option<Hit> {
         let height = self.scene.ground?;
         let t = (height - ray.origin.z) / ray.direction.z;
         let before = ray.direction.z < 0.0 && t > 0.0;
         let near = ray.at(t).norm() < GROUND_REACH * self.radius + ray.at(t).z.abs();
-        (before && near).then_some(Seen { body: GROUND, plane: 0, t, clear: 1.0 })
+        (before && near).then_some(Hit { body: GROUND, plane: 0, t })
     }
 
-    fn normal(&self, seen: &Seen, ray: &Ray) -> Option<Vector> {
-        match seen.body {
+    fn normal(&self, Hit { body, plane, t }: Hit, ray: &Ray) -> Option<Vector> {
+        match body {
             NOTHING => None,
             GROUND => Some(Vector::z()),
-            body => Some(self.scene.normal(body, seen.plane, &ray.at(seen.t))),
+            body => Some(self.scene.normal(body, plane, &ray.at(t))),
         }
     }
 
-    fn sample(&self, seen: &Seen, x: usize, y: usize) -> Lit {
-        let ray = self.ray(x, y);
-        let Some(normal) = self.normal(seen, &ray) else { return Lit::default() };
-        let at = ray.at(seen.t);
-        let pixel = SQUARE * (y % SQUARE) + x % SQUARE;
-        self.light.sample(self.scene, at, &normal, seen.body, pixel)
-    }
-
-    fn sample_alone(&self, seen: &Seen, ray: &Ray) -> Option<Lit> {
-        let normal = self.normal(seen, ray)?;
-        Some(self.light.sample_alone(self.scene, ray.at(seen.t), &normal, seen.body))
+    /// The light that samples find on what a ray sees, where that is anything.
+    fn lit(&self, seen: &Seen, ray: &Ray, samples: &[usize]) -> Option<Lit> {
+        let normal = self.normal(seen.hit, ray)?;
+        let at = ray.at(seen.hit.t);
+        Some(self.light.gather(self.scene, at, &normal, seen.hit.body, samples))
     }
 
     /// A pixel's colour, where shadows that the picture would cut off fade away.
@@ -173,17 +154,18 @@ impl Studio<'_> {
     /// Colour with alpha, both multiplied already.
     fn colour(&self, seen: &Seen, ray: &Ray, lit: Option<Lit>) -> [f32; 4] {
         let lit = lit.unwrap_or_default();
-        let behind = match self.normal(seen, ray) {
+        let Hit { body, plane, t } = seen.hit;
+        let behind = match self.normal(seen.hit, ray) {
             None => [0.0; 4],
-            Some(_) if seen.body == GROUND => {
+            Some(_) if body == GROUND => {
                 // Shadows end softly where the ground does.
-                let far = ray.at(seen.t).norm() / (GROUND_REACH * self.radius);
+                let far = ray.at(t).norm() / (GROUND_REACH * self.radius);
                 let fade = (4.0 * (1.0 - far)).clamp(0.0, 1.0) as f32;
                 [0.0, 0.0, 0.0, fade * Light::shadow(lit)]
             }
             Some(normal) => {
-                let body = &self.scene.bodies[seen.body as usize];
-                let plane = seen.plane as usize;
+                let body = &self.scene.bodies[body as usize];
+                let plane = plane as usize;
                 let section = plane != BALL && plane >= body.sections_from;
                 let colour = if section { Colour::SECTION } else { body.colour };
                 let [r, g, b] = self.light.shade(colour, &normal, lit);
