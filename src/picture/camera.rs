@@ -42,8 +42,7 @@ impl View {
     pub fn axes(&self) -> [Vector; 3] {
         let (azimuth, elevation) = (from_deg(self.azimuth_deg), from_deg(self.elevation_deg));
         let right = Vector::new(azimuth.cos(), azimuth.sin(), 0.0);
-        let level = Vector::new(azimuth.sin(), -azimuth.cos(), 0.0);
-        let back = elevation.cos() * level + elevation.sin() * Vector::z();
+        let back = elevation.cos() * self.level() + elevation.sin() * Vector::z();
         [right, back.cross(&right), back]
     }
 

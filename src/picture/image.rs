@@ -1,7 +1,5 @@
 //! Pictures in memory, laid over each other and written as PNG.
 
-use std::io::Write;
-
 use super::*;
 
 /// Pixels in linear intensities with alpha, multiplied already, row by row from
@@ -96,7 +94,6 @@ impl Image {
         let mut writer = encoder.write_header()?;
         writer.write_image_data(&bytes)?;
         writer.finish()?;
-        file.flush()?;
         Ok(file)
     }
 }

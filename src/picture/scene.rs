@@ -70,6 +70,20 @@ struct Tree {
     bodies: Vec<u32>, // by leaf
 }
 
+impl Tree {
+    /// Hands on the bodies whose boxes a ray meets up to a distance in m.
+    fn each_near(&self, ray: &Ray, most: f64, mut body: impl FnMut(u32) -> TraversalAction) {
+        let boxes = Boxes::new(ray);
+        self.boxes.traverse(|node| {
+            if boxes.enters(node, most) == f64::MAX {
+                return TraversalAction::Prune;
+            }
+            let leaf = node.leaf_data().map(|leaf| self.bodies[leaf as usize]);
+            leaf.map_or(TraversalAction::Continue, &mut body)
+        });
+    }
+}
+
 impl Scene {
     /// Sorts bodies.
     pub fn new(bodies: Vec<Body>, ground: Option<f64>) -> Self {
@@ -128,41 +142,21 @@ impl Scene {
     /// Whether an opaque body other than `own` stands on a ray nearer than
     /// `most` (m).
     pub fn is_shaded(&self, ray: &Ray, own: u32, most: f64) -> bool {
-        let boxes = Boxes::new(ray);
         let mut shaded = false;
-        self.opaque.boxes.traverse(|node| {
-            if boxes.enters(node, most) == f64::MAX {
-                return TraversalAction::Prune;
-            }
-            let Some(leaf) = node.leaf_data() else { return TraversalAction::Continue };
-            let body = self.opaque.bodies[leaf as usize];
-            if body == own {
-                return TraversalAction::Continue;
-            }
-            match self.stretch(body, ray) {
-                Some(s) if s.leaves > 0.0 && s.enters < most => {
-                    shaded = true;
-                    TraversalAction::EarlyExit
-                }
-                _ => TraversalAction::Continue,
-            }
+        self.opaque.each_near(ray, most, |body| {
+            let met = if body == own { None } else { self.stretch(body, ray) };
+            shaded |= met.is_some_and(|s| s.leaves > 0.0 && s.enters < most);
+            if shaded { TraversalAction::EarlyExit } else { TraversalAction::Continue }
         });
         shaded
     }
 
     /// How far a ray runs through glass up to a distance, both in m.
     pub fn glass_on(&self, ray: &Ray, up_to: f64) -> f64 {
-        let boxes = Boxes::new(ray);
         let mut length = 0.0;
-        self.glass.boxes.traverse(|node| {
-            if boxes.enters(node, up_to) == f64::MAX {
-                return TraversalAction::Prune;
-            }
-            if let Some(leaf) = node.leaf_data() {
-                let body = self.glass.bodies[leaf as usize];
-                if let Some(s) = self.stretch(body, ray) {
-                    length += (s.leaves.min(up_to) - s.enters.max(0.0)).max(0.0);
-                }
+        self.glass.each_near(ray, up_to, |body| {
+            if let Some(s) = self.stretch(body, ray) {
+                length += (s.leaves.min(up_to) - s.enters.max(0.0)).max(0.0);
             }
             TraversalAction::Continue
         });
@@ -174,16 +168,11 @@ impl Scene {
         self.bodies.iter().flat_map(|b| b.solid.outline.iter().copied()).collect()
     }
 
-    /// Lowest and highest corner of the box around everything, in m; none of nothing.
-    pub fn bounds(&self) -> Option<[Point; 2]> {
-        let mut boxes = self.bodies.iter().map(|b| [b.solid.low, b.solid.high]);
-        let first = boxes.next()?;
-        Some(boxes.fold(first, |[a, b], [low, high]| [a.inf(&low), b.sup(&high)]))
-    }
-
-    /// Half the diagonal of that box in m; 0 of nothing.
+    /// Half the diagonal of the box around everything, in m; 0 of nothing.
     pub fn radius(&self) -> f64 {
-        self.bounds().map_or(0.0, |[low, high]| (high - low).norm() / 2.0)
+        let boxes = self.bodies.iter().map(|b| [b.solid.low, b.solid.high]);
+        let whole = boxes.reduce(|[a, b], [low, high]| [a.inf(&low), b.sup(&high)]);
+        whole.map_or(0.0, |[low, high]| (high - low).norm() / 2.0)
     }
 }
 
