@@ -33,8 +33,6 @@ pub struct Animated {
     pub png: Vec<u8>,
     /// Number of frames.
     pub frames: usize,
-    /// Simulated time from the first frame to the last, in s.
-    pub simulated_s: f64,
 }
 
 /// Makes an animation; progress tells of frames.
@@ -65,9 +63,7 @@ pub fn animate(
     let size = (animation.shot.width, first[0].height);
     let png = encode(frames, chosen.len(), size, &palette, animation.frames_per_second);
     progress.end_stage(ID);
-    let time = |at: At| run.stages[at.stage].frames[at.frame].time;
-    let simulated_s = time(chosen[chosen.len() - 1]) - time(chosen[0]);
-    Ok(Animated { png: png?, frames: chosen.len(), simulated_s })
+    Ok(Animated { png: png?, frames: chosen.len() })
 }
 
 fn check(animation: &Animation) -> Result<(), PictureError> {
@@ -90,22 +86,11 @@ fn check(animation: &Animation) -> Result<(), PictureError> {
 /// last of all.
 fn chosen(run: &Playback, animation: &Animation) -> Result<Vec<At>, PictureError> {
     let only = animation.stage.as_deref().map(|asked| stage_of(run, asked)).transpose()?;
-    let mut all = Vec::new();
-    for (stage, played) in run.stages.iter().enumerate() {
-        if only.is_none_or(|only| only == stage) {
-            all.extend(
-                (0..played.frames.len())
-                    .map(|frame| (At { stage, frame }, played.frames[frame].time)),
-            );
-        }
-    }
-    if all.len() < 2 {
-        return Err(PictureError::NothingMoves);
-    }
+    let all = frames_of(run, only);
     let mut found: Vec<At> = Vec::new();
     let mut due = f64::NEG_INFINITY;
-    let last = all[all.len() - 1].0;
-    for (at, time) in all {
+    for &at in &all {
+        let time = frame_at(run, at).time;
         // A hair less, for times that are sums of steps.
         if time >= due - 1e-6 {
             found.push(at);
@@ -117,9 +102,8 @@ fn chosen(run: &Playback, animation: &Animation) -> Result<Vec<At>, PictureError
     if animation.shot.colour_by == ColourBy::Speed {
         found.retain(|at| values(&moments(run, *at), ColourBy::Speed).is_ok());
     }
-    if found.last().is_some_and(|at| *at != last) {
-        found.push(last);
-    }
+    let last = all.last().filter(|last| found.last().is_some_and(|at| at != *last));
+    found.extend(last.copied());
     if found.len() < 2 { Err(PictureError::NothingMoves) } else { Ok(found) }
 }
 
@@ -329,7 +313,6 @@ mod tests {
         let run = canned();
         let made = animate(&run, &animation(), &Silent).expect("an animation");
         assert_eq!(made.frames, 5, "law: four frames of one stage, the end of the other");
-        assert!((made.simulated_s - 1.0).abs() < 1e-12, "law: from 0 to 1 s");
         let decoder = png::Decoder::new(std::io::Cursor::new(&made.png));
         let mut reader = decoder.read_info().expect("a PNG");
         let control = reader.info().animation_control().expect("animated");

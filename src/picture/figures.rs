@@ -169,9 +169,8 @@ fn funnel(run: &Playback, stem: &str, title: &str) -> Result<Option<Picture>, Pi
 
 fn vibration(run: &Playback, stem: &str, title: &str) -> Result<Option<Picture>, PictureError> {
     let Some(after) = end_of(run, "vibrate") else { return Ok(None) };
-    let Some(before) = after.stage.checked_sub(1) else { return Ok(None) };
-    let Some(frame) = run.stages[before].frames.len().checked_sub(1) else { return Ok(None) };
-    let before = At { stage: before, frame };
+    let before = after.stage.checked_sub(1).and_then(|n| end_of(run, &n.to_string()));
+    let Some(before) = before else { return Ok(None) };
     let shown = [
         (before, Walls::Hidden, "(a) before, wall left out"),
         (after, Walls::Hidden, "(b) after, wall left out"),
@@ -179,7 +178,7 @@ fn vibration(run: &Playback, stem: &str, title: &str) -> Result<Option<Picture>,
         (after, Walls::Cut, "(d) after, wall cut away"),
     ];
     let image = panels(run, &shown)?;
-    let time = |at: At| number(run.stages[at.stage].frames[at.frame].time);
+    let time = |at: At| number(frame_at(run, at).time);
     let caption = format!(
         "The specimen before vibration (t = {} s) and after it (t = {} s), on one scale: (a) and (b) \
          without the cylinder's wall, as the paper shows it in 8(c) and 8(d); (c) and (d) with the near half \

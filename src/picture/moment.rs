@@ -1,8 +1,10 @@
 //! Finding a moment of a run by stage and time.
 
+use std::ops::Range;
+
 use super::*;
 
-/// A frame of a run.
+/// Where a frame of a run is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct At {
     /// Number of the stage, from 0.
@@ -29,20 +31,12 @@ pub fn at(run: &Playback, stage: Option<&str>, time: Option<f64>) -> Result<At, 
         let frame = run.stages[last].frames.len().checked_sub(1).ok_or_else(nothing)?;
         return Ok(At { stage: last, frame });
     };
-    let within = |s: &usize| chosen.is_none_or(|c| c == *s);
-    let nearest = (0..run.stages.len())
-        .filter(within)
-        .flat_map(|stage| (0..run.stages[stage].frames.len()).map(move |frame| At { stage, frame }))
-        .min_by(|a, b| {
-            let off = |at: &At| (run.stages[at.stage].frames[at.frame].time - time).abs();
-            off(a).total_cmp(&off(b))
-        });
-    let found =
-        nearest.filter(|at| (run.stages[at.stage].frames[at.frame].time - time).abs() <= NEAR);
-    found.ok_or_else(|| {
-        let kept = (0..run.stages.len()).filter(within).map(|n| {
+    let off = |at: &At| (frame_at(run, *at).time - time).abs();
+    let nearest = frames_of(run, chosen).into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+    nearest.filter(|at| off(at) <= NEAR).ok_or_else(|| {
+        let kept = stages_of(run, chosen).map(|n| {
             let stage = &run.stages[n];
-            let end = |f: Option<&crate::record::Frame>| f.map_or(f64::NAN, |f| f.time);
+            let end = |f: Option<&Frame>| f.map_or(f64::NAN, |f| f.time);
             let (first, last) = (end(stage.frames.first()), end(stage.frames.last()));
             match stage.kept {
                 true => format!("{}: {} to {} s", stage.name, number(first), number(last)),
@@ -52,6 +46,23 @@ pub fn at(run: &Playback, stage: Option<&str>, time: Option<f64>) -> Result<At, 
         let allowed = format!("there are {}", kept.collect::<Vec<_>>().join(", "));
         PictureError::NoTime { asked_s: time, allowed }
     })
+}
+
+/// A frame of a run.
+pub fn frame_at(run: &Playback, at: At) -> &Frame {
+    &run.stages[at.stage].frames[at.frame]
+}
+
+/// Number of one stage, or of each.
+fn stages_of(run: &Playback, only: Option<usize>) -> Range<usize> {
+    only.map_or(0..run.stages.len(), |stage| stage..stage + 1)
+}
+
+/// The frames of one stage, or of all, in their order.
+pub fn frames_of(run: &Playback, only: Option<usize>) -> Vec<At> {
+    let frames =
+        |stage: usize| (0..run.stages[stage].frames.len()).map(move |frame| At { stage, frame });
+    stages_of(run, only).flat_map(frames).collect()
 }
 
 /// Number of a stage named by its number or by a name that it alone has.
@@ -78,7 +89,7 @@ pub fn moments(run: &Playback, at: At) -> Moments<'_> {
     let began = if stage.kept { stage.frames.first() } else { before_stage };
     let before = at.frame.checked_sub(1).map(|n| &stage.frames[n]);
     // Two frames of one step tell no speed.
-    Moments { now: &stage.frames[at.frame], before, began }
+    Moments { now: frame_at(run, at), before, began }
 }
 
 #[cfg(test)]
