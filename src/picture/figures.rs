@@ -131,8 +131,14 @@ fn exposed(run: &Playback, scenes: &[(Scene, &str)], points: &[Point]) -> Vec<(I
     scenes.iter().map(panel).collect()
 }
 
-/// Moments in panels that share one framing.
-fn panels(run: &Playback, shown: &[(At, Walls, &'static str)]) -> Result<Image, PictureError> {
+/// Moments in panels that share one framing, and what is to be said of them.
+fn of_moments(
+    run: &Playback,
+    stem: &str,
+    title: &str,
+    shown: &[(At, Walls, &str)],
+    what: &str,
+) -> Result<Picture, PictureError> {
     let mut scenes = Vec::new();
     let mut points: Vec<Point> = Vec::new();
     let mut notes = Notes::default();
@@ -146,7 +152,8 @@ fn panels(run: &Playback, shown: &[(At, Walls, &'static str)]) -> Result<Image, 
         let cut = [(Colour::WALL, "wall".to_owned()), (Colour::SECTION, "wall, cut".to_owned())];
         notes.things.extend(cut);
     }
-    sheet(&exposed(run, &scenes, &points), COLUMNS, WIDTH, Some(&notes))
+    let image = sheet(&exposed(run, &scenes, &points), COLUMNS, WIDTH, Some(&notes))?;
+    finished(stem, title, format!("{what} Colours: sieve fraction. {MADE}"), &image)
 }
 
 /// The end of a stage; none where the run has no such stage.
@@ -158,13 +165,9 @@ fn funnel(run: &Playback, stem: &str, title: &str) -> Result<Option<Picture>, Pi
     let Some(filled) = end_of(run, "fill_funnel") else { return Ok(None) };
     let shown =
         [(filled, Walls::Transparent, "(a) as glass"), (filled, Walls::Cut, "(b) cut away")];
-    let image = panels(run, &shown)?;
-    let caption = format!(
-        "Grains at rest in the funnel before pouring, the lid closed: (a) through its wall, (b) with the \
-         near half of the wall cut away. Colours: {}. {MADE}",
-        ColourBy::Fraction.in_words()
-    );
-    finished(stem, title, caption, &image).map(Some)
+    let what = "Grains at rest in the funnel before pouring, the lid closed: (a) through its wall, \
+                (b) with the near half of the wall cut away.";
+    of_moments(run, stem, title, &shown, what).map(Some)
 }
 
 fn vibration(run: &Playback, stem: &str, title: &str) -> Result<Option<Picture>, PictureError> {
@@ -177,28 +180,22 @@ fn vibration(run: &Playback, stem: &str, title: &str) -> Result<Option<Picture>,
         (before, Walls::Cut, "(c) before, wall cut away"),
         (after, Walls::Cut, "(d) after, wall cut away"),
     ];
-    let image = panels(run, &shown)?;
     let time = |at: At| number(frame_at(run, at).time);
-    let caption = format!(
+    let what = format!(
         "The specimen before vibration (t = {} s) and after it (t = {} s), on one scale: (a) and (b) \
          without the cylinder's wall, as the paper shows it in 8(c) and 8(d); (c) and (d) with the near half \
-         of the wall cut away. Colours: {}. {MADE}",
+         of the wall cut away.",
         time(before),
-        time(after),
-        ColourBy::Fraction.in_words()
+        time(after)
     );
-    finished(stem, title, caption, &image).map(Some)
+    of_moments(run, stem, title, &shown, &what).map(Some)
 }
 
 fn specimen(run: &Playback) -> Result<Picture, PictureError> {
     let end = at(run, None, None)?;
     let shown = [(end, Walls::Hidden, "(a) wall left out"), (end, Walls::Cut, "(b) wall cut away")];
-    let image = panels(run, &shown)?;
-    let caption = format!(
-        "The specimen at the end of the run. Colours: {}. {MADE}",
-        ColourBy::Fraction.in_words()
-    );
-    finished("picture-specimen", "The specimen", caption, &image)
+    let what = "The specimen at the end of the run.";
+    of_moments(run, "picture-specimen", "The specimen", &shown, what)
 }
 
 #[cfg(test)]

@@ -33,14 +33,11 @@ pub fn loose_grains(grains: &GrainSet, shot: &Shot) -> Result<Image, PictureErro
     shot.check()?;
     let grains_there = vec![Some(Pose::identity()); grains.grains.len()];
     let all = Frame { grains: grains_there, ..Frame::default() };
-    let by = match shot.colour_by {
-        by @ (ColourBy::Fraction | ColourBy::Plain) => by,
-        ColourBy::Displacement => return Err(PictureError::NeedsFrames { what: "displacement" }),
-        ColourBy::Speed => return Err(PictureError::NeedsFrames { what: "speed" }),
-        ColourBy::Coordination => return Err(PictureError::NeedsRun),
-    };
+    if shot.colour_by == ColourBy::Coordination {
+        return Err(PictureError::NeedsRun);
+    }
     let moments = Moments { now: &all, before: None, began: None };
-    let (colours, key) = paint(grains, &moments, by, None)?;
+    let (colours, key) = paint(grains, &moments, shot.colour_by, None)?;
     let (bodies, bar) = laid_out(grains, &colours)?;
     let shown = bodies.len() - 1;
     let scene = Scene::new(bodies, Some(0.0));

@@ -134,9 +134,7 @@ impl PictureError {
     /// Whether another request would do, so that it is a matter of usage.
     pub fn is_usage(&self) -> bool {
         match self {
-            Self::Run(ExportError::File(error)) => error.refused,
-            Self::Run(_) => true,
-            Self::File(error) => error.refused,
+            Self::Run(ExportError::File(error)) | Self::File(error) => error.refused,
             Self::Drawing(_) => false,
             _ => true,
         }

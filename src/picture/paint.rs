@@ -19,19 +19,6 @@ pub enum ColourBy {
     Plain,
 }
 
-impl ColourBy {
-    /// In words, as in a caption.
-    pub fn in_words(self) -> &'static str {
-        match self {
-            Self::Fraction => "sieve fraction",
-            Self::Displacement => "displacement since the stage began, relative to the table",
-            Self::Speed => "speed relative to the table",
-            Self::Coordination => "number of grains that each grain touches",
-            Self::Plain => "none",
-        }
-    }
-}
-
 /// What the colours stand for.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Key {
@@ -99,12 +86,9 @@ pub fn values(moments: &Moments, by: ColourBy) -> Result<Vec<Option<f64>>, Pictu
         _ => (moments.began.ok_or(missing("displacement"))?, 1.0),
     };
     let table = Vector::new(now.table_x - from.table_x, 0.0, 0.0);
-    let way = |(now, from): (&Option<_>, &Option<_>)| match (now, from) {
-        (Some(now), Some(from)) => {
-            let (now, from): (&crate::geometry::Pose, &crate::geometry::Pose) = (now, from);
-            Some(to_mm((now.translation.vector - from.translation.vector - table).norm()) / per)
-        }
-        _ => None,
+    let way = |(now, from): (&Option<Pose>, &Option<Pose>)| {
+        let way = now.as_ref()?.translation.vector - from.as_ref()?.translation.vector - table;
+        Some(to_mm(way.norm()) / per)
     };
     Ok(now.grains.iter().zip(&from.grains).map(way).collect())
 }
