@@ -32,9 +32,7 @@ pub(super) const AT_LEAST: &str = "at_least";
 /// another question; the system's where it cannot be written.
 pub(super) fn begin(folder: &Path, command: &str, question: &Value) -> Result<(), FileError> {
     if let Some(held) = held(folder, command, question) {
-        let reason = format!("{held}; choose another folder with --out");
-        let error = FileError::new("write results into", folder, reason);
-        return Err(FileError { refused: true, ..error });
+        return Err(in_the_way("write results into", folder, &held));
     }
     write_json(&folder.join(FILE), &json!({ "command": command, "question": question }))
         .map_err(|error| FileError::new("write", &folder.join(FILE), error))
@@ -46,9 +44,12 @@ pub(super) fn begin(folder: &Path, command: &str, question: &Value) -> Result<()
 /// # Errors
 /// [`FileError`], refused, that says what the folder holds.
 pub(super) fn refuse(folder: &Path, command: &str) -> Result<(), FileError> {
-    let Some(held) = held(folder, command, &ANYTHING) else { return Ok(()) };
-    let reason = format!("{held}; choose another folder with --out");
-    Err(FileError { refused: true, ..FileError::new("write files into", folder, reason) })
+    held(folder, command, &ANYTHING)
+        .map_or(Ok(()), |held| Err(in_the_way("write files into", folder, &held)))
+}
+
+fn in_the_way(action: &'static str, folder: &Path, held: &str) -> FileError {
+    error::refused(action, folder, format!("{held}; choose another folder with --out"))
 }
 
 /// Whether a command has left more in a folder than that it began.

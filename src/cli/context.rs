@@ -146,8 +146,7 @@ pub(super) fn listen(listener: Option<Arc<dyn Progress>>) {
 /// when that fails.
 pub(super) fn say(line: &str) {
     if let Some(listener) = LISTENER.with_borrow(Clone::clone) {
-        let shown = paint::shown(line);
-        listener.message(&anstream::adapter::strip_str(&shown).to_string());
+        listener.message(&paint::colourless(line));
         return;
     }
     let _ = writeln!(anstream::stderr(), "{}", paint::shown(line));

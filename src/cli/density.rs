@@ -27,16 +27,16 @@ pub(super) struct DensityArgs {
           value_parser = clap::value_parser!(u32).range(1..=1000))]
     configurations: u32,
     /// Surcharge on the vibrated grains in kPa, by a plate; 0: no plate
-    #[arg(long, value_name = "KPA", default_value_t = 0.0, value_parser = from_0_to::<1000>)]
+    #[arg(long, value_name = "KPA", default_value_t = 0.0, value_parser = between(0.0, 1000.0))]
     surcharge_kpa: f64,
     /// Frequency of the vibration in Hz
-    #[arg(long, value_name = "HZ", default_value_t = 12.0, value_parser = from_1_to::<200>)]
+    #[arg(long, value_name = "HZ", default_value_t = 12.0, value_parser = between(1.0, 200.0))]
     frequency_hz: f64,
     /// Double amplitude (end to end) of the vibration in mm
-    #[arg(long, value_name = "MM", default_value_t = 8.0, value_parser = amplitude)]
+    #[arg(long, value_name = "MM", default_value_t = 8.0, value_parser = between(0.001, 100.0))]
     double_amplitude_mm: f64,
     /// Duration of the vibration in s: a whole number of cycles
-    #[arg(long, value_name = "S", default_value_t = 8.0, value_parser = from_1_to::<3600>)]
+    #[arg(long, value_name = "S", default_value_t = 8.0, value_parser = between(1.0, 3600.0))]
     seconds: f64,
     #[command(flatten)]
     changes: Changes,
@@ -47,21 +47,12 @@ pub(super) struct DensityArgs {
     out: PathBuf,
 }
 
-fn from_0_to<const MOST: u32>(text: &str) -> Result<f64, String> {
-    between(text, 0.0, f64::from(MOST))
-}
-
-fn from_1_to<const MOST: u32>(text: &str) -> Result<f64, String> {
-    between(text, 1.0, f64::from(MOST))
-}
-
-fn amplitude(text: &str) -> Result<f64, String> {
-    between(text, 0.001, 100.0)
-}
-
-fn between(text: &str, low: f64, high: f64) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|n| (low..=high).contains(n));
-    number.ok_or_else(|| format!("`{text}` is not a number from {low} to {high}"))
+/// What reads a number within a range.
+fn between(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {
+    move |text: &str| {
+        let number = text.parse::<f64>().ok().filter(|n| (low..=high).contains(n));
+        number.ok_or_else(|| format!("`{text}` is not a number from {low} to {high}"))
+    }
 }
 
 pub(super) fn run(args: &DensityArgs, context: &Context) -> Result<ExitStatus, CliError> {
@@ -118,14 +109,15 @@ mod tests {
 
     #[test]
     fn numbers_out_of_their_range_are_refused_with_what_is_allowed() {
-        assert_eq!(from_0_to::<1000>("13.8"), Ok(13.8), "law: within");
+        let read = between(0.0, 1000.0);
+        assert_eq!(read("13.8"), Ok(13.8), "law: within");
         for text in ["-1", "1001", "nan", "much"] {
-            let told = from_0_to::<1000>(text).expect_err("law: refused");
+            let told = read(text).expect_err("law: refused");
             assert!(
                 told.contains(text) && told.contains("0 to 1000"),
                 "law: value and range: {told}"
             );
         }
-        assert!(from_1_to::<200>("0.5").is_err(), "law: no frequency below 1 Hz");
+        assert!(between(1.0, 200.0)("0.5").is_err(), "law: no frequency below 1 Hz");
     }
 }

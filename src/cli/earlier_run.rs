@@ -5,6 +5,9 @@ use std::fs;
 use super::*;
 use crate::record::{AtWork, RunLock, write_json};
 
+/// What is refused.
+const WRITE: &str = "write results into";
+
 /// Says which scenario a folder's unfinished run is of; removed once the run is finished.
 const UNFINISHED: &str = "unfinished.json";
 
@@ -61,7 +64,7 @@ pub(super) fn begin(folder: &Path, scenario: &Scenario, force: bool) -> Result<R
             // Two runs that write over each other would leave the results of neither.
             (Some(held), AtWork::Somebody) => {
                 let why = format!("{held}, and a run is at work in it; name another folder");
-                return Err(refused(folder, &why));
+                return Err(error::refused(WRITE, folder, why).into());
             }
             (Some(held), _) if !force => return Err(in_the_way(folder, &held)),
             // What the others of the same run have written is this one's, too.
@@ -86,11 +89,7 @@ pub(super) fn refuse(folder: &Path, scenario: &Scenario) -> Result<(), CliError>
 
 fn in_the_way(folder: &Path, held: &str) -> CliError {
     let why = format!("{held}; name another folder, or give --force to replace them");
-    refused(folder, &why)
-}
-
-fn refused(folder: &Path, why: &str) -> CliError {
-    FileError { refused: true, ..FileError::new("write results into", folder, why) }.into()
+    error::refused(WRITE, folder, why).into()
 }
 
 /// Says that the run of a folder is finished.

@@ -77,40 +77,32 @@ impl CliError {
     /// failed, 4 files that the system does not let be read or written, 130 stopped by Ctrl-C (as
     /// shells have it: 128 + SIGINT).
     pub fn exit_code(&self) -> u8 {
+        let by_refusal = |refused| if refused { 2 } else { 4 };
         match self {
-            Self::Scenario(ScenarioErrors::Faults(_)) => 2,
-            Self::Scenario(ScenarioErrors::Unreadable { .. }) => 4,
-            Self::File(error) => of_file(error),
+            Self::File(error)
+            | Self::Export(ExportError::File(error))
+            | Self::Suite(SuiteError::File(error))
+            | Self::Study(StudyError::File(error)) => by_refusal(error.refused),
+            Self::Picture(error) => by_refusal(error.is_usage()),
+            Self::Scenario(error) | Self::Study(StudyError::Faults(error)) => {
+                by_refusal(matches!(error, ScenarioErrors::Faults(_)))
+            }
+            Self::Usage(_) | Self::Case(_) | Self::Server(_) | Self::Export(_) => 2,
+            Self::Study(StudyError::Scenario(_) | StudyError::Stage { .. }) => 2,
+            Self::Threads(_) | Self::Fault(_) | Self::Suite(SuiteError::Threads(_)) => 3,
+            Self::Study(
+                StudyError::Simulation { .. } | StudyError::Fault { .. } | StudyError::Measure(_),
+            ) => 3,
             Self::Output(_) => 4,
-            Self::Threads(_) | Self::Fault(_) => 3,
-            Self::Export(ExportError::File(error)) => of_file(error),
-            Self::Export(_) => 2,
-            Self::Picture(error) if error.is_usage() => 2,
-            Self::Picture(_) => 4,
-            Self::Usage(_) | Self::Case(_) | Self::Server(_) => 2,
-            Self::Suite(error) => match error {
-                SuiteError::File(error) => of_file(error),
-                SuiteError::Report(_) => 4,
-                SuiteError::Threads(_) => 3,
-                SuiteError::Cancelled => 130,
-            },
-            Self::Study(error) => match error {
-                StudyError::Faults(ScenarioErrors::Unreadable { .. }) => 4,
-                StudyError::Faults(ScenarioErrors::Faults(_)) => 2,
-                StudyError::Scenario(_) | StudyError::Stage { .. } => 2,
-                StudyError::Simulation { .. }
-                | StudyError::Fault { .. }
-                | StudyError::Measure(_) => 3,
-                StudyError::File(error) => of_file(error),
-                StudyError::Report(_) => 4,
-                StudyError::Cancelled => 130,
-            },
+            Self::Suite(SuiteError::Report(_)) | Self::Study(StudyError::Report(_)) => 4,
+            Self::Suite(SuiteError::Cancelled) | Self::Study(StudyError::Cancelled) => 130,
         }
     }
 }
 
-fn of_file(error: &FileError) -> u8 {
-    if error.refused { 2 } else { 4 }
+/// A file or folder that a command leaves as it is, with the reason.
+pub(super) fn refused(action: &'static str, path: &Path, reason: impl ToString) -> FileError {
+    FileError { refused: true, ..FileError::new(action, path, reason) }
 }
 
 #[cfg(test)]

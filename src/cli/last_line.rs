@@ -8,7 +8,7 @@ const WARNINGS: [&str; 2] = ["NOT VALID", "LEFT OUT OF MEANS"];
 
 /// Whether a line is a last line that warns: also those read it who asked for no output.
 pub(super) fn warns(line: &str) -> bool {
-    let shown = anstream::adapter::strip_str(&paint::shown(line)).to_string();
+    let shown = paint::colourless(line);
     WARNINGS.iter().any(|words| shown.starts_with(words))
 }
 
@@ -76,9 +76,7 @@ mod tests {
     /// Law: the last line says of every command whether its runs are valid, and why not.
     #[test]
     fn last_lines_say_whether_runs_are_valid() {
-        let plain = |text: String| {
-            anstream::adapter::strip_str(&super::super::paint::shown(&text)).to_string()
-        };
+        let plain = |text: String| paint::colourless(&text);
         let runs = canned::runs();
         let valid = canned::valid_runs();
         let all =

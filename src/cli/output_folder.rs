@@ -67,7 +67,7 @@ pub(super) fn refuse_any(folder: &Path, names: &[&str]) -> Result<(), FileError>
 
 fn refused(path: &Path, why: &str) -> FileError {
     let reason = format!("{why}; name another folder, or give --force to replace it");
-    FileError { refused: true, ..FileError::new("write", path, reason) }
+    error::refused("write", path, reason)
 }
 
 /// Whether each folder is still where its command began: files that were written after it got

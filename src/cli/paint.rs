@@ -76,6 +76,11 @@ pub(super) fn shown(text: &str) -> String {
     shown
 }
 
+/// The same without colours.
+pub(super) fn colourless(text: &str) -> String {
+    anstream::adapter::strip_str(&shown(text)).to_string()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -163,7 +163,7 @@ pub(super) fn prepare(file: &Path, force: bool) -> Result<(), FileError> {
     }
     if file.exists() && !force {
         let reason = "it exists already; name another, or give --force to replace it";
-        return Err(FileError { refused: true, ..FileError::new("write", file, reason) });
+        return Err(error::refused("write", file, reason));
     }
     let folder = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     output_folder::prepare(folder)

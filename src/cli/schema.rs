@@ -34,43 +34,34 @@ enum Of {
     Sensitivity,
 }
 
-impl Of {
-    /// Title of the page and what stands below it.
-    fn heading(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Scenario => (
-                "Every field of a scenario",
-                "Written by `pluvia schema --page`, from the same source by which scenarios are \
-                 checked.\n[The scenario file](scenario-files.md) shows one with nearly every \
-                 field in its place; units are in the names. A file must\nhave `name`, `grains` \
-                 and `stages`, its own or those of the file that it extends; all else has a \
-                 default. What is\nautomatic follows from the grains ([any grain size](scale.md)); \
-                 its value for the paper's gravel is in brackets. Any\nfield can be changed for \
-                 one run by its path: `--set engine.rate_hz=960`.",
-            ),
-            Self::Convergence => (
-                "Every field of a convergence design",
-                "Written by `pluvia schema --of convergence --page`. docs/studies.md explains it.",
-            ),
-            Self::Sensitivity => (
-                "Every field of a sensitivity design",
-                "Written by `pluvia schema --of sensitivity --page`. docs/studies.md explains it.",
-            ),
-        }
-    }
-}
-
 pub(super) fn run(args: &SchemaArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let schema = match args.of {
-        Of::Scenario => scenario::schema(),
-        Of::Convergence => scenario::document_schema::<ConvergenceDesign>(),
-        Of::Sensitivity => scenario::document_schema::<SensitivityDesign>(),
+    let (schema, title, introduction) = match args.of {
+        Of::Scenario => (
+            scenario::schema(),
+            "Every field of a scenario",
+            "Written by `pluvia schema --page`, from the same source by which scenarios are \
+             checked.\n[The scenario file](scenario-files.md) shows one with nearly every \
+             field in its place; units are in the names. A file must\nhave `name`, `grains` \
+             and `stages`, its own or those of the file that it extends; all else has a \
+             default. What is\nautomatic follows from the grains ([any grain size](scale.md)); \
+             its value for the paper's gravel is in brackets. Any\nfield can be changed for \
+             one run by its path: `--set engine.rate_hz=960`.",
+        ),
+        Of::Convergence => (
+            scenario::document_schema::<ConvergenceDesign>(),
+            "Every field of a convergence design",
+            "Written by `pluvia schema --of convergence --page`. docs/studies.md explains it.",
+        ),
+        Of::Sensitivity => (
+            scenario::document_schema::<SensitivityDesign>(),
+            "Every field of a sensitivity design",
+            "Written by `pluvia schema --of sensitivity --page`. docs/studies.md explains it.",
+        ),
     };
-    if args.page {
-        let (title, introduction) = args.of.heading();
-        context.print_asked(page(title, introduction, &schema).trim_end(), &schema)?;
-        return Ok(ExitStatus::Done);
-    }
-    context.print_asked(&format!("{schema:#}"), &schema)?;
+    let text = match args.page {
+        true => page(title, introduction, &schema).trim_end().to_owned(),
+        false => format!("{schema:#}"),
+    };
+    context.print_asked(&text, &schema)?;
     Ok(ExitStatus::Done)
 }

@@ -66,8 +66,7 @@ mod tests {
     use crate::paper::{StudyView, canned, claims, scorecard};
 
     fn shown(study: &StudyView) -> String {
-        let text = of(&scorecard(study, &claims(study)));
-        anstream::adapter::strip_str(&paint::shown(&text)).to_string()
+        paint::colourless(&of(&scorecard(study, &claims(study))))
     }
 
     /// Law: first the paragraph, which ends with the tally of results alone, then the rows.

@@ -403,7 +403,7 @@ mod tests {
             "warnings": ["1 grain hangs"],
         });
         let summary: Summary = serde_json::from_value(value).expect("a summary");
-        let text = anstream::adapter::strip_str(&paint::shown(&of_summary(&summary))).to_string();
+        let text = paint::colourless(&of_summary(&summary));
         for shown in [
             "a, configuration 2",
             "362 in the cylinder",
@@ -425,7 +425,7 @@ mod tests {
         });
         let laboratory = serde_json::from_value(laboratory).expect("a laboratory");
         let ran_out = Summary { laboratory: Some(laboratory), valid: true, ..summary.clone() };
-        let text = anstream::adapter::strip_str(&paint::shown(&of_summary(&ran_out))).to_string();
+        let text = paint::colourless(&of_summary(&ran_out));
         for shown in [
             "362 in the laboratory, 1 left over, 1 fallen out of it, 0 escaped",
             "no grain is left",
@@ -434,7 +434,7 @@ mod tests {
             assert!(text.contains(shown), "law: `{shown}` of a laboratory, in:\n{text}");
         }
         let pile = Summary { void_ratio: None, porosity: None, ..summary };
-        let text = anstream::adapter::strip_str(&paint::shown(&of_summary(&pile))).to_string();
+        let text = paint::colourless(&of_summary(&pile));
         assert!(
             text.contains("362 on the base, 1 fallen off"),
             "law: a pile's places, got\n{text}"

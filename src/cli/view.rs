@@ -85,8 +85,7 @@ impl Shown {
 pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliError> {
     if let Some(file) = args.save.as_ref().filter(|file| file.exists()) {
         let reason = "it exists already; name another, or remove it";
-        let error = FileError::new("write", file, reason);
-        return Err(FileError { refused: true, ..error }.into());
+        return Err(error::refused("write", file, reason).into());
     }
     let data = read_run_data(&args.run)?;
     if let Some(file) = &args.save {
