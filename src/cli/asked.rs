@@ -77,12 +77,11 @@ pub(super) fn held(folder: &Path, command: &str, question: &Value) -> Option<Str
         return match first_difference("", &same, &same_now) {
             None => lost(&more, &more_now)
                 .map(|what| format!("it holds more results of `pluvia {command}`: {what}")),
-            Some(field) if field.is_empty() => {
-                Some(format!("it holds the results of another `pluvia {command}`"))
+            Some(field) => {
+                let differs = format!(": `{field}` differs");
+                let differs = if field.is_empty() { "" } else { &differs };
+                Some(format!("it holds the results of another `pluvia {command}`{differs}"))
             }
-            Some(field) => Some(format!(
-                "it holds the results of another `pluvia {command}`: `{field}` differs"
-            )),
         };
     }
     // A command that was interrupted has left grains beside its stages; an export has other names.

@@ -3,6 +3,8 @@
 use std::cell::RefCell;
 use std::io::{self, IsTerminal, Write};
 
+use tracing::Level;
+
 use super::*;
 use crate::protocol::{Progress, Silent};
 
@@ -153,15 +155,10 @@ pub(super) fn say(line: &str) {
 }
 
 fn log(verbose: u8) {
-    let level = match verbose {
-        0 => tracing::Level::WARN,
-        1 => tracing::Level::INFO,
-        2 => tracing::Level::DEBUG,
-        _ => tracing::Level::TRACE,
-    };
+    let levels = [Level::WARN, Level::INFO, Level::DEBUG, Level::TRACE];
     // A second context in one process keeps the log of the first.
     let _ = tracing_subscriber::fmt()
-        .with_max_level(level)
+        .with_max_level(levels[usize::from(verbose).min(3)])
         .with_writer(io::stderr)
         .with_target(false)
         .try_init();

@@ -103,8 +103,7 @@ fn on_this_thread(
     listen(None);
     let printed = std::mem::take(&mut *lock(&kept));
     match done {
-        Ok(ExitStatus::Done) => Ended { code: 0, printed, error: None },
-        Ok(ExitStatus::ExpectationMissed) => Ended { code: 1, printed, error: None },
+        Ok(status) => Ended { code: status as u8, printed, error: None },
         Err(error) => Ended { printed, ..failed(&error) },
     }
 }

@@ -10,9 +10,9 @@ use crate::viewer::ServerError;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExitStatus {
     /// Done: exit code 0.
-    Done,
+    Done = 0,
     /// Done, but an expectation was missed that was to be met: exit code 1.
-    ExpectationMissed,
+    ExpectationMissed = 1,
 }
 
 impl ExitStatus {
@@ -24,10 +24,7 @@ impl ExitStatus {
 
 impl From<ExitStatus> for ExitCode {
     fn from(status: ExitStatus) -> Self {
-        match status {
-            ExitStatus::Done => ExitCode::SUCCESS,
-            ExitStatus::ExpectationMissed => ExitCode::from(1),
-        }
+        Self::from(status as u8)
     }
 }
 

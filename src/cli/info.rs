@@ -24,13 +24,11 @@ struct Info {
 }
 
 pub(super) fn run(_: &InfoArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let mut features = Vec::new();
-    if cfg!(feature = "double-precision") {
-        features.push("double-precision");
-    }
-    if cfg!(feature = "rapier") {
-        features.push("rapier");
-    }
+    let features = [
+        ("double-precision", cfg!(feature = "double-precision")),
+        ("rapier", cfg!(feature = "rapier")),
+    ];
+    let features = features.into_iter().filter_map(|(name, on)| on.then_some(name)).collect();
     let info = Info {
         pluvia: env!("CARGO_PKG_VERSION"),
         backends: world::built_in().iter().map(|&backend| world::info(backend)).collect(),

@@ -43,6 +43,13 @@ impl<W: Write> LinesState<W> {
         // A reader that is gone must not stop the simulation.
         let _ = writeln!(self.out, "{}", plain_lines(text));
     }
+
+    /// Takes out a stage: its name, and how long it took. None where it does not run.
+    fn end(&mut self, id: u64) -> Option<(String, String)> {
+        let stage = self.running.remove(&id)?;
+        self.overall.end_stage(id);
+        Some((stage.name, table::duration(stage.began.elapsed().as_secs_f64())))
+    }
 }
 
 impl<W: Write + Send> Progress for Lines<W> {
@@ -87,7 +94,7 @@ impl<W: Write + Send> Progress for Lines<W> {
         );
         if simulated > 0.0 && simulated < stage.expected {
             let left = stage.began.elapsed().as_secs_f64() * (stage.expected / simulated - 1.0);
-            line += &format!(", ETA {}", super::table::duration(left));
+            line += &format!(", ETA {}", table::duration(left));
         }
         line += &format!(", {}", speed(simulated, stage.began));
         if !note.is_empty() {
@@ -98,26 +105,21 @@ impl<W: Write + Send> Progress for Lines<W> {
 
     fn end_stage(&self, id: u64) {
         let mut state = lock(&self.state);
-        if let Some(stage) = state.running.remove(&id) {
-            let took = super::table::duration(stage.began.elapsed().as_secs_f64());
-            let mut line = format!("{}: ended after {took}", stage.name);
-            state.overall.end_stage(id);
-            if state.overall.total() > 0.0 {
-                line += &format!("; in all {}", state.overall);
-                if let Some(left) = state.overall.left() {
-                    line += &format!(", ETA {}", super::table::duration(left));
-                }
+        let Some((name, took)) = state.end(id) else { return };
+        let mut line = format!("{name}: ended after {took}");
+        if state.overall.total() > 0.0 {
+            line += &format!("; in all {}", state.overall);
+            if let Some(left) = state.overall.left() {
+                line += &format!(", ETA {}", table::duration(left));
             }
-            state.line(&line);
         }
+        state.line(&line);
     }
 
     fn leave_stage(&self, id: u64) {
         let mut state = lock(&self.state);
-        if let Some(stage) = state.running.remove(&id) {
-            let took = super::table::duration(stage.began.elapsed().as_secs_f64());
-            state.overall.end_stage(id);
-            state.line(&format!("{}: not finished, left after {took}", stage.name));
+        if let Some((name, took)) = state.end(id) {
+            state.line(&format!("{name}: not finished, left after {took}"));
         }
     }
 

@@ -153,23 +153,23 @@ commands! {
 impl Command {
     /// Whether it may share work among threads.
     fn computes(&self) -> bool {
-        let prints = matches!(self, Self::Schema(_) | Self::Info(_) | Self::Completions(_));
-        !prints && !matches!(self, Self::Man(_))
+        !matches!(self, Self::Schema(_) | Self::Info(_) | Self::Completions(_) | Self::Man(_))
     }
 }
 
 /// Runs the program on the arguments of the process.
 pub fn main() -> ExitCode {
     let words: Vec<_> = std::env::args_os().skip(1).collect();
-    if let Some(what) = renamed::refused(&words) {
-        let error = CliError::Usage(what);
-        context::say(&format!("{}: {error}", paint::bad("error")));
-        return error.exit_code().into();
-    }
-    let cli = Cli::parse();
-    note_panics();
-    let Global { quiet, json, verbose } = cli.global;
-    match carried_out(&cli, || Context::new(quiet, json, verbose)) {
+    let done = match renamed::refused(&words) {
+        Some(what) => Err(CliError::Usage(what)),
+        None => {
+            let cli = Cli::parse();
+            note_panics();
+            let Global { quiet, json, verbose } = cli.global;
+            carried_out(&cli, || Context::new(quiet, json, verbose))
+        }
+    };
+    match done {
         Ok(status) => status.into(),
         Err(error) => {
             let what = error.to_string();

@@ -184,7 +184,7 @@ fn still(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
     let run = read_playback_for(&args.subject, asked)?;
     let shown = at(&run, args.stage.as_deref(), args.time)?;
     prepare(file, args.force)?;
-    let png = picture(&run, shown, &shot)?.to_png(shot.background).map_err(drawing)?;
+    let png = picture(&run, shown, &shot)?.to_png(shot.background)?;
     write_file(file, &png)?;
     let stage = &run.stages[shown.stage];
     Ok(Made {
@@ -210,7 +210,7 @@ fn alone(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
         (*grains).clone()
     };
     prepare(file, args.force)?;
-    let png = loose_grains(&set, &shot)?.to_png(shot.background).map_err(drawing)?;
+    let png = loose_grains(&set, &shot)?.to_png(shot.background)?;
     write_file(file, &png)?;
     Ok(made(None, file, &png))
 }
@@ -233,8 +233,4 @@ fn animation(args: &PictureArgs, context: &Context, file: &Path) -> Result<Made,
 fn made(scenario: Option<String>, file: &Path, png: &[u8]) -> Made {
     let bytes = png.len();
     Made { scenario, stage: None, time_s: None, frames: None, file: file.to_owned(), bytes }
-}
-
-fn drawing(error: png::EncodingError) -> CliError {
-    crate::picture::PictureError::from(error).into()
 }

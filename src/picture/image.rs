@@ -80,7 +80,7 @@ impl Image {
     ///
     /// # Errors
     /// When the size makes no PNG.
-    pub fn to_png(&self, background: Background) -> Result<Vec<u8>, png::EncodingError> {
+    pub fn to_png(&self, background: Background) -> Result<Vec<u8>, PictureError> {
         let (colours, bytes) = match background {
             Background::White => (png::ColorType::Rgb, self.to_rgb()),
             Background::Transparent => (png::ColorType::Rgba, self.to_rgba()),
