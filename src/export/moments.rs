@@ -74,19 +74,13 @@ pub fn read_moments(folder: &Path, stage: Option<&str>) -> Result<Moments, Expor
     };
     let setup = manifest.setup()?;
     let grains = Arc::new(manifest.grains()?);
-    let root = run_file(folder, "stages");
     let mut stages = Vec::new();
     for (name, entry, before) in chosen {
-        let (end, _) = state_of(&root, entry, &grains)?;
-        let base = end.base.clone().map(Arc::new);
-        let (mut frames, kept) = StageStore::frames_in(&root, &entry.key)?.unwrap_or_default();
-        fit(&frames, &kept, &grains)?;
-        for frame in &mut frames {
-            frame.base.clone_from(&base);
-        }
+        let (end, frames) = manifest.stage(entry, &grains, StageStore::frames_in)?;
+        let frames = frames.unwrap_or_default();
         let begin = match (frames.first(), before) {
             (Some(first), _) => Some(first.clone()),
-            (None, Some(before)) => Some(Frame::of(&state_of(&root, before, &grains)?.0)),
+            (None, Some(before)) => Some(Frame::of(&manifest.state(before, &grains)?)),
             (None, None) => None,
         };
         stages.push(StageMoments { name, frames, begin, end });

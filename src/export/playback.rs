@@ -1,7 +1,5 @@
 //! Reads back how a run went: the frames of its stages.
 
-use std::path::PathBuf;
-
 use super::*;
 
 /// A run from its first stage to its last.
@@ -55,9 +53,6 @@ pub fn read_playback_ends(folder: &Path) -> Result<Playback, ExportError> {
     read(folder, StageStore::frame_ends_in, None)
 }
 
-/// Reads frames of a stage from a store, by its name; none where none were kept.
-type FrameReader = fn(&Path, &str) -> Result<Option<(Vec<Frame>, PathBuf)>, FileError>;
-
 fn read(
     folder: &Path,
     frames_in: FrameReader,
@@ -68,21 +63,14 @@ fn read(
     let rest_test = asked.filter(|(number, _, _)| number.is_none());
     let setup = manifest.setup()?;
     let grains = Arc::new(manifest.grains()?);
-    let root = run_file(folder, "stages");
     let mut stages = Vec::new();
     let of_scenario = manifest.stages.iter().map(|entry| (entry.stage.clone(), entry));
     let rest_test = rest_test.into_iter().map(|(_, name, entry)| (name, entry));
     for (name, entry) in of_scenario.chain(rest_test) {
-        let (end, end_file) = state_of(&root, entry, &grains)?;
-        let end = Frame::of(&end);
-        let found = frames_in(&root, &entry.key)?;
-        let is_kept = found.is_some();
-        let (mut frames, path) = found.unwrap_or_else(|| (vec![end.clone()], end_file));
-        for frame in &mut frames {
-            frame.base.clone_from(&end.base);
-        }
-        fit(&frames, &path, &grains)?;
-        stages.push(PlayedStage { name, frames, kept: is_kept });
+        let (end, found) = manifest.stage(entry, &grains, frames_in)?;
+        let kept = found.is_some();
+        let frames = found.unwrap_or_else(|| vec![Frame::of(&end)]);
+        stages.push(PlayedStage { name, frames, kept });
     }
     Ok(Playback { scenario: manifest.scenario.name, setup, grains, stages })
 }

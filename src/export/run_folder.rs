@@ -130,7 +130,7 @@ pub fn read_run(folder: &Path, stage: Option<&str>) -> Result<Exported, ExportEr
         }
         Some(asked) => {
             let (number, name, entry) = manifest.find(asked)?;
-            (number, name, state_of(&run_file(folder, "stages"), entry, &set)?.0)
+            (number, name, manifest.state(entry, &set)?)
         }
     };
     let next_motion =
@@ -164,25 +164,8 @@ pub fn stage_at_rest(folder: &Path) -> Result<Option<&'static str>, ExportError>
     Ok(Manifest::of(folder)?.rest_test.is_some().then_some(REST_TEST))
 }
 
-/// The state at the end of a stored stage, which has as many bodies as there are grains, and the
-/// file it stands in.
-pub(super) fn state_of(
-    root: &Path,
-    entry: &StageEntry,
-    grains: &GrainSet,
-) -> Result<(SpecimenState, PathBuf), FileError> {
-    let (state, path) = StageStore::state_in(root, &entry.key, &entry.specimen_sha256)?;
-    state.check(grains.grains.len()).map_err(|reason| FileError::unfit(&path, reason))?;
-    Ok((state, path))
-}
-
-/// Whether the frames of a file have as many grains as there are.
-pub(super) fn fit(frames: &[Frame], path: &Path, grains: &GrainSet) -> Result<(), FileError> {
-    let expected = grains.grains.len();
-    let other = frames.iter().map(|frame| frame.grains.len()).find(|found| *found != expected);
-    let reason = other.map(|found| format!("it has {found} grains, and grains.json {expected}"));
-    reason.map_or(Ok(()), |reason| Err(FileError::unfit(path, reason)))
-}
+/// Reads frames of a stage from a store, by its key; none where none were kept.
+pub(super) type FrameReader = fn(&Path, &str) -> Result<Option<(Vec<Frame>, PathBuf)>, FileError>;
 
 /// What a folder is that has no manifest.
 fn without_manifest(folder: &Path) -> &'static str {
@@ -226,6 +209,40 @@ impl Manifest {
         let path = run_file(&self.folder, "grains.json");
         let json = self.read(&path)?;
         grains::from_json(&json).map_err(|e| FileError::unfit(&path, e))
+    }
+
+    /// The state at the end of a stage, which has as many bodies as there are grains.
+    pub(super) fn state(
+        &self,
+        entry: &StageEntry,
+        grains: &GrainSet,
+    ) -> Result<SpecimenState, FileError> {
+        let root = run_file(&self.folder, "stages");
+        let (state, path) = StageStore::state_in(&root, &entry.key, &entry.specimen_sha256)?;
+        state.check(grains.grains.len()).map_err(|reason| FileError::unfit(&path, reason))?;
+        Ok(state)
+    }
+
+    /// The same, and the frames that were kept of the stage, none where none were. They have as
+    /// many grains as there are.
+    pub(super) fn stage(
+        &self,
+        entry: &StageEntry,
+        grains: &GrainSet,
+        frames_in: FrameReader,
+    ) -> Result<(SpecimenState, Option<Vec<Frame>>), FileError> {
+        let end = self.state(entry, grains)?;
+        let kept = frames_in(&run_file(&self.folder, "stages"), &entry.key)?;
+        let Some((mut frames, path)) = kept else { return Ok((end, None)) };
+        let expected = grains.grains.len();
+        if let Some(other) = frames.iter().find(|frame| frame.grains.len() != expected) {
+            let found = other.grains.len();
+            let reason = format!("it has {found} grains, and grains.json {expected}");
+            return Err(FileError::unfit(&path, reason));
+        }
+        let base = end.base.clone().map(Arc::new);
+        frames.iter_mut().for_each(|frame| frame.base.clone_from(&base));
+        Ok((end, Some(frames)))
     }
 
     /// Reads a file of the run that must be as it was written.
