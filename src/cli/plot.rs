@@ -3,6 +3,7 @@
 use super::picture::prepare;
 use super::*;
 use crate::report::{ChartColumn, ChartStyle, ColumnChart, ColumnRange, ColumnTable, svg_to_png};
+use crate::scenario::MeantStage;
 
 /// Plot any columns of a run's tables against each other
 #[derive(Debug, Args)]
@@ -193,20 +194,15 @@ fn stage_numbers(folder: &Path, asked: &str) -> Result<Vec<String>, CliError> {
     let read: Value = read_json(&manifest)?;
     let stages = read["stages"].as_array().map_or(&[][..], Vec::as_slice);
     let names: Vec<&str> = stages.iter().filter_map(|stage| stage["stage"].as_str()).collect();
-    let number = asked.parse().ok().filter(|&n: &usize| n < names.len());
-    let found: Vec<String> = match number {
-        Some(number) => vec![number.to_string()],
-        None => {
-            let named = names.iter().enumerate().filter(|(_, name)| **name == asked);
-            named.map(|(number, _)| number.to_string()).collect()
+    match MeantStage::of(asked, names.iter().copied()) {
+        MeantStage::One(number) => Ok(vec![number.to_string()]),
+        MeantStage::Several(numbers) => Ok(numbers.iter().map(usize::to_string).collect()),
+        MeantStage::None => {
+            let known = names.iter().enumerate().map(|(number, name)| format!("{number} {name}"));
+            let has = known.collect::<Vec<_>>().join(", ");
+            Err(CliError::Usage(format!("--stage {asked}: no such stage; the run has {has}")))
         }
-    };
-    if !found.is_empty() {
-        return Ok(found);
     }
-    let known = names.iter().enumerate().map(|(number, name)| format!("{number} {name}"));
-    let has = known.collect::<Vec<_>>().join(", ");
-    Err(CliError::Usage(format!("--stage {asked}: no such stage; the run has {has}")))
 }
 
 fn chart(

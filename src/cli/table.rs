@@ -25,13 +25,9 @@ pub(super) fn duration(seconds: f64) -> String {
 struct Rows(Vec<(String, String)>);
 
 impl Rows {
-    fn add(&mut self, name: &str, text: String) {
-        self.0.push((name.to_owned(), text));
-    }
-
-    /// Where there is something to be said.
-    fn add_some(&mut self, name: &str, text: Option<String>) {
-        self.0.extend(text.map(|text| (name.to_owned(), text)));
+    /// Adds a row where there is something to be said.
+    fn add(&mut self, name: &str, text: impl Into<Option<String>>) {
+        self.0.extend(text.into().map(|text| (name.to_owned(), text)));
     }
 
     fn aligned(&self) -> String {
@@ -159,8 +155,8 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     };
     rows.add("", places);
     let ratio = |void_ratio: f64| format!("{void_ratio:.3}");
-    rows.add_some("poured height", summary.poured_height_mm.as_ref().map(height));
-    rows.add_some("poured void ratio", summary.poured_void_ratio.map(ratio));
+    rows.add("poured height", summary.poured_height_mm.as_ref().map(height));
+    rows.add("poured void ratio", summary.poured_void_ratio.map(ratio));
     if !pile && !is_withheld("standing_height_mm") {
         rows.add("standing height", height(&summary.standing_height_mm));
     }
@@ -168,19 +164,19 @@ pub(super) fn of_summary(summary: &Summary) -> String {
         rows.add("void ratio", format!("{void_ratio:.3} (porosity {porosity:.3})"));
     }
     let core = summary.core.as_ref().and_then(|core| core.void_ratio);
-    rows.add_some("void ratio of the core", core.map(ratio));
+    rows.add("void ratio of the core", core.map(ratio));
     if let Some(laboratory) = laboratory {
         of_laboratory(laboratory, &mut rows);
     }
     for (n, of) in summary.stages.iter().enumerate() {
         let until = of.until.as_ref().map(|until| until.line());
-        rows.add_some(&format!("stage {n}, {}", of.stage), until);
+        rows.add(&format!("stage {n}, {}", of.stage), until);
     }
     for of in &summary.vibrations {
         rows.add("vibration", vibration(of));
     }
-    rows.add_some("settlement, plate", summary.settlement_mm.as_ref().map(settlement));
-    rows.add_some("settlement, surface", summary.surface_settlement_mm.as_ref().map(settlement));
+    rows.add("settlement, plate", summary.settlement_mm.as_ref().map(settlement));
+    rows.add("settlement, surface", summary.surface_settlement_mm.as_ref().map(settlement));
     if let Some(of) = &summary.angle_of_repose {
         rows.add("angle of repose", angle_of_repose(of));
         let (high, toe, off) = (of.pile_height_mm, of.base_radius_mm, of.fallen_off);
@@ -200,7 +196,7 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     // Nothing added to what rounds to −0 makes it 0.
     let creep =
         summary.creep_um_per_s.map(|v| format!("{:.1} µm/s", (10.0 * v).round() / 10.0 + 0.0));
-    rows.add_some("numerical creep at rest", creep);
+    rows.add("numerical creep at rest", creep);
     let standard = match (summary.meets_standard, summary.valid) {
         (true, _) => paint::good("met"),
         (false, true) => {

@@ -41,10 +41,12 @@ pub fn standing(
     state: &SpecimenState,
 ) -> Result<Vec<StandingPiece>, ApparatusError> {
     let mut found = Vec::new();
-    for (n, (piece, material)) in base_pieces(grains, state.base.as_ref())?.into_iter().enumerate()
-    {
-        let name = format!("base_{n:04}");
-        found.push(StandingPiece { name, carrier: Carrier::Fixed, material, piece });
+    let mut add = |name: String, carrier: Carrier, material: Material, piece: Piece| {
+        found.push(StandingPiece { name, carrier, material, piece });
+    };
+    let base = base_pieces(grains, state.base.as_ref())?;
+    for (n, (piece, material)) in base.into_iter().enumerate() {
+        add(format!("base_{n:04}"), Carrier::Fixed, material, piece);
     }
     if state.cylinder {
         let walls = setup.cylinder.pieces.len().saturating_sub(1);
@@ -52,26 +54,22 @@ pub fn standing(
             let name = if n == walls { "floor".to_owned() } else { format!("cylinder_{n:02}") };
             let mut piece = piece.clone();
             piece.pose.translation.vector += state.table();
-            let (carrier, material) = (Carrier::Table, Material::Wall);
-            found.push(StandingPiece { name, carrier, material, piece });
+            add(name, Carrier::Table, Material::Wall, piece);
         }
     }
     for (n, (piece, at)) in setup.pieces.iter().zip(&state.pieces).enumerate() {
         for (k, part) in piece.parts.iter().enumerate().filter(|_| at.present) {
-            let name = piece.part_name(k);
-            let (carrier, material) = (Carrier::Kinematic, setup.piece_materials[n]);
-            let piece = Piece { pose: at.pose * part.pose, ..part.clone() };
-            found.push(StandingPiece { name, carrier, material, piece });
+            let placed = Piece { pose: at.pose * part.pose, ..part.clone() };
+            add(piece.part_name(k), Carrier::Kinematic, setup.piece_materials[n], placed);
         }
     }
     if let Some(stands) = state.funnel {
         let funnel = Funnel::new(&setup.funnel, stands.opening_height, 0.0)?;
-        let (carrier, material) = (Carrier::Fixed, Material::Wall);
-        let fixed = |name, piece| StandingPiece { name, carrier, material, piece };
-        let pieces = funnel.pieces.into_iter().enumerate();
-        found.extend(pieces.map(|(n, piece)| fixed(format!("funnel_{n:02}"), piece)));
+        for (n, piece) in funnel.pieces.into_iter().enumerate() {
+            add(format!("funnel_{n:02}"), Carrier::Fixed, Material::Wall, piece);
+        }
         if stands.lid {
-            found.push(fixed("lid".to_owned(), funnel.lid));
+            add("lid".to_owned(), Carrier::Fixed, Material::Wall, funnel.lid);
         }
     }
     Ok(found)

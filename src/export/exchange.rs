@@ -294,17 +294,15 @@ impl Scene {
         made_by: MadeBy,
     ) -> Result<Self, ApparatusError> {
         let state = &specimen.state;
-        let apparatus = standing(setup, &specimen.grains, &specimen.state)?
-            .into_iter()
-            .map(|s| ApparatusPiece {
-                name: s.name,
-                motion: s.carrier,
-                material: s.material,
-                shape: (*s.piece.shape).clone(),
-                position_m: s.piece.pose.translation.vector,
-                quaternion_xyzw: s.piece.pose.rotation.coords.into(),
-            })
-            .collect();
+        let standing = standing(setup, &specimen.grains, state)?.into_iter();
+        let apparatus = standing.map(|s| ApparatusPiece {
+            name: s.name,
+            motion: s.carrier,
+            material: s.material,
+            shape: (*s.piece.shape).clone(),
+            position_m: s.piece.pose.translation.vector,
+            quaternion_xyzw: s.piece.pose.rotation.coords.into(),
+        });
         let grains = specimen.present().map(|n| {
             let grain = &specimen.grains.grains[n];
             ExchangeGrain {
@@ -322,6 +320,12 @@ impl Scene {
             inertia_kg_m2: setup.plate.inertia,
             at: body.into(),
         });
+        let contacts = state.contacts.iter().map(|c| ExchangeContact {
+            between: c.between.map(|party| party_name(setup, party)),
+            point_m: c.point_m,
+            normal: c.normal,
+            force_n: c.force_n,
+        });
         let law = motion.and_then(TableLaw::of);
         let other = motion.filter(|_| law.is_none());
         let samples = other.map(|m| TableSamples::of(m, 1.0 / setup.engine.rate_hz));
@@ -337,9 +341,9 @@ impl Scene {
             },
             table: Table { x_m: state.table_x, motion: law, samples },
             grains: grains.collect(),
-            apparatus,
+            apparatus: apparatus.collect(),
             top_plate,
-            contacts: contacts(setup, state),
+            contacts: contacts.collect(),
         })
     }
 
@@ -400,15 +404,4 @@ pub(super) fn party_name(setup: &Setup, party: Party) -> String {
             None => format!("piece_{piece}_{part:02}"),
         },
     }
-}
-
-fn contacts(setup: &Setup, state: &SpecimenState) -> Vec<ExchangeContact> {
-    let named = |party| party_name(setup, party);
-    let contacts = state.contacts.iter().map(|c| ExchangeContact {
-        between: c.between.map(named),
-        point_m: c.point_m,
-        normal: c.normal,
-        force_n: c.force_n,
-    });
-    contacts.collect()
 }

@@ -78,7 +78,6 @@ fn state(time: f64, stage: usize, grains: usize) -> SpecimenState {
         bodies: bodies.collect(),
         funnel: (stage == 0).then_some(FunnelState { opening_height: 0.2, lid: false }),
         cylinder: true,
-        base: None,
         top_plate: (stage > 0).then(|| BodyState::at_rest(Pose::translation(table_x, 0.0, 0.1))),
         contacts: vec![
             contact(Party::Grain(0), Party::Grain(2), [3.0, 0.0, 4.0]),
@@ -87,9 +86,7 @@ fn state(time: f64, stage: usize, grains: usize) -> SpecimenState {
             contact(Party::Other(Other::TopPlate), Party::Grain(3), [0.0, 0.0, 1.0]),
         ],
         table_x,
-        table_y: 0.0,
-        table_z: 0.0,
-        pieces: Vec::new(),
         time,
+        ..SpecimenState::before_everything(0)
     }
 }
