@@ -122,7 +122,7 @@ fn not_here(words: &[OsString]) -> Option<String> {
 /// Why a command is refused that has no end or prints no result.
 fn endless(command: &Command) -> Option<&'static str> {
     match command {
-        Command::View(args) if !args.saves() => {
+        Command::View(args) if args.save.is_none() => {
             Some("`pluvia view` serves a page until Ctrl-C: give --save FILE.html")
         }
         Command::Completions(_) => Some("`pluvia completions` is for shells"),

@@ -43,10 +43,10 @@ pub(super) fn run(args: &StageArgs, context: &Context) -> Result<ExitStatus, Cli
     let Some((level, task)) = asked else {
         let levels = tasks.levels();
         let missing: Vec<Vec<usize>> = (0..levels.len()).map(|n| tasks.missing(n)).collect();
-        let mut text = String::new();
-        for (n, (stages, missing)) in levels.iter().zip(&missing).enumerate() {
-            text += &format!("level {n}: {stages} stages, {} not stored\n", missing.len());
-        }
+        let lines = levels.iter().zip(&missing).enumerate().map(|(n, (stages, missing))| {
+            format!("level {n}: {stages} stages, {} not stored\n", missing.len())
+        });
+        let text: String = lines.collect();
         return context.done(&text, &json!({ "levels": levels, "missing": missing }));
     };
     context.stop_on_ctrl_c();

@@ -3,8 +3,8 @@
 use super::*;
 use crate::report::Sweep;
 use crate::study::{
-    Design, Factor, SNAKEFILE, SampledRange, SlurmRequest, SweepOptions, SweepStudy, quoted,
-    submit_to_slurm, this_program, write_snakefile,
+    Design, Factor, SNAKEFILE, SampledRange, SlurmJob, SlurmRequest, SweepOptions, SweepStudy,
+    quoted, submit_to_slurm, this_program, write_snakefile,
 };
 
 /// Run a scenario at many values of its fields and put the results into one table
@@ -182,14 +182,11 @@ fn on_slurm(
         account: args.account.clone(),
     };
     let jobs = submit_to_slurm(tasks, &this_program()?, &request)?;
-    let mut text = String::new();
-    for job in &jobs {
-        text += &match job.level {
-            Some(level) => format!("job {}: {} stages of level {level}\n", job.id, job.tasks),
-            None => format!("job {}: collects the results when all have ended\n", job.id),
-        };
-    }
-    context.done(&text, &jobs)
+    let line = |job: &SlurmJob| match job.level {
+        Some(level) => format!("job {}: {} stages of level {level}\n", job.id, job.tasks),
+        None => format!("job {}: collects the results when all have ended\n", job.id),
+    };
+    context.done(&jobs.iter().map(line).collect::<String>(), &jobs)
 }
 
 fn status(tasks: &SweepTasks, context: &Context) -> Result<ExitStatus, CliError> {

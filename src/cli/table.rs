@@ -193,9 +193,7 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     };
     rows.add("overlap", overlap);
     rows.add("coordination number", coordination(summary));
-    // Nothing added to what rounds to −0 makes it 0.
-    let creep =
-        summary.creep_um_per_s.map(|v| format!("{:.1} µm/s", (10.0 * v).round() / 10.0 + 0.0));
+    let creep = summary.creep_um_per_s.map(|v| format!("{:.1} µm/s", rounded(v, 1)));
     rows.add("numerical creep at rest", creep);
     let standard = match (summary.meets_standard, summary.valid) {
         (true, _) => paint::good("met"),

@@ -28,14 +28,7 @@ pub(super) struct ViewArgs {
     /// Write the page with the run inside as one file, to hand to others, and serve nothing; an
     /// existing file is kept
     #[arg(long, value_name = "FILE.html", conflicts_with_all = ["port", "no_browser"])]
-    save: Option<PathBuf>,
-}
-
-impl ViewArgs {
-    /// Whether the page is written into a file, and nothing served.
-    pub(super) fn saves(&self) -> bool {
-        self.save.is_some()
-    }
+    pub(super) save: Option<PathBuf>,
 }
 
 /// What is shown, and where.

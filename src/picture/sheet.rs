@@ -38,7 +38,7 @@ pub fn sheet(
 ) -> Result<Image, PictureError> {
     let Some((first, _)) = panels.first() else { return Ok(Image::clear(width.max(1), 1)) };
     let rows = (panels.len() as u32).div_ceil(columns);
-    let size = panel_text(width);
+    let size = TEXT * KEY_SHARE * f64::from(width);
     let named = panels.iter().any(|(_, name)| !name.is_empty());
     let name_height = if named { (2.2 * size) as u32 } else { 0 };
     let height = rows * (first.height + name_height);
@@ -65,10 +65,6 @@ pub fn sheet(
 
 const INK: &str = "#191919";
 const SOFT: &str = "#5a6068";
-
-fn panel_text(width: u32) -> f64 {
-    TEXT * KEY_SHARE * f64::from(width)
-}
 
 fn text(svg: &mut String, x: f64, y: f64, size: f64, anchor: &str, words: &str) {
     let words = words.replace('&', "&amp;").replace('<', "&lt;");

@@ -3,7 +3,6 @@
 //! machine. `docs/viewer.md` is the user's guide.
 
 mod data;
-mod desk;
 mod links;
 mod page;
 mod redirect;
@@ -12,7 +11,7 @@ mod server;
 mod shapes;
 
 pub use data::{FORMAT, MAGIC, RunData, VERSION, read_run_data};
-pub use desk::Desk;
 pub use page::{Site, self_contained};
 pub use redirect::Redirect;
+pub use request::Desk;
 pub use server::{Server, ServerError};

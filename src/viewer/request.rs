@@ -3,10 +3,10 @@
 use std::io;
 
 use httparse::{EMPTY_HEADER, Request, Status};
-
 use rand::{TryRng, rngs::SysRng};
 
 use super::page::{Resource, SITE_POLICY, Site};
+use crate::input::hexadecimal;
 
 /// Longest head of a request in bytes; a browser's have about 1000.
 pub(super) const LONGEST_HEAD: usize = 16 * 1024;
@@ -64,7 +64,7 @@ impl Token {
     pub fn new() -> io::Result<Self> {
         let mut bytes = [0_u8; 16];
         SysRng.try_fill_bytes(&mut bytes).map_err(io::Error::other)?;
-        Ok(Self(bytes.iter().map(|byte| format!("{byte:02x}")).collect()))
+        Ok(Self(hexadecimal(&bytes)))
     }
 
     /// How paths begin that may be asked for; a slash follows.
@@ -132,6 +132,34 @@ impl Door {
         let resource = self.site.get(path);
         let status = if resource.is_some() { (200, "OK") } else { (404, "Not Found") };
         Some(Answer { status, resource, head_only })
+    }
+}
+
+/// The viewer's answers without a connection, for whoever tries very many requests; it has a
+/// token of its own.
+#[derive(Debug)]
+pub struct Desk {
+    door: Door,
+}
+
+impl Desk {
+    /// One that serves a site as from a port.
+    ///
+    /// # Errors
+    /// When the system gives no random numbers.
+    pub fn new(site: Site, port: u16) -> io::Result<Self> {
+        Ok(Self { door: Door { site, port, token: Token::new()? } })
+    }
+
+    /// How paths begin that are served; a slash follows.
+    pub fn path(&self) -> String {
+        self.door.token.path()
+    }
+
+    /// Head and content of the answer to what has arrived of a request; none when more must
+    /// arrive.
+    pub fn answer(&self, received: &[u8]) -> Option<Vec<u8>> {
+        self.door.answer(received).map(|answer| answer.bytes())
     }
 }
 
