@@ -8,28 +8,21 @@ const WIDTH: usize = 96;
 
 /// The paragraph and the rows.
 pub(super) fn of(card: &Scorecard) -> String {
-    let header = ["statement", "paper", "ours", "verdict"].map(str::to_owned);
-    let mut rows = vec![header.to_vec()];
+    let mut rows = vec![["statement", "paper", "ours", "verdict"].map(str::to_owned)];
     for row in &card.rows {
         let left_out = match row.left_out {
             0 => String::new(),
             n => format!(" (left out: {n})"),
         };
-        rows.push(vec![
+        let undecided = if row.is_undecided() { ", not decided" } else { "" };
+        rows.push([
             row.statement.to_owned(),
             row.paper.clone(),
             format!("{}{left_out}", row.in_words),
-            format!(
-                "{}{}",
-                verdict(row.verdict),
-                if row.is_undecided() { ", not decided" } else { "" }
-            ),
+            format!("{}{undecided}", verdict(row.verdict)),
         ]);
     }
-    let mut text = wrapped(&card.paragraph);
-    text += "\n";
-    text += &table::columns(&rows);
-    text
+    wrapped(&card.paragraph) + "\n" + &table::columns(&rows)
 }
 
 fn verdict(of: Verdict) -> String {

@@ -67,19 +67,13 @@ pub fn animate(
 }
 
 fn check(animation: &Animation) -> Result<(), PictureError> {
-    animation.shot.check()?;
-    let range = |option, value, allowed| Err(PictureError::Range { option, value, allowed });
-    if !(animation.every_s > 0.0) || !animation.every_s.is_finite() {
-        return range("every", animation.every_s, "a number of seconds above 0");
-    }
-    if !(1..=60).contains(&animation.frames_per_second) {
-        let value = f64::from(animation.frames_per_second);
-        return range("frames-per-second", value, "1 to 60");
-    }
-    if !(animation.limit_mb > 0.0) {
-        return range("limit-mb", animation.limit_mb, "a number above 0");
-    }
-    Ok(())
+    let Animation { shot, every_s, frames_per_second, limit_mb, .. } = animation;
+    shot.check()?;
+    let is_time = *every_s > 0.0 && every_s.is_finite();
+    in_range("every", *every_s, is_time, "a number of seconds above 0")?;
+    let is_rate = (1..=60).contains(frames_per_second);
+    in_range("frames-per-second", f64::from(*frames_per_second), is_rate, "1 to 60")?;
+    in_range("limit-mb", *limit_mb, *limit_mb > 0.0, "a number above 0")
 }
 
 /// The frames to show: in each interval of `every_s` the first one kept, and the

@@ -8,6 +8,16 @@ use super::*;
 /// Smallest and largest side of a picture in pixels.
 const SIDES: std::ops::RangeInclusive<u32> = 64..=8192;
 
+/// An error that says what an option may be, unless it is allowed.
+pub(super) fn in_range(
+    option: &'static str,
+    value: f64,
+    is_allowed: bool,
+    allowed: &'static str,
+) -> Result<(), PictureError> {
+    if is_allowed { Ok(()) } else { Err(PictureError::Range { option, value, allowed }) }
+}
+
 /// How a picture is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shot {
@@ -47,20 +57,13 @@ impl Shot {
     /// # Errors
     /// [`PictureError::Range`] naming the first that does not.
     pub fn check(&self) -> Result<(), PictureError> {
-        let fault = |option, value, allowed| Err(PictureError::Range { option, value, allowed });
         for (option, side) in [("width", self.width), ("height", self.height)] {
-            if !SIDES.contains(&side) {
-                return fault(option, f64::from(side), "64 to 8192 pixels");
-            }
+            in_range(option, f64::from(side), SIDES.contains(&side), "64 to 8192 pixels")?;
         }
         let View { azimuth_deg, elevation_deg } = self.view;
-        if !azimuth_deg.is_finite() {
-            return fault("azimuth", azimuth_deg, "a number of degrees");
-        }
-        if !(-89.0..=89.0).contains(&elevation_deg) {
-            return fault("elevation", elevation_deg, "-89 to 89 degrees");
-        }
-        Ok(())
+        in_range("azimuth", azimuth_deg, azimuth_deg.is_finite(), "a number of degrees")?;
+        let is_seen = (-89.0..=89.0).contains(&elevation_deg);
+        in_range("elevation", elevation_deg, is_seen, "-89 to 89 degrees")
     }
 
     /// Width in pixels of what the camera sees.
