@@ -103,13 +103,11 @@ impl Verdict {
             _ => case.tolerance,
         };
         let known = case.known_failures.iter().find(|k| k.covers(&setting.name));
-        let (outcome, note) = match outcome {
-            Ok(outcome) => {
-                let note = outcome.note.clone();
-                (Some(outcome), note)
-            }
-            Err(error) => (None, Some(error.to_string())),
+        let note = match &outcome {
+            Ok(outcome) => outcome.note.clone(),
+            Err(error) => Some(error.to_string()),
         };
+        let outcome = outcome.ok();
         let got = outcome.as_ref().map(|o| o.got).filter(|got| got.is_finite());
         let pass = got.is_some_and(|got| within(case.expected, got, tolerance));
         Self {
