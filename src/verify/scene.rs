@@ -104,6 +104,12 @@ impl Scene {
         at.map_or(id, |n| BodyId(n as u32))
     }
 
+    /// Moves a kinematic body by a way (m) from a pose at the end of the next step.
+    pub fn shift(&mut self, id: BodyId, from: &Pose, way: Vector) -> Result<(), VerifyError> {
+        let at = from.translation.vector + way;
+        self.drive(id, &Pose::from_parts(at.into(), from.rotation))
+    }
+
     /// Moves a kinematic body to a pose at the end of the next step.
     pub fn drive(&mut self, id: BodyId, pose: &Pose) -> Result<(), VerifyError> {
         self.enter()?;
@@ -153,6 +159,25 @@ impl Scene {
             look(self.time(), state);
         }
         Ok(())
+    }
+
+    /// Steps for a time in s; a point of a curve after about so many of the steps, the last
+    /// among them, each made of the scene and the step's number.
+    pub fn sampled(
+        &mut self,
+        duration: f64,
+        samples: u64,
+        mut point: impl FnMut(&mut Self, u64) -> Result<(f64, f64), VerifyError>,
+    ) -> Result<Vec<(f64, f64)>, VerifyError> {
+        let steps = self.steps_in(duration);
+        let mut curve = Vec::new();
+        for n in 1..=steps {
+            self.step()?;
+            if n % (steps / samples).max(1) == 0 || n == steps {
+                curve.push(point(self, n)?);
+            }
+        }
+        Ok(curve)
     }
 
     /// Whole steps in a time in s.
@@ -270,6 +295,17 @@ pub fn uniform(friction: f64, restitution: f64) -> PairTable {
     PairTable::uniform(PairCoefficients { friction, restitution })
 }
 
+/// A table of pairs in which the plate has coefficients of its own with one material.
+pub fn with_plate(
+    mut pairs: PairTable,
+    other: Material,
+    friction: f64,
+    restitution: f64,
+) -> PairTable {
+    pairs.set(other, Material::Plate, PairCoefficients { friction, restitution });
+    pairs
+}
+
 /// A box of grain material with given sides (m), upright, its centroid at a place (m).
 pub fn block(sides: Vector, at: Vector) -> Result<Body, VerifyError> {
     Ok(free(ConvexPolyhedron::cuboid(sides)?, at))
@@ -308,17 +344,44 @@ pub fn profile(polygon: &[(f64, f64)], depth: f64) -> Result<ConvexPolyhedron, V
 
 /// A wall of given sides (m) with its centre at a place (m).
 pub fn wall(sides: Vector, at: Vector, motion: Motion) -> Result<Body, VerifyError> {
-    let mut body = block(sides, at)?;
-    body.motion = motion;
-    body.material = Material::Wall;
-    Ok(body)
+    Ok(Body { motion, material: Material::Wall, ..block(sides, at)? })
 }
+
+/// Thickness of floors in m.
+const THICKNESS: f64 = 0.02;
 
 /// A floor of a half width (m) whose upper face lies at z = 0.
 pub fn floor(half_width: f64, motion: Motion) -> Result<Body, VerifyError> {
-    const THICKNESS: f64 = 0.02;
     let sides = Vector::new(2.0 * half_width, 2.0 * half_width, THICKNESS);
     wall(sides, Vector::new(0.0, 0.0, -THICKNESS / 2.0), motion)
+}
+
+/// A fixed piece of a floor from one place to another along x, of a width along y, its upper
+/// face at a height; all in m.
+pub fn piece(from: f64, to: f64, width: f64, top: f64) -> Result<Body, VerifyError> {
+    let at = Vector::new(0.5 * (from + to), 0.0, top - THICKNESS / 2.0);
+    wall(Vector::new(to - from, width, THICKNESS), at, Motion::Static)
+}
+
+/// Four walls around the z axis, which stand on z = 0 with their middles `off` the axis; sizes
+/// in m.
+pub fn walls_around(
+    off: f64,
+    thickness: f64,
+    length: f64,
+    height: f64,
+    motion: Motion,
+) -> Result<Vec<Body>, VerifyError> {
+    let mut walls = Vec::new();
+    for side in [-1.0, 1.0] {
+        for (sides, at) in [
+            (Vector::new(thickness, length, height), Vector::new(side * off, 0.0, height / 2.0)),
+            (Vector::new(length, thickness, height), Vector::new(0.0, side * off, height / 2.0)),
+        ] {
+            walls.push(wall(sides, at, motion)?);
+        }
+    }
+    Ok(walls)
 }
 
 /// Mass in kg and principal moments in kg m² of a free body.

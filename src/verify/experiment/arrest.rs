@@ -21,8 +21,6 @@
 //! half of e and at most half as much again.
 
 use super::*;
-use crate::verify::scene::{profile, solid};
-use crate::world::PairTable;
 
 /// A block falls, is caught above a floor, and is let down on it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -107,26 +105,17 @@ struct Holder {
 
 impl Holder {
     /// Lets the block down by a depth (m) at the end of the next step.
-    fn lower(&self, scene: &mut Scene, depth: f64) -> Result<(), VerifyError> {
+    fn lower(&self, scene: &mut Scene, depth: f64) -> Result<()> {
         for (id, pose, way) in &self.bodies {
-            let mut pose = *pose;
-            pose.translation.vector += way * depth;
-            scene.drive(*id, &pose)?;
+            scene.shift(*id, pose, way * depth)?;
         }
         Ok(())
-    }
-
-    /// Raises the floor by a height (m) at the end of the next step.
-    fn raise_floor(&self, scene: &mut Scene, height: f64) -> Result<(), VerifyError> {
-        let (id, mut pose) = self.floor;
-        pose.translation.vector.z += height;
-        scene.drive(id, &pose)
     }
 }
 
 impl ApproachArrested {
     /// The block where it would rest on what catches it.
-    fn block(&self) -> Result<Body, VerifyError> {
+    fn block(&self) -> Result<Body> {
         let gap = from_mm(self.gap_mm);
         match self.caught_by {
             Catch::Ledges | Catch::Piles => {
@@ -141,7 +130,7 @@ impl ApproachArrested {
     }
 
     /// Floor, what catches the block, and cubes where those are part of it.
-    fn place(&self, scene: &mut Scene) -> Result<Holder, VerifyError> {
+    fn place(&self, scene: &mut Scene) -> Result<Holder> {
         const DEEP: f64 = 0.04;
         const THICK: f64 = 0.01;
         let gap = from_mm(self.gap_mm);
@@ -170,7 +159,7 @@ impl ApproachArrested {
                 }
                 Catch::Clamps => {
                     let lean = from_deg(LEAN_DEG);
-                    let turn = UnitQuaternion::from_axis_angle(&Vector::y_axis(), side * lean);
+                    let turn = about_y(side * lean);
                     let sides = Vector::new(THICK, 2.0 * SIDE, 3.0 * WEDGE);
                     // Beside the middle of the wedge's face, whose normal is x turned.
                     let face = Vector::new(
@@ -196,16 +185,11 @@ impl ApproachArrested {
         Ok(Holder { bodies, floor })
     }
 
-    fn pairs(&self) -> PairTable {
-        let of = |restitution| PairCoefficients { friction: self.friction, restitution };
-        let mut pairs = PairTable::uniform(of(self.restitution));
-        pairs.set(Material::Grain, Material::Plate, of(self.restitution_of_catch));
-        pairs
-    }
-
     pub(super) fn run(&self, bench: &Bench) -> Measured {
         let gravity = Vector::new(0.0, 0.0, -self.gravity_m_per_s2);
-        let mut scene = bench.scene_under(gravity, &self.pairs())?;
+        let pairs = uniform(self.friction, self.restitution);
+        let pairs = with_plate(pairs, Material::Grain, self.friction, self.restitution_of_catch);
+        let mut scene = bench.scene_under(gravity, &pairs)?;
         let holder = self.place(&mut scene)?;
         let mut body = self.block()?;
         let caught = body.state.pose.translation.z;
@@ -214,9 +198,7 @@ impl ApproachArrested {
         let id = scene.add(&body)?;
         let (gap, lift) = (from_mm(self.gap_mm), from_mm(self.lift_mm));
         let dt = scene.time_step();
-        for _ in 0..scene.steps_in(self.rest_s) {
-            scene.step()?;
-        }
+        scene.run(self.rest_s)?;
         for n in 1..=scene.steps_in(lift / LIFTS) {
             holder.lower(&mut scene, -(LIFTS * dt * n as f64).min(lift))?;
             scene.step()?;
@@ -265,11 +247,8 @@ impl ApproachArrested {
         // What never comes down shows nothing of the impact.
         let came_down = lowest < 0.5 * distance;
         if self.then == LetDown::Drops {
-            let law = (0..=200).map(|n| {
-                let t = duration * f64::from(n) / 200.0;
-                (t, 1e6 * self.dropped(distance, t))
-            });
-            outcome.law("Falls freely and rebounds", law.collect());
+            let law = over(duration, 200, |t| 1e6 * self.dropped(distance, t));
+            outcome.law("Falls freely and rebounds", law);
             let rise = if came_down { rise_after_fall(&motion) } else { f64::NAN };
             return Ok(outcome.got((rise / distance).sqrt()));
         }
@@ -303,7 +282,7 @@ impl ApproachArrested {
         let (start, mut motion) = (scene.state(id)?.pose.translation.z, vec![(0.0, distance)]);
         for n in 1..=scene.steps_in(duration) {
             let raised = speed * dt * n as f64;
-            holder.raise_floor(scene, raised)?;
+            scene.shift(holder.floor.0, &holder.floor.1, Vector::new(0.0, 0.0, raised))?;
             scene.step()?;
             let height = scene.state(id)?.pose.translation.z - start + distance - raised;
             motion.push((scene.time() - begin, height));
@@ -318,13 +297,12 @@ impl ApproachArrested {
             to_mm(0.5 * leaves * leaves / g)
         ));
         outcome.measured("Engine", motion.iter().map(|m| (m.0, to_mm(m.1))).collect());
-        let law = (0..=200).map(|n| {
-            let t = duration * f64::from(n) / 200.0;
+        let law = over(duration, 200, |t| {
             let after = t - meets;
             let away = leaves * after - 0.5 * g * after * after;
-            (t, to_mm(if after < 0.0 { distance - speed * t } else { away.max(0.0) }))
+            to_mm(if after < 0.0 { distance - speed * t } else { away.max(0.0) })
         });
-        outcome.law("Waits and rebounds", law.collect());
+        outcome.law("Waits and rebounds", law);
         Ok(outcome.got(if lost { f64::NAN } else { (2.0 * g * rise).sqrt() / speed }))
     }
 

@@ -2,8 +2,6 @@
 
 use super::drag_law::Drag;
 use super::*;
-use crate::verify::scene::{profile, solid};
-use crate::world::PairTable;
 
 /// A block is pushed at a steady velocity from one piece onto the next.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -23,9 +21,8 @@ pub struct Dragged {
     pub distance_mm: f64,
 }
 
-/// Half the floor's width, its thickness, and the pusher's length, all in m.
+/// Half the floor's width, and the pusher's length, both in m.
 const HALF: f64 = 0.1;
-const THICKNESS: f64 = 0.02;
 const PUSHER: f64 = 0.01;
 
 impl Dragged {
@@ -39,14 +36,11 @@ impl Dragged {
     }
 
     /// Two pieces, the block and what pushes it with an edge at the height of its centroid.
-    fn place(&self, scene: &mut Scene) -> Result<(BodyId, BodyId, Body), VerifyError> {
-        let sides = Vector::from(self.sides_mm).map(from_mm);
+    fn place(&self, scene: &mut Scene) -> Result<(BodyId, BodyId, Body)> {
+        let sides = in_m(self.sides_mm);
         let joint = from_mm(self.before_mm) + sides.x / 2.0;
-        for (from, to, top) in [(-HALF, joint, 0.0), (joint, HALF, -from_mm(self.step_mm))] {
-            let piece = Vector::new(to - from, 2.0 * HALF, THICKNESS);
-            let at = Vector::new(0.5 * (from + to), 0.0, top - THICKNESS / 2.0);
-            scene.add(&wall(piece, at, Motion::Static)?)?;
-        }
+        scene.add(&piece(-HALF, joint, 2.0 * HALF, 0.0)?)?;
+        scene.add(&piece(joint, HALF, 2.0 * HALF, -from_mm(self.step_mm))?)?;
         let mut body = block(sides, Vector::new(0.0, 0.0, sides.z / 2.0 + START_GAP))?;
         body.state.linear_velocity.x = self.speed_m_per_s;
         let id = scene.add(&body)?;
@@ -54,29 +48,26 @@ impl Dragged {
         let (middle, thick) = (sides.z / 2.0, sides.z / 4.0);
         let corners =
             [(tip - PUSHER, middle + thick), (tip - PUSHER, middle - thick), (tip, middle)];
-        let mut pusher = solid(&profile(&corners, sides.y / 2.0)?);
-        pusher.motion = Motion::Kinematic;
+        let shape = profile(&corners, sides.y / 2.0)?;
         // Of the plate's material, to have no friction.
-        pusher.material = Material::Plate;
+        let material = Material::Plate;
+        let pusher = Body { motion: Motion::Kinematic, material, ..solid(&shape) };
         Ok((id, scene.add(&pusher)?, pusher))
     }
 
     pub(super) fn run(&self, bench: &Bench) -> Measured {
-        let with = |friction| PairCoefficients { friction, restitution: 0.0 };
-        let mut pairs = PairTable::uniform(with(self.friction));
-        pairs.set(Material::Grain, Material::Plate, with(0.0));
+        let pairs = with_plate(uniform(self.friction, 0.0), Material::Grain, 0.0, 0.0);
         let mut scene = bench.scene(&pairs)?;
         let (id, pusher, body) = self.place(&mut scene)?;
-        let (mass, _) = mass_of(&block(Vector::from(self.sides_mm).map(from_mm), Vector::zeros())?);
+        let (mass, _) = mass_of(&block(in_m(self.sides_mm), Vector::zeros())?);
         let (weight, dt) = (mass * GRAVITY, scene.time_step());
         let steps = scene.steps_in(from_mm(self.distance_mm) / self.speed_m_per_s);
         let (mut total, mut tilt, mut recent) = (0.0, 0.0_f64, 0.0);
         let (mut curve, mut down) = (Vec::new(), 0.0);
         let every = (steps / 100).max(1);
         for n in 1..=steps {
-            let mut pose = body.state.pose;
-            pose.translation.vector.x += self.speed_m_per_s * dt * n as f64;
-            scene.drive(pusher, &pose)?;
+            let way = self.speed_m_per_s * dt * n as f64;
+            scene.shift(pusher, &body.state.pose, Vector::new(way, 0.0, 0.0))?;
             scene.step()?;
             let forward = -scene.impulse_on(pusher).x;
             total += forward;

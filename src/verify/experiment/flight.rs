@@ -1,7 +1,5 @@
 //! Bodies that touch nothing, or only each other.
 
-use nalgebra::Point3;
-
 use super::*;
 
 const CUBE: f64 = 0.01;
@@ -40,15 +38,10 @@ fn spin(state: &BodyState, inertia: &Vector) -> (Vector, f64) {
     (rotation * momentum, 0.5 * omega.dot(&momentum))
 }
 
-pub(super) fn tumbling(
-    bench: &Bench,
-    spin_rate: Vector,
-    duration: f64,
-    quantity: Tumbling,
-) -> Measured {
+pub(super) fn tumbling(bench: &Bench, rate: Vector, duration: f64, quantity: Tumbling) -> Measured {
     let set = grains(20, 3)?;
     let mut body = grain_body(&set.grains[0], Pose::identity());
-    body.state.angular_velocity = spin_rate;
+    body.state.angular_velocity = rate;
     let (_, inertia) = mass_of(&body);
     let mut scene = bench.scene_under(Vector::zeros(), &uniform(0.0, 0.0))?;
     let id = scene.add(&body)?;
@@ -110,7 +103,7 @@ pub(super) fn flip(bench: &Bench, spin_rate: f64, disturbance: f64) -> Measured 
     // The disturbance grows no faster than the spin: ten turns are enough for e-fold growth
     // from a thousandth.
     let end = 10.0 * TAU / spin_rate;
-    let law: Vec<(f64, f64)> =
+    let law: Points =
         euler_equations(&inertia, start, end).into_iter().map(|(t, w)| (t, w.y)).collect();
     let mut scene = bench.scene_under(Vector::zeros(), &uniform(0.0, 0.0))?;
     let id = scene.add(&body)?;
@@ -148,8 +141,7 @@ pub(super) fn collision(bench: &Bench, speed: f64, friction: f64, restitution: f
         for (state, (_, (mass, inertia), _)) in states.iter().zip(&bodies) {
             let momentum = *mass * state.linear_velocity;
             linear += momentum;
-            angular += Point3::from(state.pose.translation.vector).coords.cross(&momentum)
-                + spin(state, inertia).0;
+            angular += state.pose.translation.vector.cross(&momentum) + spin(state, inertia).0;
         }
         (linear, angular)
     };
@@ -163,7 +155,7 @@ pub(super) fn collision(bench: &Bench, speed: f64, friction: f64, restitution: f
     let mut met = false;
     for _ in 0..scene.steps_in(0.06 / speed) {
         scene.step()?;
-        met |= scene.contacts().iter().any(|c| c.impulse.norm() > 0.0);
+        met |= pushing(&scene) > 0;
         let (l, a) = totals(&scene.states(&ids)?);
         let change =
             (100.0 * (l - linear).norm() / scale, 100.0 * (a - angular).norm() / (scale * CUBE));

@@ -39,51 +39,37 @@ impl Incline {
         let angle = share_of_friction_angle * friction.atan();
         let acceleration = (GRAVITY * (angle.sin() - friction * angle.cos())).max(0.0);
         let reach = (acceleration * duration * duration).max(0.2);
-        let y = match quantity {
-            Quantity::Drift => "Distance moved (mm)",
-            Quantity::Acceleration => "Speed down the slope (m/s)",
+        let (y, end) = match quantity {
+            Quantity::Drift => ("Distance moved (mm)", 0.0),
+            Quantity::Acceleration => ("Speed down the slope (m/s)", acceleration * duration),
         };
         let mut outcome = Outcome::new("Time (s)", y);
         let mut found = Vec::new();
+        for &degrees in &self.headings_deg {
+            let down = heading(degrees);
+            let gravity = GRAVITY * (angle.sin() * down - angle.cos() * Vector::z());
+            let mut scene = floored(bench.scene_under(gravity, &uniform(friction, 0.0))?, reach)?;
+            let start = Vector::new(0.0, 0.0, BLOCK.z / 2.0 + START_GAP);
+            let id = scene.add(&block(BLOCK, start)?)?;
+            let curve = scene.sampled(duration, 400, |scene, _| {
+                let state = scene.state(id)?;
+                let shown = match quantity {
+                    Quantity::Drift => to_mm((state.pose.translation.vector - start).norm()),
+                    Quantity::Acceleration => state.linear_velocity.dot(&down),
+                };
+                Ok((scene.time(), shown))
+            })?;
+            found.push(match quantity {
+                Quantity::Drift => at_end(&curve),
+                Quantity::Acceleration => at_end(&curve) / scene.time() / acceleration,
+            });
+            outcome.measured(format!("{degrees}°"), curve);
+        }
+        outcome.law("Law", vec![(0.0, 0.0), (duration, end)]);
         let error = |got: f64| match quantity {
             Quantity::Drift => got,
             Quantity::Acceleration => (got - 1.0).abs(),
         };
-        for &degrees in &self.headings_deg {
-            let down = heading(degrees);
-            let gravity = GRAVITY * (angle.sin() * down - angle.cos() * Vector::z());
-            let mut scene = bench.scene_under(gravity, &uniform(friction, 0.0))?;
-            scene.add(&floor(reach, Motion::Static)?)?;
-            let start = Vector::new(0.0, 0.0, BLOCK.z / 2.0 + START_GAP);
-            let id = scene.add(&block(BLOCK, start)?)?;
-            let mut curve = Vec::new();
-            let steps = scene.steps_in(duration);
-            let mut last = (0.0, 0.0);
-            for n in 1..=steps {
-                scene.step()?;
-                if n % (steps / 400).max(1) == 0 || n == steps {
-                    let state = scene.state(id)?;
-                    let moved = (state.pose.translation.vector - start).norm();
-                    last = (moved, state.linear_velocity.dot(&down));
-                    let shown = match quantity {
-                        Quantity::Drift => to_mm(moved),
-                        Quantity::Acceleration => last.1,
-                    };
-                    curve.push((scene.time(), shown));
-                }
-            }
-            let got = match quantity {
-                Quantity::Drift => to_mm(last.0),
-                Quantity::Acceleration => last.1 / scene.time() / acceleration,
-            };
-            outcome.measured(format!("{degrees}°"), curve);
-            found.push(got);
-        }
-        let end = match quantity {
-            Quantity::Drift => 0.0,
-            Quantity::Acceleration => acceleration * duration,
-        };
-        outcome.law("Law", vec![(0.0, 0.0), (duration, end)]);
         Ok(outcome.got(worst_of(&found, error)))
     }
 }
@@ -116,10 +102,7 @@ impl SlideStops {
         // In space and time without steps; the law in steps is below.
         let smooth = speed * speed / (2.0 * friction * GRAVITY);
         let pairs = if plate {
-            let mut pairs = uniform(2.0 * friction, 0.0);
-            let of_pair = PairCoefficients { friction, restitution: 0.0 };
-            pairs.set(Material::Plate, Material::Wall, of_pair);
-            pairs
+            with_plate(uniform(2.0 * friction, 0.0), Material::Wall, friction, 0.0)
         } else {
             uniform(friction, 0.0)
         };
@@ -127,8 +110,7 @@ impl SlideStops {
         let mut found = Vec::new();
         let duration = 1.5 * speed / (friction * GRAVITY);
         for &degrees in &self.headings_deg {
-            let mut scene = bench.scene(&pairs)?;
-            scene.add(&floor(4.0 * smooth, Motion::Static)?)?;
+            let mut scene = floored(bench.scene(&pairs)?, 4.0 * smooth)?;
             let start = Vector::new(0.0, 0.0, BLOCK.z / 2.0 + gap);
             let mut body = block(BLOCK, start)?;
             body.state.linear_velocity = speed * heading(degrees);
@@ -146,12 +128,11 @@ impl SlideStops {
             outcome.measured(format!("{degrees}°"), curve);
         }
         let stop = speed / (friction * GRAVITY);
-        let parabola = (0..=100).map(|i| {
-            let t = duration * f64::from(i) / 100.0;
+        let parabola = over(duration, 100, |t| {
             let t_moving = t.min(stop);
-            (t, to_mm(speed * t_moving - 0.5 * friction * GRAVITY * t_moving * t_moving))
+            to_mm(speed * t_moving - 0.5 * friction * GRAVITY * t_moving * t_moving)
         });
-        outcome.law("v t − μ g t²/2", parabola.collect());
+        outcome.law("v t − μ g t²/2", parabola);
         Ok(outcome.got(worst_of(&found, |got| (got - 1.0).abs())))
     }
 }

@@ -41,16 +41,11 @@ pub enum Regime {
     Energetic,
 }
 
-/// Room below the lowest corner in m.
-const ROOM: f64 = 0.5e-3;
-/// Steps after which the impact is over, counted from when it began.
-const OVER: u64 = 4;
-
 impl ImpactTilted {
-    fn body(&self) -> Result<Body, VerifyError> {
+    fn body(&self) -> Result<Body> {
         let [roll, pitch, yaw] = self.turn_deg.map(f64::to_radians);
         let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-        let mut body = block(Vector::from(self.sides_mm).map(from_mm), Vector::zeros())?;
+        let mut body = block(in_m(self.sides_mm), Vector::zeros())?;
         let height = ROOM - lowest(&body.shape, &rotation);
         body.state.pose = Pose::from_parts((Vector::z() * height).into(), rotation);
         body.state.linear_velocity = self.velocity_m_per_s.into();
@@ -80,7 +75,7 @@ impl ImpactTilted {
     }
 
     /// The impulse (N s) by the law; `None` where laws that every hypothesis obeys are judged.
-    fn law(&self, impact: &Impact) -> Result<Option<Vector>, VerifyError> {
+    fn law(&self, impact: &Impact) -> Result<Option<Vector>> {
         let found = match self.regime {
             Regime::Sticks => impact.sticks().map(Some),
             Regime::Slips => impact.slips().map(Some),
@@ -98,27 +93,16 @@ impl ImpactTilted {
     }
 
     /// Error in % of the speed, and in words.
-    fn one(
-        &self,
-        bench: &Bench,
-        restitution: f64,
-        outcome: &mut Outcome,
-    ) -> Result<(f64, String), VerifyError> {
+    fn one(&self, bench: &Bench, restitution: f64, outcome: &mut Outcome) -> Result<(f64, String)> {
         let body = self.body()?;
         let impact = self.impact(&body, restitution);
         let law = self.law(&impact)?;
-        let mut scene = bench.scene_under(Vector::zeros(), &uniform(self.friction, restitution))?;
-        scene.add(&floor(0.3, Motion::Static)?)?;
-        let id = scene.add(&body)?;
+        let pairs = uniform(self.friction, restitution);
+        let mut scene = floored(bench.scene_under(Vector::zeros(), &pairs)?, 0.3)?;
         let meets = ROOM / impact.velocity.z.abs();
-        let steps = (meets / scene.time_step()).ceil() as u64 + OVER;
         let inverse = impact.inertia.try_inverse().ok_or(VerifyError::NoEvent("a body"))?;
-        let (mut curve, mut state) = (vec![(0.0, 0.0)], body.state);
-        for _ in 0..steps {
-            scene.step()?;
-            state = scene.state(id)?;
-            curve.push((scene.time(), state.angular_velocity.norm()));
-        }
+        let turns = |state: &BodyState| state.angular_velocity.norm();
+        let (state, curve) = through_impact(&mut scene, &body, meets, OVER, turns)?;
         let end = scene.time();
         outcome.measured(format!("e = {restitution}"), curve);
         let impulse = impact.mass * (state.linear_velocity - impact.velocity);
@@ -135,14 +119,13 @@ impl ImpactTilted {
             let cone = impact.outside_cone(&impulse) / impulse.norm();
             let point =
                 impact.velocity + impulse / impact.mass + (inverse * momentum).cross(&impact.arm);
-            let words = format!(
-                "energy {:+.2} %, friction {:.3} of the normal impulse, the point leaves with {:.3} \
-                 of the approach",
-                100.0 * energy,
-                impulse.xy().norm() / impulse.z,
-                point.z / impact.velocity.z.abs()
-            );
             let approach = point.z / impact.velocity.z.abs();
+            let words = format!(
+                "energy {:+.2} %, friction {:.3} of the normal impulse, the point leaves with \
+                 {approach:.3} of the approach",
+                100.0 * energy,
+                impulse.xy().norm() / impulse.z
+            );
             let got = 100.0 * energy.max(cone).max(-approach).max(0.0);
             return Ok((if energy.is_nan() { f64::NAN } else { got }, words));
         };
@@ -154,15 +137,14 @@ impl ImpactTilted {
         let off = (impulse - law).norm() / (impact.mass * speed);
         let off_turning =
             (momentum - impact.arm.cross(&law)).norm() / (impact.mass * speed * impact.arm.norm());
+        let share = |impulse: Vector| {
+            let p = impulse / impact.mass / speed;
+            format!("({:.3}, {:.3}, {:.3})", p.x, p.y, p.z)
+        };
         let words = format!(
-            "impulse ({:.3}, {:.3}, {:.3}) m |v|, by the law ({:.3}, {:.3}, {:.3}); angular \
-             momentum off by {:.2} %",
-            impulse.x / impact.mass / speed,
-            impulse.y / impact.mass / speed,
-            impulse.z / impact.mass / speed,
-            law.x / impact.mass / speed,
-            law.y / impact.mass / speed,
-            law.z / impact.mass / speed,
+            "impulse {} m |v|, by the law {}; angular momentum off by {:.2} %",
+            share(impulse),
+            share(law),
             100.0 * off_turning
         );
         let nan = off.is_nan() || off_turning.is_nan();

@@ -23,33 +23,25 @@ pub struct InnerEdge {
     pub joints_mm: Vec<f64>,
 }
 
-/// Half the floor's width and its thickness in m.
+/// Half the floor's width in m.
 const HALF: f64 = 0.2;
-const THICKNESS: f64 = 0.02;
 
 impl InnerEdge {
-    fn path(
-        &self,
-        bench: &Bench,
-        heading: f64,
-        joints: &[f64],
-    ) -> Result<Vec<(f64, BodyState)>, VerifyError> {
+    fn path(&self, bench: &Bench, heading: f64, joints: &[f64]) -> Result<Vec<(f64, BodyState)>> {
         let mut scene = bench.scene(&uniform(self.friction, 0.0))?;
         let mut bounds = vec![-HALF];
         bounds.extend(joints.iter().map(|x| from_mm(*x)));
         bounds.push(HALF);
-        for piece in bounds.windows(2) {
-            let sides = Vector::new(piece[1] - piece[0], 2.0 * HALF, THICKNESS);
-            let at = Vector::new(0.5 * (piece[0] + piece[1]), 0.0, -THICKNESS / 2.0);
-            scene.add(&wall(sides, at, Motion::Static)?)?;
+        for ends in bounds.windows(2) {
+            scene.add(&piece(ends[0], ends[1], 2.0 * HALF, 0.0)?)?;
         }
-        let sides = Vector::from(self.sides_mm).map(from_mm);
+        let sides = in_m(self.sides_mm);
         let mut body = block(sides, Vector::new(0.0, 0.0, sides.z / 2.0 + START_GAP))?;
         let (sin, cos) = from_deg(heading).sin_cos();
         body.state.linear_velocity = self.speed_m_per_s * Vector::new(cos, sin, 0.0);
         body.state.angular_velocity.z = self.spin_rad_per_s;
         body.state.pose.rotation =
-            nalgebra::UnitQuaternion::from_axis_angle(&Vector::z_axis(), from_deg(heading));
+            UnitQuaternion::from_axis_angle(&Vector::z_axis(), from_deg(heading));
         let id = scene.add(&body)?;
         // Longer than any of the motion lasts: sliding and spinning share the friction.
         let radius = sides.xy().norm() / 2.0;
@@ -61,7 +53,7 @@ impl InnerEdge {
     }
 
     pub(super) fn run(&self, bench: &Bench) -> Measured {
-        let sides = Vector::from(self.sides_mm).map(from_mm);
+        let sides = in_m(self.sides_mm);
         let mut outcome = Outcome::new("Time (s)", "Distance between the paths (mm)");
         let (mut worst, mut notes) = (0.0_f64, Vec::new());
         for &heading in &self.headings_deg {
@@ -99,13 +91,12 @@ fn furthest_corner(sides: Vector, a: &BodyState, b: &BodyState) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Pose;
 
     #[test]
     fn corners_see_shifts_and_turns() {
         let sides = Vector::new(2.0, 2.0, 1.0);
         let at = |x: f64, turn: f64| {
-            let rotation = nalgebra::UnitQuaternion::from_axis_angle(&Vector::z_axis(), turn);
+            let rotation = UnitQuaternion::from_axis_angle(&Vector::z_axis(), turn);
             BodyState::at_rest(Pose::from_parts(Vector::new(x, 0.0, 0.0).into(), rotation))
         };
         for (other, expected) in [

@@ -18,7 +18,7 @@ fn of(
     faces: &[[u32; 3]],
     volume: f64,
     moment: f64,
-) -> Result<Known, VerifyError> {
+) -> Result<Known> {
     let corners = corners.into_iter().map(Point::from).collect();
     let shape = ConvexPolyhedron::new(corners, faces.iter().map(|face| face.to_vec()).collect())?;
     Ok(Known { name, shape, volume, moments: Vector::repeat(moment) })
@@ -26,8 +26,8 @@ fn of(
 
 /// Box: V = abc, I = V/12 (b² + c², ...). Regular tetrahedron of side a:
 /// V = a³/(6√2), I = V a²/20. Regular octahedron: V = √2 a³/3, I = V a²/10.
-fn known() -> Result<Vec<Known>, VerifyError> {
-    let cuboid = |name, s: Vector| -> Result<Known, VerifyError> {
+fn known() -> Result<Vec<Known>> {
+    let cuboid = |name, s: Vector| -> Result<Known> {
         let volume = s.x * s.y * s.z;
         let q = s.component_mul(&s);
         let moments = volume / 12.0 * Vector::new(q.y + q.z, q.x + q.z, q.x + q.y);

@@ -46,18 +46,20 @@ use std::f64::consts::TAU;
 use nalgebra::{Matrix3, SVector, UnitQuaternion, Vector2};
 use serde::{Deserialize, Serialize};
 
-use super::scene::{
-    START_GAP, Scene, block, floor, free, grain_body, grains, lowest, mass_of, uniform, wall,
-};
+use super::scene::*;
 use super::{Bench, VerifyError, bench::GRAVITY};
 use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
 use crate::units::{from_deg, from_mm, to_mm};
-use crate::world::{Body, BodyId, BodyState, Material, Motion, PairCoefficients};
+use crate::world::{Body, BodyId, BodyState, Material, Motion, PairTable};
 use ode::runge_kutta;
 use {flight::*, invariance::invariance, mass::properties, rebound::*, resting::*};
 
+/// What becomes of a part of an experiment.
+type Result<T, E = VerifyError> = std::result::Result<T, E>;
 /// What becomes of an experiment.
-type Measured = Result<Outcome, VerifyError>;
+type Measured = Result<Outcome>;
+/// Points of a curve.
+type Points = Vec<(f64, f64)>;
 
 /// What an experiment measured, and the curves to show.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -90,11 +92,11 @@ impl Outcome {
         Self { x: x.to_owned(), y: y.to_owned(), ..Self::default() }
     }
 
-    fn measured(&mut self, name: impl Into<String>, points: Vec<(f64, f64)>) {
+    fn measured(&mut self, name: impl Into<String>, points: Points) {
         self.curves.push(Curve { name: name.into(), law: false, points });
     }
 
-    fn law(&mut self, name: impl Into<String>, points: Vec<(f64, f64)>) {
+    fn law(&mut self, name: impl Into<String>, points: Points) {
         self.curves.push(Curve { name: name.into(), law: true, points });
     }
 
@@ -213,7 +215,7 @@ impl Experiment {
     ///
     /// # Errors
     /// [`VerifyError`] when the engine fails or the event waited for does not come.
-    pub fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    pub fn run(&self, bench: &Bench) -> Measured {
         match *self {
             Self::MassProperties => properties(),
             Self::FreeFall { height_mm, duration_s } => {
@@ -269,17 +271,65 @@ impl Experiment {
 }
 
 /// A scene on a floor of a half width (m) with one friction coefficient, on which nothing rebounds.
-fn on_floor(bench: &Bench, half_width: f64, friction: f64) -> Result<Scene, VerifyError> {
-    let mut scene = bench.scene(&uniform(friction, 0.0))?;
+fn on_floor(bench: &Bench, half_width: f64, friction: f64) -> Result<Scene> {
+    floored(bench.scene(&uniform(friction, 0.0))?, half_width)
+}
+
+/// A scene with a floor of a half width (m).
+fn floored(mut scene: Scene, half_width: f64) -> Result<Scene> {
     scene.add(&floor(half_width, Motion::Static)?)?;
     Ok(scene)
+}
+
+/// Lengths in m from lengths in mm.
+fn in_m(mm: [f64; 3]) -> Vector {
+    Vector::from(mm).map(from_mm)
+}
+
+/// A turn about y by an angle (rad), which takes z towards x.
+fn about_y(angle: f64) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_axis_angle(&Vector::y_axis(), angle)
+}
+
+/// A curve at equal parts of a time from 0 to an end.
+fn over(end: f64, parts: u32, value: impl Fn(f64) -> f64) -> Points {
+    let times = (0..=parts).map(|n| end * f64::from(n) / f64::from(parts));
+    times.map(|time| (time, value(time))).collect()
+}
+
+/// The value of a curve's last point; no number where there is none.
+fn at_end(curve: &[(f64, f64)]) -> f64 {
+    curve.last().map_or(f64::NAN, |point| point.1)
+}
+
+/// Halves a range some times, so that what is asked stays true of its upper end and false of its
+/// lower one.
+fn halved<E>(
+    (mut low, mut high): (f64, f64),
+    times: u32,
+    mut holds: impl FnMut(f64) -> Result<bool, E>,
+) -> Result<(f64, f64), E> {
+    for _ in 0..times {
+        let middle = 0.5 * (low + high);
+        if holds(middle)? {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    Ok((low, high))
+}
+
+/// How many contacts of the last step push.
+fn pushing(scene: &Scene) -> usize {
+    scene.contacts().iter().filter(|c| c.impulse.norm() > 0.0).count()
 }
 
 /// Carries an impact out for each coefficient of restitution: the worst error in %, and words on each.
 fn of_each(
     restitutions: &[f64],
     y: &str,
-    mut one: impl FnMut(f64, &mut Outcome) -> Result<(f64, String), VerifyError>,
+    mut one: impl FnMut(f64, &mut Outcome) -> Result<(f64, String)>,
 ) -> Measured {
     let mut outcome = Outcome::new("Time (s)", y);
     let (mut worst, mut notes) = (0.0_f64, Vec::new());
@@ -290,6 +340,30 @@ fn of_each(
     }
     outcome.note = Some(notes.join("; "));
     Ok(outcome.got(worst))
+}
+
+/// Room in m below a body that is about to fall on something.
+const ROOM: f64 = 0.5e-3;
+/// Steps after which an impact is over, counted from when it began.
+const OVER: u64 = 4;
+
+/// Adds a body and steps until some steps after it meets something at a time (s): its state at
+/// the end, and a curve of a value of it.
+fn through_impact(
+    scene: &mut Scene,
+    body: &Body,
+    meets: f64,
+    over: u64,
+    value: impl Fn(&BodyState) -> f64,
+) -> Result<(BodyState, Points)> {
+    let id = scene.add(body)?;
+    let (mut curve, mut state) = (vec![(0.0, value(&body.state))], body.state);
+    for _ in 0..(meets / scene.time_step()).ceil() as u64 + over {
+        scene.step()?;
+        state = scene.state(id)?;
+        curve.push((scene.time(), value(&state)));
+    }
+    Ok((state, curve))
 }
 
 /// The value with the largest error; no number where there is none, or one is none.

@@ -57,22 +57,14 @@ pub(super) struct Packing {
 
 /// Coefficients of a packing; the box's sides are of the plate's material, so
 /// that they can have a friction of their own.
-pub(super) fn pairs(side_friction: f64) -> crate::world::PairTable {
-    let mut pairs = uniform(FRICTION, RESTITUTION);
-    let side = PairCoefficients { friction: side_friction, restitution: RESTITUTION };
-    pairs.set(Material::Grain, Material::Plate, side);
-    pairs
+fn pairs(side_friction: f64) -> PairTable {
+    with_plate(uniform(FRICTION, RESTITUTION), Material::Grain, side_friction, RESTITUTION)
 }
 
 impl Packing {
     /// Grains in loose layers above the floor, each turned at random; the
     /// order in which they are added is the `order`-th shuffle.
-    pub fn new(
-        bench: &Bench,
-        count: usize,
-        order: u64,
-        side_friction: f64,
-    ) -> Result<Self, VerifyError> {
+    pub fn new(bench: &Bench, count: usize, order: u64, side_friction: f64) -> Result<Self> {
         let set = grains(count, SEED)?;
         let mut bodies = laid_out(&set);
         if order > 0 {
@@ -82,7 +74,7 @@ impl Packing {
     }
 
     /// The bodies as they are.
-    pub fn of(bench: &Bench, bodies: Vec<Body>, side_friction: f64) -> Result<Self, VerifyError> {
+    pub fn of(bench: &Bench, bodies: Vec<Body>, side_friction: f64) -> Result<Self> {
         let mut scene = bench.scene(&pairs(side_friction))?;
         let highest = bodies.iter().map(|b| b.state.pose.translation.z).fold(0.0, f64::max);
         let height = highest + 0.05;
@@ -90,21 +82,9 @@ impl Packing {
         let floor = scene.add(&base)?;
         let mut walls = vec![(floor, base.state.pose)];
         let off = (WIDTH + WALL) / 2.0;
-        for side in [-1.0, 1.0] {
-            for (sides, at) in [
-                (
-                    Vector::new(WALL, 2.0 * WIDTH, height),
-                    Vector::new(side * off, 0.0, height / 2.0),
-                ),
-                (
-                    Vector::new(2.0 * WIDTH, WALL, height),
-                    Vector::new(0.0, side * off, height / 2.0),
-                ),
-            ] {
-                let mut body = wall(sides, at, Motion::Kinematic)?;
-                body.material = Material::Plate;
-                walls.push((scene.add(&body)?, body.state.pose));
-            }
+        for mut body in walls_around(off, WALL, 2.0 * WIDTH, height, Motion::Kinematic)? {
+            body.material = Material::Plate;
+            walls.push((scene.add(&body)?, body.state.pose));
         }
         let ids = bodies.iter().map(|b| scene.add(b)).collect::<Result<_, _>>()?;
         Ok(Self { scene, floor, ids, bodies, walls })
@@ -116,41 +96,33 @@ impl Packing {
     }
 
     /// Moves the whole box to a displacement along x (m) at the end of the next step.
-    pub fn drive(&mut self, x: f64) -> Result<(), VerifyError> {
+    pub fn drive(&mut self, x: f64) -> Result<()> {
         for (id, pose) in &self.walls {
-            let mut pose = *pose;
-            pose.translation.vector.x += x;
-            self.scene.drive(*id, &pose)?;
+            self.scene.shift(*id, pose, Vector::new(x, 0.0, 0.0))?;
         }
         Ok(())
     }
 
     /// States of the grains.
-    pub fn states(&mut self) -> Result<Vec<BodyState>, VerifyError> {
+    pub fn states(&mut self) -> Result<Vec<BodyState>> {
         self.scene.states(&self.ids)
     }
 
     /// Mean height of the grains' centroids in m.
-    pub fn mean_height(&mut self) -> Result<f64, VerifyError> {
-        let states = self.states()?;
-        Ok(states.iter().map(|s| s.pose.translation.z).sum::<f64>() / states.len() as f64)
+    pub fn mean_height(&mut self) -> Result<f64> {
+        Ok(mean_height(&self.states()?))
     }
 
     /// Goes on for a time in s: some mean heights in m, and when they were, in s since it began.
-    pub fn heights(&mut self, time: f64, samples: u64) -> Result<Vec<(f64, f64)>, VerifyError> {
-        let steps = self.scene.steps_in(time);
-        let mut heights = Vec::new();
-        for n in 1..=steps {
-            self.scene.step()?;
-            if n % (steps / samples).max(1) == 0 || n == steps {
-                heights.push((n as f64 * self.scene.time_step(), self.mean_height()?));
-            }
-        }
-        Ok(heights)
+    pub fn heights(&mut self, time: f64, samples: u64) -> Result<Points> {
+        let ids = &self.ids;
+        self.scene.sampled(time, samples, |scene, n| {
+            Ok((n as f64 * scene.time_step(), mean_height(&scene.states(ids)?)))
+        })
     }
 
     /// Kinetic and potential energy of all grains in J.
-    pub fn energy(&mut self) -> Result<f64, VerifyError> {
+    pub fn energy(&mut self) -> Result<f64> {
         let states = self.states()?;
         Ok(states
             .iter()
@@ -166,19 +138,16 @@ impl Packing {
     }
 
     /// The grains as they are now.
-    pub fn as_now(&mut self) -> Result<Vec<Body>, VerifyError> {
+    pub fn as_now(&mut self) -> Result<Vec<Body>> {
         let states = self.states()?;
         let bodies = self.bodies.iter().zip(states);
         Ok(bodies.map(|(body, state)| Body { state, ..body.clone() }).collect())
     }
 }
 
-/// Vertices of a shape at a pose.
-pub(super) fn corners<'a>(
-    shape: &'a ConvexPolyhedron,
-    pose: &'a Pose,
-) -> impl Iterator<Item = Vector> + 'a {
-    shape.vertices().iter().map(move |v| (pose * v).coords)
+/// Mean height of centroids in m.
+fn mean_height(states: &[BodyState]) -> f64 {
+    states.iter().map(|s| s.pose.translation.z).sum::<f64>() / states.len() as f64
 }
 
 fn laid_out(set: &GrainSet) -> Vec<Body> {
@@ -218,12 +187,12 @@ impl OfGrains {
     }
 
     /// The packing in an order, with the friction of the gravel on every surface.
-    pub(super) fn in_order(&self, bench: &Bench, order: u64) -> Result<Packing, VerifyError> {
+    pub(super) fn in_order(&self, bench: &Bench, order: u64) -> Result<Packing> {
         Packing::new(bench, self.grains, order, FRICTION)
     }
 
     /// Lets a packing settle; the mean height in mm over time, and in m at the end.
-    fn settled(&self, bench: &Bench, order: u64) -> Result<(Vec<(f64, f64)>, f64), VerifyError> {
+    fn settled(&self, bench: &Bench, order: u64) -> Result<(Points, f64)> {
         let mut packing = self.in_order(bench, order)?;
         let heights = packing.heights(self.settle_s, 300)?;
         let in_mm = heights.into_iter().map(|(time, height)| (time, to_mm(height)));

@@ -1,6 +1,6 @@
 //! Whether a packing stays as it is: at rest, after a restart, between walls that shake.
 
-use super::packing::{FRICTION, OfGrains, Packing, WIDTH, corners};
+use super::packing::{FRICTION, OfGrains, Packing, WIDTH};
 use super::*;
 
 /// The paper's vibration: 3 Hz, 25 mm to either side (sections 3 and 4).
@@ -47,7 +47,7 @@ impl OfGrains {
         &self,
         packing: &mut Packing,
         mut watch: impl FnMut(f64, &[f64], &Packing),
-    ) -> Result<(), VerifyError> {
+    ) -> Result<()> {
         packing.scene.run(self.settle_s)?;
         for n in 1..=packing.scene.steps_in(self.duration_s) {
             let time = n as f64 * packing.scene.time_step();
@@ -106,12 +106,13 @@ impl OfGrains {
 
 /// How far in m each grain's furthest vertex lies beyond the inner faces of
 /// the box, which stands at a displacement `x` (m).
-fn beyond_walls(packing: &mut Packing, x: f64) -> Result<Vec<f64>, VerifyError> {
+fn beyond_walls(packing: &mut Packing, x: f64) -> Result<Vec<f64>> {
     let states = packing.states()?;
     let bodies = packing.bodies.iter().zip(&states);
     Ok(bodies
         .map(|(body, state)| {
-            largest(corners(&body.shape, &state.pose).map(|c| {
+            largest(body.shape.vertices().iter().map(|vertex| {
+                let c = state.pose * vertex;
                 let beside = (c.x - x).abs().max(c.y.abs()) - WIDTH / 2.0;
                 beside.max(-c.z)
             }))

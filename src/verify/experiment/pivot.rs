@@ -74,7 +74,7 @@ fn reaches(curve: &[(f64, f64)], value: f64) -> Option<f64> {
 impl Pivot {
     /// From the centroid to the pivot in body axes, in m.
     fn arm(&self) -> Vector {
-        let half = Vector::from(self.sides_mm).map(from_mm) / 2.0;
+        let half = in_m(self.sides_mm) / 2.0;
         match self.on {
             Support::Edge => Vector::new(half.x, 0.0, -half.z),
             Support::Corner => Vector::new(half.x, -half.y, -half.z),
@@ -83,7 +83,7 @@ impl Pivot {
 
     /// p² = m g R/Iₒ in 1/s² and R in m.
     fn pendulum_of(&self) -> (f64, f64) {
-        let sides = Vector::from(self.sides_mm).map(from_mm);
+        let sides = in_m(self.sides_mm);
         let square = sides.component_mul(&sides);
         // About y for an edge along y; for a cube about any axis.
         let gyration = (square.x + square.z) / 12.0;
@@ -100,8 +100,8 @@ impl Pivot {
         let mut scene = on_floor(bench, 0.2, self.friction)?;
         let upright = UnitQuaternion::rotation_between(&-arm, &Vector::z())
             .ok_or_else(|| VerifyError::Setup("a pivot above the centroid".into()))?;
-        let rotation = UnitQuaternion::from_axis_angle(&Vector::y_axis(), from) * upright;
-        let mut body = block(Vector::from(self.sides_mm).map(from_mm), Vector::zeros())?;
+        let rotation = about_y(from) * upright;
+        let mut body = block(in_m(self.sides_mm), Vector::zeros())?;
         let at = Vector::z() * START_GAP - rotation * arm;
         body.state.pose = Pose::from_parts(at.into(), rotation);
         let (_, inertia) = mass_of(&body);

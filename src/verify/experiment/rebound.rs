@@ -4,6 +4,14 @@ use super::*;
 
 const SIDE: f64 = 0.01;
 
+/// A cube over a floor, its lower face at a height (m).
+fn dropped(bench: &Bench, restitution: f64, height: f64) -> Result<(Scene, BodyId)> {
+    let mut scene = floored(bench.scene(&uniform(0.5, restitution))?, 0.2)?;
+    let start = Vector::new(0.0, 0.0, height + SIDE / 2.0);
+    let id = scene.add(&block(Vector::repeat(SIDE), start)?)?;
+    Ok((scene, id))
+}
+
 /// A cube falls flat from rest at a height h under its lower face; it rises
 /// again to e²h.
 pub(super) fn rebound(bench: &Bench, restitution: f64, height: f64, rates: &[f64]) -> Measured {
@@ -13,10 +21,7 @@ pub(super) fn rebound(bench: &Bench, restitution: f64, height: f64, rates: &[f64
     let mut outcome = Outcome::new("Time (s)", "Height of the lower face (mm)");
     let (mut found, mut notes) = (Vec::new(), Vec::new());
     for &rate in rates {
-        let mut scene = bench.at_rate(rate).scene(&uniform(0.5, restitution))?;
-        scene.add(&floor(0.2, Motion::Static)?)?;
-        let id =
-            scene.add(&block(Vector::repeat(SIDE), Vector::new(0.0, 0.0, height + SIDE / 2.0))?)?;
+        let (mut scene, id) = dropped(&bench.at_rate(rate), restitution, height)?;
         let mut curve = vec![(0.0, to_mm(height))];
         let (mut struck, mut peak) = (false, 0.0_f64);
         scene.follow(id, fall + rise + 0.1, |time, state| {
@@ -36,17 +41,15 @@ pub(super) fn rebound(bench: &Bench, restitution: f64, height: f64, rates: &[f64
         outcome.measured(format!("{rate} Hz"), curve);
         found.push(got);
     }
-    let law = (0..=200).map(|i| {
-        let t = (fall + rise) * f64::from(i) / 200.0;
+    let law = over(fall + rise, 200, |t| {
         let up = t - fall;
-        let z = if up < 0.0 {
+        to_mm(if up < 0.0 {
             height - 0.5 * GRAVITY * t * t
         } else {
             restitution * GRAVITY * fall * up - 0.5 * GRAVITY * up * up
-        };
-        (t, to_mm(z))
+        })
     });
-    outcome.law("Law", law.collect());
+    outcome.law("Law", law);
     outcome.note = Some(notes.join(", "));
     Ok(outcome.got(worst_of(&found, |e| (e - restitution).abs())))
 }
@@ -73,10 +76,7 @@ fn peaks(motion: &[(f64, f64, f64)]) -> Vec<f64> {
 /// before it, whatever the body did earlier.
 pub(super) fn bounces(bench: &Bench, restitution: f64, height: f64, count: usize) -> Measured {
     let height = from_mm(height);
-    let mut scene = bench.scene(&uniform(0.5, restitution))?;
-    scene.add(&floor(0.2, Motion::Static)?)?;
-    let start = Vector::new(0.0, 0.0, height + SIDE / 2.0);
-    let id = scene.add(&block(Vector::repeat(SIDE), start)?)?;
+    let (mut scene, id) = dropped(bench, restitution, height)?;
     let fall = (2.0 * height / GRAVITY).sqrt();
     // Of each rebound the rise and the fall.
     let flights = (1..=count as i32).map(|n| 2.0 * fall * restitution.powi(n));

@@ -1,46 +1,38 @@
 //! Bodies that must lie still.
 
+use super::packing::Packing;
 use super::*;
-use crate::verify::experiment::packing::Packing;
 
 /// Friction of the gravel (paper, section 4).
 const FRICTION: f64 = 0.793;
 const SIDE: f64 = 0.01;
 
-/// Largest distance in m that any of the bodies has from where it was at the
-/// end of the settling time, at any time up to the end; with the curve in mm.
-fn movement(
-    scene: &mut Scene,
-    ids: &[BodyId],
-    settle: f64,
-    duration: f64,
-) -> Result<(f64, Vec<(f64, f64)>), VerifyError> {
+/// How far the bodies are at most from where they were at the end of the settling time: the
+/// largest distance at any time up to the end is measured.
+fn movement(y: &str, mut scene: Scene, ids: &[BodyId], settle: f64, duration: f64) -> Measured {
     scene.run(settle)?;
     let start = scene.states(ids)?;
-    let steps = scene.steps_in(duration);
-    let (mut curve, mut worst) = (Vec::new(), 0.0_f64);
-    for n in 1..=steps {
-        scene.step()?;
-        if n % (steps / 400).max(1) != 0 && n != steps {
-            continue;
-        }
+    let curve = scene.sampled(duration, 400, |scene, _| {
         let now = scene.states(ids)?;
         let furthest = now
             .iter()
             .zip(&start)
             .map(|(a, b)| (a.pose.translation.vector - b.pose.translation.vector).norm())
             .fold(0.0_f64, f64::max);
-        worst = worst.max(furthest);
-        curve.push((scene.time(), to_mm(furthest)));
-    }
-    Ok((worst, curve))
+        Ok((scene.time(), to_mm(furthest)))
+    })?;
+    let worst = curve.iter().map(|point| point.1).fold(0.0_f64, f64::max);
+    Ok(steady(y, 0.0, "Engine", curve).got(worst))
 }
 
-fn still(outcome: &mut Outcome, curve: Vec<(f64, f64)>) {
+/// A curve that should stay at a level.
+fn steady(y: &str, level: f64, name: &str, curve: Points) -> Outcome {
+    let mut outcome = Outcome::new("Time (s)", y);
     if let (Some(first), Some(last)) = (curve.first(), curve.last()) {
-        outcome.law("Law", vec![(first.0, 0.0), (last.0, 0.0)]);
+        outcome.law("Law", vec![(first.0, level), (last.0, level)]);
     }
-    outcome.measured("Engine", curve);
+    outcome.measured(name, curve);
+    outcome
 }
 
 pub(super) fn rests(bench: &Bench, body: RestingBody, settle: f64, duration: f64) -> Measured {
@@ -55,10 +47,7 @@ pub(super) fn rests(bench: &Bench, body: RestingBody, settle: f64, duration: f64
         }
     };
     let id = scene.add(&body)?;
-    let (moved, curve) = movement(&mut scene, &[id], settle, duration)?;
-    let mut outcome = Outcome::new("Time (s)", "Distance from where it came to rest (mm)");
-    still(&mut outcome, curve);
-    Ok(outcome.got(to_mm(moved)))
+    movement("Distance from where it came to rest (mm)", scene, &[id], settle, duration)
 }
 
 pub(super) fn grain_on_three(bench: &Bench, settle: f64, duration: f64) -> Measured {
@@ -70,7 +59,7 @@ pub(super) fn grain_on_three(bench: &Bench, settle: f64, duration: f64) -> Measu
         let (at, height) = match index {
             3 => (Vector::zeros(), 0.02),
             _ => {
-                let angle = std::f64::consts::TAU / 3.0 * index as f64;
+                let angle = TAU / 3.0 * index as f64;
                 (0.006 * Vector::new(angle.cos(), angle.sin(), 0.0), 0.0)
             }
         };
@@ -79,10 +68,7 @@ pub(super) fn grain_on_three(bench: &Bench, settle: f64, duration: f64) -> Measu
         let pose = Pose::from_parts((at + Vector::z() * z).into(), rotation);
         ids.push(scene.add(&grain_body(grain, pose))?);
     }
-    let (moved, curve) = movement(&mut scene, &ids, settle, duration)?;
-    let mut outcome = Outcome::new("Time (s)", "Largest distance from the place of rest (mm)");
-    still(&mut outcome, curve);
-    Ok(outcome.got(to_mm(moved)))
+    movement("Largest distance from the place of rest (mm)", scene, &ids, settle, duration)
 }
 
 /// Cubes set on top of each other; with `guided` between four frictionless
@@ -95,13 +81,8 @@ pub(super) fn cubes(bench: &Bench, count: u32, guided: bool, duration: f64) -> M
     if guided {
         let height = SIDE * f64::from(count + 2);
         let off = SIDE / 2.0 + GUIDE_GAP + GUIDE / 2.0;
-        for side in [-1.0, 1.0] {
-            for (sides, at) in [
-                (Vector::new(GUIDE, 0.1, height), Vector::new(side * off, 0.0, height / 2.0)),
-                (Vector::new(0.1, GUIDE, height), Vector::new(0.0, side * off, height / 2.0)),
-            ] {
-                scene.add(&wall(sides, at, Motion::Static)?)?;
-            }
+        for guide in walls_around(off, GUIDE, 0.1, height, Motion::Static)? {
+            scene.add(&guide)?;
         }
     }
     let mut top = None;
@@ -111,18 +92,12 @@ pub(super) fn cubes(bench: &Bench, count: u32, guided: bool, duration: f64) -> M
     }
     let top = top.ok_or_else(|| VerifyError::Setup("a column needs cubes".into()))?;
     let start = SIDE * (f64::from(count) - 0.5);
-    let steps = scene.steps_in(duration);
-    let (mut curve, mut lost) = (Vec::new(), 0.0);
-    for n in 1..=steps {
-        scene.step()?;
-        if n % (steps / 400).max(1) == 0 || n == steps {
-            lost = start - scene.state(top)?.pose.translation.vector.z;
-            curve.push((scene.time(), to_mm(lost)));
-        }
-    }
-    let mut outcome = Outcome::new("Time (s)", "Height lost by the uppermost cube (mm)");
-    still(&mut outcome, curve);
-    Ok(outcome.got(to_mm(lost)))
+    let curve = scene.sampled(duration, 400, |scene, _| {
+        let lost = start - scene.state(top)?.pose.translation.vector.z;
+        Ok((scene.time(), to_mm(lost)))
+    })?;
+    let lost = at_end(&curve);
+    Ok(steady("Height lost by the uppermost cube (mm)", 0.0, "Engine", curve).got(lost))
 }
 
 /// Vertical impulses on the floor over the weight of all grains; the box's
@@ -132,17 +107,12 @@ pub(super) fn floor_force(bench: &Bench, count: usize, settle: f64, duration: f6
     packing.scene.run(settle)?;
     let weight = packing.mass() * GRAVITY;
     let dt = packing.scene.time_step();
-    let steps = packing.scene.steps_in(duration);
-    let mut outcome = Outcome::new("Time (s)", "Force on the floor / weight");
     let (mut total, mut curve) = (0.0, Vec::new());
-    for n in 1..=steps {
+    for n in 1..=packing.scene.steps_in(duration) {
         packing.scene.step()?;
         total -= packing.scene.impulse_on(packing.floor).z;
         curve.push((packing.scene.time(), total / (n as f64 * dt * weight)));
     }
-    if let (Some(first), Some(last)) = (curve.first(), curve.last()) {
-        outcome.law("Law", vec![(first.0, 1.0), (last.0, 1.0)]);
-    }
-    outcome.measured("Mean so far", curve);
-    Ok(outcome.got(total / (steps as f64 * dt * weight)))
+    let force = at_end(&curve);
+    Ok(steady("Force on the floor / weight", 1.0, "Mean so far", curve).got(force))
 }

@@ -121,11 +121,11 @@ impl RockingBlock {
 
     fn rocks(&self, bench: &Bench) -> Measured {
         let law = self.law();
-        let sides = Vector::from(self.sides_mm).map(from_mm);
+        let sides = in_m(self.sides_mm);
         let tilt = self.tilt * law.slenderness;
         let mut scene = on_floor(bench, 0.2, self.friction)?;
         // About the edge at +x: the top leans towards +x.
-        let rotation = UnitQuaternion::from_axis_angle(&Vector::y_axis(), tilt);
+        let rotation = about_y(tilt);
         let edge = Vector::new(sides.x, 0.0, -sides.z) / 2.0;
         let mut body = block(sides, Vector::zeros())?;
         let at = Vector::new(sides.x / 2.0, 0.0, START_GAP) - rotation * edge;
@@ -159,10 +159,10 @@ impl RockingBlock {
         // Steps after which the impact is over, counted from when it began.
         const OVER: u64 = 3;
         let law = self.law();
-        let sides = Vector::from(self.sides_mm).map(from_mm);
+        let sides = in_m(self.sides_mm);
         let rate = law.upright(self.tilt * law.slenderness, 0.0).sqrt();
-        let mut scene = bench.scene_under(Vector::zeros(), &uniform(self.friction, 0.0))?;
-        scene.add(&floor(0.2, Motion::Static)?)?;
+        let pairs = uniform(self.friction, 0.0);
+        let mut scene = floored(bench.scene_under(Vector::zeros(), &pairs)?, 0.2)?;
         let time = BEGINS / rate;
         let turning = -rate * Vector::y();
         let upright = Vector::new(0.0, 0.0, sides.z / 2.0 + START_GAP);
@@ -170,27 +170,19 @@ impl RockingBlock {
         let velocity = turning.cross(&(Vector::new(-sides.x, 0.0, sides.z) / 2.0));
         let mut body = block(sides, Vector::zeros())?;
         body.state = BodyState {
-            pose: Pose::from_parts(
-                (upright - velocity * time).into(),
-                UnitQuaternion::from_axis_angle(&Vector::y_axis(), BEGINS),
-            ),
+            pose: Pose::from_parts((upright - velocity * time).into(), about_y(BEGINS)),
             linear_velocity: velocity,
             angular_velocity: turning,
         };
-        let id = scene.add(&body)?;
-        let (mut curve, mut got) = (vec![(0.0, 1.0)], f64::NAN);
-        for _ in 0..(time / scene.time_step()).ceil() as u64 + OVER {
-            scene.step()?;
-            got = -scene.state(id)?.angular_velocity.y / rate;
-            curve.push((scene.time(), got));
-        }
+        let turns = |state: &BodyState| -state.angular_velocity.y / rate;
+        let (state, curve) = through_impact(&mut scene, &body, time, OVER, turns)?;
         let mut outcome = Outcome::new("Time (s)", "Angular velocity over that before");
         outcome.law(
             "Housner’s law",
             vec![(0.0, 1.0), (time, 1.0), (time, law.ratio()), (scene.time(), law.ratio())],
         );
         outcome.measured("Engine", curve);
-        Ok(outcome.got(got))
+        Ok(outcome.got(turns(&state)))
     }
 }
 

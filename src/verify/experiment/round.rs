@@ -18,6 +18,11 @@
 
 use super::*;
 
+/// A box of sides in m, rounded by a radius in mm.
+fn rounded(core: Vector, radius_mm: f64) -> Result<ConvexPolyhedron> {
+    Ok(ConvexPolyhedron::of_rounded(ConvexPolyhedron::cuboid(core)?, from_mm(radius_mm))?)
+}
+
 /// A ball on a slope, or thrown along a floor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -56,8 +61,7 @@ impl BallOnPlane {
         let (end, spin) = self.law(self.duration_s);
         let reach = 1.5 * end.max(self.speed_m_per_s) * self.duration_s + 0.1;
         let gravity = GRAVITY * Vector::new(sin, 0.0, -cos);
-        let mut scene = bench.scene_under(gravity, &uniform(self.friction, 0.0))?;
-        scene.add(&floor(reach, Motion::Static)?)?;
+        let mut scene = floored(bench.scene_under(gravity, &uniform(self.friction, 0.0))?, reach)?;
         let mut ball = free(ConvexPolyhedron::ball(radius), Vector::z() * (radius + START_GAP));
         ball.state.linear_velocity = self.speed_m_per_s * Vector::x();
         let id = scene.add(&ball)?;
@@ -66,14 +70,12 @@ impl BallOnPlane {
             speeds.push((time, state.linear_velocity.x));
             spins.push((time, radius * state.angular_velocity.y));
         })?;
-        let last = |of: &[(f64, f64)]| of.last().map_or(f64::NAN, |point| point.1);
-        let (got, got_spin) = (last(&speeds), last(&spins));
+        let (got, got_spin) = (at_end(&speeds), at_end(&spins));
         let mut outcome = Outcome::new("Time (s)", "Speed (m/s)");
         outcome.note = Some(format!("at the end rω is {got_spin:.4} m/s, by the law {spin:.4}"));
         outcome.measured("v", speeds);
         outcome.measured("rω", spins);
-        let times = (0..=100).map(|n| self.duration_s * f64::from(n) / 100.0);
-        outcome.law("v by the law", times.map(|t| (t, self.law(t).0)).collect());
+        outcome.law("v by the law", over(self.duration_s, 100, |time| self.law(time).0));
         // Whichever is farther off.
         Ok(outcome.got(worst_of(&[got / end, got_spin / spin], |got| (got - 1.0).abs())))
     }
@@ -107,22 +109,18 @@ pub enum On {
 
 impl SlidesOff {
     /// The fixed body, with the middle of the circle in the origin.
-    fn body(&self) -> Result<Body, VerifyError> {
+    fn body(&self) -> Result<Body> {
         const SIDE: f64 = 0.1;
         let corner = -Vector::repeat(SIDE / 2.0);
         let edge = Vector::new(corner.x, 0.0, corner.z);
-        let cube = || ConvexPolyhedron::cuboid(Vector::repeat(SIDE));
-        let mut body = match self.on {
+        let cube = Vector::repeat(SIDE);
+        let body = match self.on {
             On::BallMm(radius) => free(ConvexPolyhedron::ball(from_mm(radius)), Vector::zeros()),
-            On::Edge => free(cube()?, edge),
-            On::Corner => free(cube()?, corner),
-            On::RoundedEdgeMm(radius) => {
-                free(ConvexPolyhedron::of_rounded(cube()?, from_mm(radius))?, edge)
-            }
+            On::Edge => block(cube, edge)?,
+            On::Corner => block(cube, corner)?,
+            On::RoundedEdgeMm(radius) => free(rounded(cube, radius)?, edge),
         };
-        body.motion = Motion::Static;
-        body.material = Material::Wall;
-        Ok(body)
+        Ok(Body { motion: Motion::Static, material: Material::Wall, ..body })
     }
 
     /// Radius in m of the circle, and the horizontal direction in which the ball slides off.
@@ -183,8 +181,7 @@ pub struct CornersMeet {
 impl CornersMeet {
     pub(super) fn run(&self, bench: &Bench) -> Measured {
         const GAP: f64 = 1e-3;
-        let core = ConvexPolyhedron::cuboid(Vector::repeat(from_mm(self.core_mm)))?;
-        let shape = ConvexPolyhedron::of_rounded(core, from_mm(self.radius_mm))?;
+        let shape = rounded(Vector::repeat(from_mm(self.core_mm)), self.radius_mm)?;
         let reach = 0.75_f64.sqrt() * from_mm(self.core_mm) + from_mm(self.radius_mm);
         let pairs = uniform(self.friction, self.restitution);
         let mut scene = bench.scene_under(Vector::zeros(), &pairs)?;
@@ -208,7 +205,7 @@ impl CornersMeet {
             spin = largest(states.iter().map(|s| s.angular_velocity.norm()).chain([spin]));
             curve.push((scene.time(), apart));
         }
-        let got = curve.last().map_or(f64::NAN, |point| point.1) / self.speed_m_per_s;
+        let got = at_end(&curve) / self.speed_m_per_s;
         outcome.note = Some(format!("they turn by {spin:.3e} rad/s at most"));
         let after = self.restitution * self.speed_m_per_s;
         outcome.law("Apart", vec![(0.0, after), (scene.time(), after)]);
@@ -238,15 +235,13 @@ impl RoundedTopples {
     }
 
     /// Whether it topples on a slope of a tangent.
-    fn topples(&self, bench: &Bench, tangent: f64) -> Result<bool, VerifyError> {
+    fn topples(&self, bench: &Bench, tangent: f64) -> Result<bool> {
         const FALLEN: f64 = 10.0;
-        let core = ConvexPolyhedron::cuboid(Vector::from(self.core_mm).map(from_mm))?;
-        let shape = ConvexPolyhedron::of_rounded(core, from_mm(self.radius_mm))?;
         let (sin, cos) = tangent.atan().sin_cos();
         let gravity = GRAVITY * Vector::new(sin, 0.0, -cos);
-        let mut scene = bench.scene_under(gravity, &uniform(self.friction, 0.0))?;
-        scene.add(&floor(0.2, Motion::Static)?)?;
+        let mut scene = floored(bench.scene_under(gravity, &uniform(self.friction, 0.0))?, 0.2)?;
         let height = from_mm(self.core_mm[2] / 2.0 + self.radius_mm) + START_GAP;
+        let shape = rounded(in_m(self.core_mm), self.radius_mm)?;
         let id = scene.add(&free(shape, Vector::z() * height))?;
         let mut fallen = false;
         scene.follow(id, self.duration_s, |_, state| {
@@ -260,22 +255,17 @@ impl RoundedTopples {
         const HALVINGS: u32 = 9;
         let law = self.law();
         let mut outcome = Outcome::new("Trial", "Slope / slope of the law");
-        let (mut stands, mut falls) = (0.8, 1.2);
-        for (share, expected) in [(stands, false), (falls, true)] {
+        let range = (0.8, 1.2);
+        for (share, expected) in [(range.0, false), (range.1, true)] {
             if self.topples(bench, share * law)? != expected {
                 return Err(VerifyError::NoEvent("a block that stands and topples"));
             }
         }
         let mut trials = Vec::new();
-        for trial in 1..=HALVINGS {
-            let middle = (stands + falls) / 2.0;
-            trials.push((f64::from(trial), middle));
-            if self.topples(bench, middle * law)? {
-                falls = middle;
-            } else {
-                stands = middle;
-            }
-        }
+        let (stands, falls) = halved(range, HALVINGS, |share| {
+            trials.push(((trials.len() + 1) as f64, share));
+            self.topples(bench, share * law)
+        })?;
         outcome.measured("Engine", trials);
         outcome.law("Statics", vec![(1.0, 1.0), (f64::from(HALVINGS), 1.0)]);
         outcome.note =

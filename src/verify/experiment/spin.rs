@@ -78,7 +78,7 @@ impl SpinSlide {
 
     pub(super) fn run(&self, bench: &Bench) -> Measured {
         let law = self.law().end();
-        let sides = Vector::from(self.sides_mm).map(from_mm);
+        let sides = in_m(self.sides_mm);
         let reach = 2.0 * (law.displacement.norm() + sides.x + sides.y);
         let mut scene = on_floor(bench, reach, self.friction)?;
         let start = Vector::new(0.0, 0.0, sides.z / 2.0 + START_GAP);
@@ -94,7 +94,7 @@ impl SpinSlide {
         for _ in 0..scene.steps_in(1.5 * law.time + 0.05) {
             scene.step()?;
             let state = scene.state(id)?;
-            points += scene.contacts().iter().filter(|c| c.impulse.norm() > 0.0).count();
+            points += pushing(&scene);
             moved = state.pose.translation.vector - start;
             // No step turns it by half a turn: the angle is the sum of the steps'.
             angle += (state.pose.rotation * before.inverse()).scaled_axis().z;

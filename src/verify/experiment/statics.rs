@@ -18,8 +18,9 @@
 //! used, the wall's N₂ = μ N₁, N₁ + μ N₂ = W, and moments about the foot give
 //! W (L/2 cos θ − t/2 sin θ) = N₂ (L sin θ + μ L cos θ).
 
+use std::convert::Infallible;
+
 use super::*;
-use crate::verify::scene::{profile, solid};
 
 /// An assembly that is set down with ever closer coefficients of friction
 /// with which it stands and falls.
@@ -67,26 +68,15 @@ const HALVINGS: u32 = 6;
 /// What sinks by more, in m, falls.
 const FALLS: f64 = 0.2e-3;
 
-/// Corners in the x-z plane, in m.
-type Outline = Vec<(f64, f64)>;
-
 /// Least friction coefficient at which `holds` is true, between 0 and 10.
 fn least(holds: impl Fn(f64) -> bool) -> f64 {
-    let (mut low, mut high) = (0.0, 10.0);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if holds(middle) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
+    let Ok((_, high)) = halved((0.0, 10.0), 60, |mu| Ok::<_, Infallible>(holds(mu)));
     high
 }
 
 impl Assembly {
-    /// Outlines of keystone and right block.
-    fn arch(lean: f64, foot: f64) -> (Outline, Outline) {
+    /// Corners of keystone and right block in the x-z plane, in m.
+    fn arch(lean: f64, foot: f64) -> (Points, Points) {
         let face = |z: f64| KEY_HALF + (z - CLEARANCE) * lean.tan();
         let top = CLEARANCE + KEY_HEIGHT;
         let key = vec![
@@ -122,13 +112,13 @@ impl Assembly {
         }
     }
 
-    /// The free bodies, the one watched first, and what else stands there.
-    fn bodies(&self) -> Result<(Vec<Body>, Vec<Body>), VerifyError> {
+    /// The bodies, and which of them is watched.
+    fn bodies(&self) -> Result<(Vec<Body>, usize)> {
         match *self {
             Self::Arch { lean_deg, foot_mm } => {
                 let (key, side) = Self::arch(from_deg(lean_deg), from_mm(foot_mm));
                 let mirrored: Vec<_> = side.iter().rev().map(|(x, z)| (-x, *z)).collect();
-                let place = |polygon: &[(f64, f64)], by: Vector| -> Result<Body, VerifyError> {
+                let place = |polygon: &[(f64, f64)], by: Vector| -> Result<Body> {
                     let mut body = solid(&profile(polygon, DEPTH)?);
                     body.state.pose.translation.vector += by;
                     Ok(body)
@@ -140,14 +130,14 @@ impl Assembly {
                     place(&side, up + aside)?,
                     place(&mirrored, up - aside)?,
                 ];
-                Ok((bodies, Vec::new()))
+                Ok((bodies, 0))
             }
             Self::Ladder { angle_deg, length_mm, thickness_mm } => {
                 const WALL: f64 = 0.02;
                 let (length, thickness) = (from_mm(length_mm), from_mm(thickness_mm));
                 let angle = from_deg(angle_deg);
                 // Its length is x of the body; leaning turns x towards z, against y.
-                let rotation = UnitQuaternion::from_axis_angle(&Vector::y_axis(), -angle);
+                let rotation = about_y(-angle);
                 let mut bar = block(Vector::new(length, DEPTH, thickness), Vector::zeros())?;
                 let foot = rotation * Vector::new(-length / 2.0, 0.0, -thickness / 2.0);
                 let at = Vector::z() * START_GAP - foot;
@@ -156,29 +146,23 @@ impl Assembly {
                 let height = 2.0 * length;
                 let sides = Vector::new(WALL, 2.0 * DEPTH, height);
                 let at = Vector::new(face + WALL / 2.0, 0.0, height / 2.0);
-                Ok((vec![bar], vec![wall(sides, at, Motion::Static)?]))
+                Ok((vec![wall(sides, at, Motion::Static)?, bar], 1))
             }
         }
     }
 }
 
 impl CriticalFriction {
-    /// How far in mm the first body sinks, over time.
-    fn sinks(&self, bench: &Bench, friction: f64) -> Result<Vec<(f64, f64)>, VerifyError> {
+    /// How far in mm the body that is watched sinks, over time.
+    fn sinks(&self, bench: &Bench, friction: f64) -> Result<Points> {
         let mut scene = on_floor(bench, 0.3, friction)?;
-        let (free, fixed) = self.assembly.bodies()?;
-        for body in &fixed {
-            scene.add(body)?;
-        }
-        let mut ids = Vec::new();
-        for body in &free {
-            ids.push(scene.add(body)?);
-        }
-        let start = free[0].state.pose.translation.z;
+        let (bodies, watched) = self.assembly.bodies()?;
+        let ids = bodies.iter().map(|body| scene.add(body)).collect::<Result<Vec<_>>>()?;
+        let start = bodies[watched].state.pose.translation.z;
         let mut curve = Vec::new();
         for _ in 0..scene.steps_in(self.duration_s) {
             scene.step()?;
-            let sunk = start - scene.state(ids[0])?.pose.translation.z;
+            let sunk = start - scene.state(ids[watched])?.pose.translation.z;
             curve.push((scene.time(), to_mm(sunk)));
             if sunk > 10.0 * FALLS {
                 break;
@@ -190,7 +174,7 @@ impl CriticalFriction {
     pub(super) fn run(&self, bench: &Bench) -> Measured {
         let law = self.assembly.law();
         let mut outcome = Outcome::new("Time (s)", "Sinks by (mm)");
-        let mut stands = |friction: f64, show: bool| -> Result<bool, VerifyError> {
+        let mut stands = |friction: f64, show: bool| -> Result<bool> {
             let curve = self.sinks(bench, friction)?;
             let sunk = curve.iter().map(|(_, z)| *z).fold(0.0, f64::max);
             if show {
@@ -198,7 +182,7 @@ impl CriticalFriction {
             }
             Ok(sunk <= to_mm(FALLS))
         };
-        let (mut low, mut high) = (RANGE.0 * law, RANGE.1 * law);
+        let (low, high) = (RANGE.0 * law, RANGE.1 * law);
         let (low_stands, high_stands) = (stands(low, true)?, stands(high, true)?);
         if low_stands == high_stands {
             // Outside of what was tried; which end says on which side.
@@ -209,14 +193,7 @@ impl CriticalFriction {
             ));
             return Ok(outcome.got(end));
         }
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if stands(middle, false)? {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
+        let (low, high) = halved((low, high), HALVINGS, |friction| stands(friction, false))?;
         outcome.note = Some(format!("falls at {low:.4}, stands at {high:.4}; by statics {law:.4}"));
         outcome.law("Stands", vec![(0.0, 0.0), (self.duration_s, 0.0)]);
         Ok(outcome.got(0.5 * (low + high)))
@@ -226,7 +203,6 @@ impl CriticalFriction {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verify::scene::mass_of;
 
     #[test]
     fn the_least_is_found_from_both_sides() {

@@ -35,11 +35,6 @@ pub struct ImpactAtSeveralPoints {
     pub supports_mm: Vec<[f64; 2]>,
 }
 
-/// Room below the block in m.
-const ROOM: f64 = 0.5e-3;
-/// Steps after which the impact is over, counted from when it began.
-const OVER: u64 = 4;
-
 /// Velocity (m/s) along x and z and angular velocity (rad/s) about y.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct After {
@@ -108,14 +103,8 @@ impl ImpactAtSeveralPoints {
     }
 
     /// Error in % of the downward velocity, and in words.
-    fn one(
-        &self,
-        bench: &Bench,
-        restitution: f64,
-        outcome: &mut Outcome,
-    ) -> Result<(f64, String), VerifyError> {
-        const HEIGHT: f64 = 0.02;
-        let sides = Vector::from(self.sides_mm).map(from_mm);
+    fn one(&self, bench: &Bench, restitution: f64, outcome: &mut Outcome) -> Result<(f64, String)> {
+        let sides = in_m(self.sides_mm);
         let supports: Vec<[f64; 2]> = self.supports_mm.iter().map(|s| s.map(from_mm)).collect();
         let law = self
             .fall(restitution)
@@ -126,9 +115,7 @@ impl ImpactAtSeveralPoints {
             scene.add(&floor(0.2, Motion::Static)?)?;
         }
         for [from, to] in &supports {
-            let at = Vector::new(0.5 * (from + to), 0.0, -HEIGHT / 2.0);
-            let size = Vector::new(to - from, 2.0 * sides.y, HEIGHT);
-            scene.add(&wall(size, at, Motion::Static)?)?;
+            scene.add(&piece(*from, *to, 2.0 * sides.y, 0.0)?)?;
         }
         let [along, down] = self.velocity_m_per_s;
         let mut body = block(sides, Vector::new(0.0, 0.0, sides.z / 2.0 + ROOM))?;
@@ -136,16 +123,10 @@ impl ImpactAtSeveralPoints {
         body.state.pose.translation.vector.x = -along * ROOM / down;
         body.state.linear_velocity = Vector::new(along, 0.0, -down);
         let (mass, inertia) = mass_of(&body);
-        let id = scene.add(&body)?;
-        let steps = (ROOM / down / scene.time_step()).ceil() as u64 + OVER;
-        let (mut curve, mut state) = (vec![(0.0, -down)], body.state);
-        for _ in 0..steps {
-            scene.step()?;
-            state = scene.state(id)?;
-            curve.push((scene.time(), state.linear_velocity.z));
-        }
-        outcome.measured(format!("e = {restitution}"), curve);
         let meets = ROOM / down;
+        let rises = |state: &BodyState| state.linear_velocity.z;
+        let (state, curve) = through_impact(&mut scene, &body, meets, OVER, rises)?;
+        outcome.measured(format!("e = {restitution}"), curve);
         outcome.law(
             format!("Law, e = {restitution}"),
             vec![(0.0, -down), (meets, -down), (meets, law.z), (scene.time(), law.z)],

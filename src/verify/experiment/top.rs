@@ -9,7 +9,6 @@
 //! A point contact bears no moment: upright, the spin stays what it is.
 
 use super::*;
-use crate::verify::scene::free;
 
 /// A square pyramid that spins on its apex.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -71,7 +70,7 @@ impl Moments {
 }
 
 /// The pyramid with its centroid in the origin and its apex below.
-fn pyramid(side: f64, height: f64) -> Result<ConvexPolyhedron, VerifyError> {
+fn pyramid(side: f64, height: f64) -> Result<ConvexPolyhedron> {
     let (half, base, apex) = (side / 2.0, 0.25 * height, -0.75 * height);
     let corners = [(-half, -half), (half, -half), (half, half), (-half, half)];
     let mut vertices: Vec<Point> = corners.iter().map(|(x, y)| Point::new(*x, *y, base)).collect();
@@ -90,8 +89,8 @@ struct Heading {
 impl Heading {
     fn follow(&mut self, direction: &Vector) {
         let now = direction.y.atan2(direction.x);
-        let turn = (now - self.last).rem_euclid(std::f64::consts::TAU);
-        let back = turn - std::f64::consts::TAU;
+        let turn = (now - self.last).rem_euclid(TAU);
+        let back = turn - TAU;
         self.total += if turn < -back { turn } else { back };
         self.last = now;
     }
@@ -102,13 +101,13 @@ impl Top {
         let (side, height) = (from_mm(self.side_mm), from_mm(self.height_mm));
         let moments = Moments::of(side, height);
         let tilt = from_deg(self.tilt_deg);
-        let rate = match tilt > 0.0 {
-            true => moments.precession(self.spin_rad_per_s, tilt),
-            false => Some(0.0),
+        let rate = if tilt > 0.0 {
+            let found = moments.precession(self.spin_rad_per_s, tilt);
+            found.ok_or_else(|| VerifyError::Setup("too slow for steady precession".into()))?
+        } else {
+            0.0
         };
-        let rate =
-            rate.ok_or_else(|| VerifyError::Setup("too slow for steady precession".into()))?;
-        let rotation = UnitQuaternion::from_axis_angle(&Vector::y_axis(), tilt);
+        let rotation = about_y(tilt);
         let axis = rotation * Vector::z();
         let arm = moments.centroid * axis;
         let mut body = free(pyramid(side, height)?, Vector::zeros());
@@ -125,7 +124,7 @@ impl Top {
         for _ in 0..scene.steps_in(self.duration_s) {
             scene.step()?;
             last = scene.state(id)?;
-            points += scene.contacts().iter().filter(|c| c.impulse.norm() > 0.0).count();
+            points += pushing(&scene);
             let axis = last.pose.rotation * Vector::z();
             heading.follow(&axis);
             let shown = match self.quantity {
