@@ -138,14 +138,19 @@ impl Top {
         let now = last.pose.rotation * Vector::z();
         let tip = last.pose.translation.vector - moments.centroid * now;
         let tilted = now.angle(&Vector::z()).to_degrees();
-        let mut outcome = Outcome::new(
-            "Time (s)",
-            match self.quantity {
-                Quantity::Precession => "Precession (°)",
-                Quantity::Tilt => "Tilt (°)",
-                Quantity::Spin => "Spin (rad/s)",
-            },
-        );
+        // The axis of the figure, the law at the beginning and at the end, and what is measured.
+        let (y, law, got) = match self.quantity {
+            Quantity::Precession => {
+                let turned = rate * end;
+                ("Precession (°)", [0.0, turned.to_degrees()], heading.total / turned)
+            }
+            Quantity::Tilt => ("Tilt (°)", [self.tilt_deg; 2], tilted),
+            Quantity::Spin => {
+                let spin = self.spin_rad_per_s;
+                ("Spin (rad/s)", [spin; 2], spin_of(&last) / spin)
+            }
+        };
+        let mut outcome = Outcome::new("Time (s)", y);
         outcome.note = Some(format!(
             "tilt {tilted:.2}° after {:.2}°, spin {:.2} rad/s, tip {:.3} mm from where it was; \
              on {:.1} points",
@@ -155,17 +160,8 @@ impl Top {
             points as f64 / curve.len() as f64
         ));
         outcome.measured("Engine", curve);
-        let law = |t: f64| match self.quantity {
-            Quantity::Precession => (rate * t).to_degrees(),
-            Quantity::Tilt => self.tilt_deg,
-            Quantity::Spin => self.spin_rad_per_s,
-        };
-        outcome.law("Symmetric top", vec![(0.0, law(0.0)), (end, law(end))]);
-        Ok(outcome.got(match self.quantity {
-            Quantity::Precession => heading.total / (rate * end),
-            Quantity::Tilt => tilted,
-            Quantity::Spin => spin_of(&last) / self.spin_rad_per_s,
-        }))
+        outcome.law("Symmetric top", vec![(0.0, law[0]), (end, law[1])]);
+        Ok(outcome.got(got))
     }
 }
 
