@@ -141,13 +141,12 @@ impl ApproachArrested {
             LetDown::Sinks { .. } | LetDown::Drops => Motion::Static,
         };
         let floor = wall(sides, Vector::new(0.0, 0.0, -DEEP / 2.0), motion)?;
-        let floor = (scene.add(&floor)?, floor.state.pose);
+        let floor = (scene.add(&floor), floor.state.pose);
         let mut bodies = Vec::new();
         let mut hold = |scene: &mut Scene, mut body: Body, way: Vector| {
             // Of the plate's material, to have coefficients of its own.
             body.material = Material::Plate;
-            bodies.push((scene.add(&body)?, body.state.pose, way));
-            Ok::<_, VerifyError>(())
+            bodies.push((scene.add(&body), body.state.pose, way));
         };
         for side in [-1.0, 1.0] {
             match self.caught_by {
@@ -155,7 +154,7 @@ impl ApproachArrested {
                     let piled = if self.caught_by == Catch::Piles { 2.0 * SIDE } else { 0.0 };
                     let at = Vector::new(side * ENDS, 0.0, gap - piled - THICK / 2.0);
                     let sides = Vector::new(1.2 * SIDE, 2.0 * SIDE, THICK);
-                    hold(scene, wall(sides, at, Motion::Kinematic)?, -Vector::z())?;
+                    hold(scene, wall(sides, at, Motion::Kinematic)?, -Vector::z());
                 }
                 Catch::Clamps => {
                     let lean = from_deg(LEAN_DEG);
@@ -170,7 +169,7 @@ impl ApproachArrested {
                     let at = face + turn * Vector::x() * (side * THICK / 2.0);
                     let mut body = wall(sides, Vector::zeros(), Motion::Kinematic)?;
                     body.state.pose = Pose::from_parts(at.into(), turn);
-                    hold(scene, body, Vector::x() * (side * lean.tan()))?;
+                    hold(scene, body, Vector::x() * (side * lean.tan()));
                 }
             }
         }
@@ -178,7 +177,7 @@ impl ApproachArrested {
             for side in [-1.0, 1.0] {
                 for n in [1.5, 0.5] {
                     let at = Vector::new(side * ENDS, 0.0, gap - n * SIDE);
-                    scene.add(&block(Vector::repeat(SIDE), at)?)?;
+                    scene.add(&block(Vector::repeat(SIDE), at)?);
                 }
             }
         }
@@ -195,7 +194,7 @@ impl ApproachArrested {
         let caught = body.state.pose.translation.z;
         body.state.pose.translation.z += from_mm(self.fall_mm);
         body.state.linear_velocity.z = -self.speed_m_per_s;
-        let id = scene.add(&body)?;
+        let id = scene.add(&body);
         let (gap, lift) = (from_mm(self.gap_mm), from_mm(self.lift_mm));
         let dt = scene.time_step();
         scene.run(self.rest_s)?;

@@ -39,11 +39,11 @@ impl Dragged {
     fn place(&self, scene: &mut Scene) -> Result<(BodyId, BodyId, Body)> {
         let sides = in_m(self.sides_mm);
         let joint = from_mm(self.before_mm) + sides.x / 2.0;
-        scene.add(&piece(-HALF, joint, 2.0 * HALF, 0.0)?)?;
-        scene.add(&piece(joint, HALF, 2.0 * HALF, -from_mm(self.step_mm))?)?;
+        scene.add(&piece(-HALF, joint, 2.0 * HALF, 0.0)?);
+        scene.add(&piece(joint, HALF, 2.0 * HALF, -from_mm(self.step_mm))?);
         let mut body = block(sides, Vector::new(0.0, 0.0, sides.z / 2.0 + START_GAP))?;
         body.state.linear_velocity.x = self.speed_m_per_s;
-        let id = scene.add(&body)?;
+        let id = scene.add(&body);
         let tip = -sides.x / 2.0 - START_GAP;
         let (middle, thick) = (sides.z / 2.0, sides.z / 4.0);
         let corners =
@@ -52,7 +52,7 @@ impl Dragged {
         // Of the plate's material, to have no friction.
         let material = Material::Plate;
         let pusher = Body { motion: Motion::Kinematic, material, ..solid(&shape) };
-        Ok((id, scene.add(&pusher)?, pusher))
+        Ok((id, scene.add(&pusher), pusher))
     }
 
     pub(super) fn run(&self, bench: &Bench) -> Measured {

@@ -10,7 +10,7 @@ pub(super) fn flight(bench: &Bench, from: Vector, velocity: Vector, duration: f6
     let mut scene = bench.scene(&uniform(0.0, 0.0))?;
     let mut body = block(Vector::repeat(CUBE), from)?;
     body.state.linear_velocity = velocity;
-    let id = scene.add(&body)?;
+    let id = scene.add(&body);
     let substeps = scene.integration_substeps();
     let law = |time: f64| {
         let h = bench.time_step() / substeps;
@@ -44,7 +44,7 @@ pub(super) fn tumbling(bench: &Bench, rate: Vector, duration: f64, quantity: Tum
     body.state.angular_velocity = rate;
     let (_, inertia) = mass_of(&body);
     let mut scene = bench.scene_under(Vector::zeros(), &uniform(0.0, 0.0))?;
-    let id = scene.add(&body)?;
+    let id = scene.add(&body);
     let (momentum, energy) = spin(&body.state, &inertia);
     let mut outcome = Outcome::new("Time (s)", "Relative change (%)");
     let (mut curve, mut worst) = (Vec::new(), 0.0_f64);
@@ -106,7 +106,7 @@ pub(super) fn flip(bench: &Bench, spin_rate: f64, disturbance: f64) -> Measured 
     let law: Points =
         euler_equations(&inertia, start, end).into_iter().map(|(t, w)| (t, w.y)).collect();
     let mut scene = bench.scene_under(Vector::zeros(), &uniform(0.0, 0.0))?;
-    let id = scene.add(&body)?;
+    let id = scene.add(&body);
     let mut curve = vec![(0.0, spin_rate)];
     scene.follow(id, end, |time, state| {
         curve.push((time, (state.pose.rotation.inverse() * state.angular_velocity).y));
@@ -133,7 +133,7 @@ pub(super) fn collision(bench: &Bench, speed: f64, friction: f64, restitution: f
         let mut body = grain_body(grain, pose);
         body.state.linear_velocity = Vector::new(-side * speed, 0.0, 0.1 * side * speed);
         body.state.angular_velocity = Vector::new(5.0, side * 3.0, 8.0);
-        bodies.push((scene.add(&body)?, mass_of(&body), body.state));
+        bodies.push((scene.add(&body), mass_of(&body), body.state));
     }
     let totals = |states: &[BodyState]| {
         let mut linear = Vector::zeros();

@@ -50,7 +50,7 @@ impl Incline {
             let gravity = GRAVITY * (angle.sin() * down - angle.cos() * Vector::z());
             let mut scene = floored(bench.scene_under(gravity, &uniform(friction, 0.0))?, reach)?;
             let start = Vector::new(0.0, 0.0, BLOCK.z / 2.0 + START_GAP);
-            let id = scene.add(&block(BLOCK, start)?)?;
+            let id = scene.add(&block(BLOCK, start)?);
             let curve = scene.sampled(duration, 400, |scene, _| {
                 let state = scene.state(id)?;
                 let shown = match quantity {
@@ -117,7 +117,7 @@ impl SlideStops {
             if plate {
                 body.material = Material::Plate;
             }
-            let id = scene.add(&body)?;
+            let id = scene.add(&body);
             let mut curve = vec![(0.0, 0.0)];
             let mut moved = 0.0;
             scene.follow(id, duration, |time, state| {

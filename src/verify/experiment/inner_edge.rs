@@ -33,7 +33,7 @@ impl InnerEdge {
         bounds.extend(joints.iter().map(|x| from_mm(*x)));
         bounds.push(HALF);
         for ends in bounds.windows(2) {
-            scene.add(&piece(ends[0], ends[1], 2.0 * HALF, 0.0)?)?;
+            scene.add(&piece(ends[0], ends[1], 2.0 * HALF, 0.0)?);
         }
         let sides = in_m(self.sides_mm);
         let mut body = block(sides, Vector::new(0.0, 0.0, sides.z / 2.0 + START_GAP))?;
@@ -42,7 +42,7 @@ impl InnerEdge {
         body.state.angular_velocity.z = self.spin_rad_per_s;
         body.state.pose.rotation =
             UnitQuaternion::from_axis_angle(&Vector::z_axis(), from_deg(heading));
-        let id = scene.add(&body)?;
+        let id = scene.add(&body);
         // Longer than any of the motion lasts: sliding and spinning share the friction.
         let radius = sides.xy().norm() / 2.0;
         let motion = self.speed_m_per_s.abs() + radius * self.spin_rad_per_s.abs();

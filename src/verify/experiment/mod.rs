@@ -277,7 +277,7 @@ fn on_floor(bench: &Bench, half_width: f64, friction: f64) -> Result<Scene> {
 
 /// A scene with a floor of a half width (m).
 fn floored(mut scene: Scene, half_width: f64) -> Result<Scene> {
-    scene.add(&floor(half_width, Motion::Static)?)?;
+    scene.add(&floor(half_width, Motion::Static)?);
     Ok(scene)
 }
 
@@ -356,7 +356,7 @@ fn through_impact(
     over: u64,
     value: impl Fn(&BodyState) -> f64,
 ) -> Result<(BodyState, Points)> {
-    let id = scene.add(body)?;
+    let id = scene.add(body);
     let (mut curve, mut state) = (vec![(0.0, value(&body.state))], body.state);
     for _ in 0..(meets / scene.time_step()).ceil() as u64 + over {
         scene.step()?;

@@ -79,14 +79,14 @@ impl Packing {
         let highest = bodies.iter().map(|b| b.state.pose.translation.z).fold(0.0, f64::max);
         let height = highest + 0.05;
         let base = floor(WIDTH, Motion::Kinematic)?;
-        let floor = scene.add(&base)?;
+        let floor = scene.add(&base);
         let mut walls = vec![(floor, base.state.pose)];
         let off = (WIDTH + WALL) / 2.0;
         for mut body in walls_around(off, WALL, 2.0 * WIDTH, height, Motion::Kinematic)? {
             body.material = Material::Plate;
-            walls.push((scene.add(&body)?, body.state.pose));
+            walls.push((scene.add(&body), body.state.pose));
         }
-        let ids = bodies.iter().map(|b| scene.add(b)).collect::<Result<_, _>>()?;
+        let ids = bodies.iter().map(|b| scene.add(b)).collect();
         Ok(Self { scene, floor, ids, bodies, walls })
     }
 

@@ -108,7 +108,7 @@ impl Pivot {
         if self.on == Support::Corner && inertia.max() > inertia.min() * (1.0 + 1e-9) {
             return Err(VerifyError::Setup("only a cube falls over its corner in a plane".into()));
         }
-        let id = scene.add(&body)?;
+        let id = scene.add(&body);
         let (mut curve, mut slip) = (vec![(0.0, from)], 0.0_f64);
         scene.follow(id, 1.5 * expected + 0.02, |time, BodyState { pose, .. }| {
             let pivot = pose.translation.vector + pose.rotation * arm;

@@ -8,7 +8,7 @@ const SIDE: f64 = 0.01;
 fn dropped(bench: &Bench, restitution: f64, height: f64) -> Result<(Scene, BodyId)> {
     let mut scene = floored(bench.scene(&uniform(0.5, restitution))?, 0.2)?;
     let start = Vector::new(0.0, 0.0, height + SIDE / 2.0);
-    let id = scene.add(&block(Vector::repeat(SIDE), start)?)?;
+    let id = scene.add(&block(Vector::repeat(SIDE), start)?);
     Ok((scene, id))
 }
 

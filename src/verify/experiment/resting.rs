@@ -46,7 +46,7 @@ pub(super) fn rests(bench: &Bench, body: RestingBody, settle: f64, duration: f64
             grain_body(grain, Pose::from_parts(Vector::new(0.0, 0.0, height).into(), rotation))
         }
     };
-    let id = scene.add(&body)?;
+    let id = scene.add(&body);
     movement("Distance from where it came to rest (mm)", scene, &[id], settle, duration)
 }
 
@@ -66,7 +66,7 @@ pub(super) fn grain_on_three(bench: &Bench, settle: f64, duration: f64) -> Measu
         let rotation = UnitQuaternion::identity();
         let z = height - lowest(&grain.shape, &rotation);
         let pose = Pose::from_parts((at + Vector::z() * z).into(), rotation);
-        ids.push(scene.add(&grain_body(grain, pose))?);
+        ids.push(scene.add(&grain_body(grain, pose)));
     }
     movement("Largest distance from the place of rest (mm)", scene, &ids, settle, duration)
 }
@@ -82,13 +82,13 @@ pub(super) fn cubes(bench: &Bench, count: u32, guided: bool, duration: f64) -> M
         let height = SIDE * f64::from(count + 2);
         let off = SIDE / 2.0 + GUIDE_GAP + GUIDE / 2.0;
         for guide in walls_around(off, GUIDE, 0.1, height, Motion::Static)? {
-            scene.add(&guide)?;
+            scene.add(&guide);
         }
     }
     let mut top = None;
     for n in 0..count {
         let at = Vector::new(0.0, 0.0, SIDE * (f64::from(n) + 0.5));
-        top = Some(scene.add(&block(Vector::repeat(SIDE), at)?)?);
+        top = Some(scene.add(&block(Vector::repeat(SIDE), at)?));
     }
     let top = top.ok_or_else(|| VerifyError::Setup("a column needs cubes".into()))?;
     let start = SIDE * (f64::from(count) - 0.5);

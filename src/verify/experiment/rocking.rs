@@ -130,7 +130,7 @@ impl RockingBlock {
         let mut body = block(sides, Vector::zeros())?;
         let at = Vector::new(sides.x / 2.0, 0.0, START_GAP) - rotation * edge;
         body.state.pose = Pose::from_parts(at.into(), rotation);
-        let id = scene.add(&body)?;
+        let id = scene.add(&body);
         let next = law.next_peak(tilt);
         let (falls, rises) = (law.quarter(tilt), law.quarter(next));
         let mut motion: Rocking = vec![(0.0, tilt, 0.0)];

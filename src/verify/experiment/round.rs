@@ -64,7 +64,7 @@ impl BallOnPlane {
         let mut scene = floored(bench.scene_under(gravity, &uniform(self.friction, 0.0))?, reach)?;
         let mut ball = free(ConvexPolyhedron::ball(radius), Vector::z() * (radius + START_GAP));
         ball.state.linear_velocity = self.speed_m_per_s * Vector::x();
-        let id = scene.add(&ball)?;
+        let id = scene.add(&ball);
         let (mut speeds, mut spins) = (Vec::new(), Vec::new());
         scene.follow(id, self.duration_s, |time, state| {
             speeds.push((time, state.linear_velocity.x));
@@ -139,9 +139,9 @@ impl SlidesOff {
         let leaves = 2.0 / 3.0 * from.cos();
         let expected = (GRAVITY * circle * leaves).sqrt() * leaves;
         let mut scene = bench.scene(&uniform(0.0, 0.0))?;
-        scene.add(&self.body()?)?;
+        scene.add(&self.body()?);
         let at = (circle + START_GAP) * (from.sin() * aside + from.cos() * Vector::z());
-        let id = scene.add(&free(ConvexPolyhedron::ball(from_mm(self.radius_mm)), at))?;
+        let id = scene.add(&free(ConvexPolyhedron::ball(from_mm(self.radius_mm)), at));
         let mut curve = vec![(0.0, 0.0)];
         // It has left at two thirds of its height.
         for _ in 0..scene.steps_in(20.0 * (circle / GRAVITY).sqrt()) {
@@ -194,7 +194,7 @@ impl CornersMeet {
             let at = -(reach + GAP / 2.0) * towards;
             body.state.pose = Pose::from_parts(at.into(), turn);
             body.state.linear_velocity = 0.5 * self.speed_m_per_s * towards;
-            ids.push(scene.add(&body)?);
+            ids.push(scene.add(&body));
         }
         let mut outcome = Outcome::new("Time (s)", "Relative velocity (m/s)");
         let (mut curve, mut spin) = (Vec::new(), 0.0_f64);
@@ -242,7 +242,7 @@ impl RoundedTopples {
         let mut scene = floored(bench.scene_under(gravity, &uniform(self.friction, 0.0))?, 0.2)?;
         let height = from_mm(self.core_mm[2] / 2.0 + self.radius_mm) + START_GAP;
         let shape = rounded(in_m(self.core_mm), self.radius_mm)?;
-        let id = scene.add(&free(shape, Vector::z() * height))?;
+        let id = scene.add(&free(shape, Vector::z() * height));
         let mut fallen = false;
         scene.follow(id, self.duration_s, |_, state| {
             let up = state.pose.rotation * Vector::z();

@@ -85,7 +85,7 @@ impl SpinSlide {
         let mut body = block(sides, start)?;
         body.state.linear_velocity.x = self.speed_m_per_s;
         body.state.angular_velocity.z = self.spin_rad_per_s;
-        let id = scene.add(&body)?;
+        let id = scene.add(&body);
         let radius = sides.xy().norm() / 2.0;
         let size = |speed: Vector, spin: f64| speed.xy().norm().hypot(spin * radius);
         let mut motion = vec![(0.0, size(body.state.linear_velocity, self.spin_rad_per_s))];

@@ -157,7 +157,7 @@ impl CriticalFriction {
     fn sinks(&self, bench: &Bench, friction: f64) -> Result<Points> {
         let mut scene = on_floor(bench, 0.3, friction)?;
         let (bodies, watched) = self.assembly.bodies()?;
-        let ids = bodies.iter().map(|body| scene.add(body)).collect::<Result<Vec<_>>>()?;
+        let ids: Vec<BodyId> = bodies.iter().map(|body| scene.add(body)).collect();
         let start = bodies[watched].state.pose.translation.z;
         let mut curve = Vec::new();
         for _ in 0..scene.steps_in(self.duration_s) {

@@ -112,10 +112,10 @@ impl ImpactAtSeveralPoints {
             .ok_or_else(|| VerifyError::Setup("the law does not cover this impact".into()))?;
         let mut scene = bench.scene_under(Vector::zeros(), &uniform(self.friction, restitution))?;
         if supports.is_empty() {
-            scene.add(&floor(0.2, Motion::Static)?)?;
+            scene.add(&floor(0.2, Motion::Static)?);
         }
         for [from, to] in &supports {
-            scene.add(&piece(*from, *to, 2.0 * sides.y, 0.0)?)?;
+            scene.add(&piece(*from, *to, 2.0 * sides.y, 0.0)?);
         }
         let [along, down] = self.velocity_m_per_s;
         let mut body = block(sides, Vector::new(0.0, 0.0, sides.z / 2.0 + ROOM))?;

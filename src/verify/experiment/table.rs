@@ -71,10 +71,10 @@ impl BlockOnTable {
     pub(super) fn run(&self, bench: &Bench) -> Measured {
         let table = Table { amplitude: from_mm(self.amplitude_mm), omega: TAU * self.frequency_hz };
         let mut scene = bench.scene(&uniform(self.friction, 0.0))?;
-        let plate = scene.add(&floor(0.3, Motion::Kinematic)?)?;
+        let plate = scene.add(&floor(0.3, Motion::Kinematic)?);
         let mut body = block(BLOCK, Vector::new(0.0, 0.0, BLOCK.z / 2.0 + START_GAP))?;
         body.state.linear_velocity.x = table.speed(0.0);
-        let id = scene.add(&body)?;
+        let id = scene.add(&body);
         let (mut times, mut travel) = (Vec::new(), Vec::new());
         for n in 1..=scene.steps_in(self.duration_s) {
             let time = n as f64 * scene.time_step();

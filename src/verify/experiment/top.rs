@@ -118,7 +118,7 @@ impl Top {
             angular_velocity: turning + axis * (self.spin_rad_per_s - rate * tilt.cos()),
         };
         let mut scene = on_floor(bench, 0.2, self.friction)?;
-        let id = scene.add(&body)?;
+        let id = scene.add(&body);
         let mut heading = Heading { last: 0.0, total: 0.0 };
         let (mut curve, mut last, mut points) = (Vec::new(), body.state, 0);
         for _ in 0..scene.steps_in(self.duration_s) {
