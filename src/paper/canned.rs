@@ -70,31 +70,18 @@ pub fn valid_runs() -> Vec<RunRecord> {
 /// A study of these runs, with the paper's grains.
 pub fn study(runs: &[RunRecord]) -> StudyView<'_> {
     let sieve = vec![(8.0, 0.0), (10.0, 33.05), (12.5, 85.0), (16.0, 100.0)];
+    let sieved_grains =
+        vec![(7.0, 1.0), (8.0, 6.0), (10.0, 38.0), (12.5, 83.0), (16.0, 99.0), (20.0, 100.0)];
     StudyView {
         runs,
         left_out: &[],
         configurations: 3,
-        sieved_grains: vec![
-            (7.0, 1.0),
-            (8.0, 6.0),
-            (10.0, 38.0),
-            (12.5, 83.0),
-            (16.0, 99.0),
-            (20.0, 100.0),
-        ],
+        sieved_grains,
         sieve,
         grain_count: constants::GRAIN_COUNT,
         total_mass_g: constants::TOTAL_MASS_G,
         solids_volume_cm3: constants::TOTAL_MASS_G / constants::SOLID_DENSITY_KG_PER_M3 * 1e3,
-        gradation: GradationSummary {
-            d10_mm: 8.56,
-            d30_mm: 9.79,
-            d50_mm: 10.76,
-            d60_mm: 11.23,
-            coefficient_of_uniformity: 1.31,
-            coefficient_of_curvature: 1.0,
-            uscs: "GP".into(),
-        },
+        gradation: gradation([8.56, 9.79, 10.76, 11.23], [1.31, 1.0]),
         generated: Some(sieve_summary().generated),
         shapes: vec![
             GrainShape {
@@ -189,22 +176,20 @@ fn vibration(configuration: u32, kind: RunKind) -> RunRecord {
     let settles = final_settlement_mm(configuration);
     let fh = constants::VIBRATED_FALLING_HEIGHT_MM;
     let poured = poured_mm(configuration, fh);
-    let (label, duration, after_each_period) = match kind {
+    let (label, periods, after_each_period) = match kind {
         RunKind::VibrationIntermittent => {
-            ("intermittent", 23.0, AFTER_PERIODS.map(|s| s * settles).to_vec())
+            ("intermittent", PLAN.bounds(), AFTER_PERIODS.map(|s| s * settles).to_vec())
         }
-        _ => ("continuous", 20.0, vec![settles]),
+        _ => ("continuous", vec![(0.0, 20.0)], vec![settles]),
     };
-    let shaken = |t: f64| match kind {
-        RunKind::VibrationIntermittent => PLAN.bounds().iter().any(|b| t >= b.0 && t <= b.1),
-        _ => t <= 20.0 + 1e-9,
-    };
+    let duration = periods[periods.len() - 1].1;
+    let shaken = |t: f64| periods.iter().any(|b| t >= b.0 && t <= b.1 + 1e-9);
     let before = 30;
     let rows = before + (duration / ROW_S).round() as u32 + ROWS_OF_REST;
+    let fallen = pluviation(configuration, fh).series;
     let row = |i: u32| {
-        let run = pluviation(configuration, fh).series[(i.min(before) as usize).min(59)];
         if i < before {
-            return run;
+            return fallen[i as usize];
         }
         let t = f64::from(i - before) * ROW_S;
         let swing = if shaken(t) && t > 0.0 {
@@ -244,12 +229,7 @@ fn vibration(configuration: u32, kind: RunKind) -> RunRecord {
     summary.settlement_mm = Some(settlement(1.0));
     summary.surface_settlement_mm = Some(settlement(0.8));
     let start = f64::from(before) * ROW_S;
-    let periods_s = match kind {
-        RunKind::VibrationIntermittent => {
-            PLAN.bounds().iter().map(|b| [start + b.0, start + b.1]).collect()
-        }
-        _ => vec![[start, start + duration]],
-    };
+    let periods_s = periods.iter().map(|b| [start + b.0, start + b.1]).collect();
     let motion = TableMotion::sine(0.025, constants::FREQUENCY_HZ, duration);
     let time_s = f64::from(ROWS_OF_REST) * ROW_S;
     summary.vibrations = vec![VibrationSummary {
@@ -276,17 +256,23 @@ fn heights(mean_surface: f64) -> StandingHeight {
     StandingHeight { mean_surface, p95: mean_surface + 6.0, highest: mean_surface + 12.5 }
 }
 
+/// A poorly graded gravel of so many mm at 10, 30, 50 and 60 %, with its coefficients of
+/// uniformity and curvature.
+fn gradation([d10_mm, d30_mm, d50_mm, d60_mm]: [f64; 4], [cu, cc]: [f64; 2]) -> GradationSummary {
+    GradationSummary {
+        d10_mm,
+        d30_mm,
+        d50_mm,
+        d60_mm,
+        coefficient_of_uniformity: cu,
+        coefficient_of_curvature: cc,
+        uscs: "GP".into(),
+    }
+}
+
 /// Grains of which none changed.
 fn sieve_summary() -> SieveSummary {
-    let gradation = GradationSummary {
-        d10_mm: 8.12,
-        d30_mm: 9.61,
-        d50_mm: 10.65,
-        d60_mm: 11.18,
-        coefficient_of_uniformity: 1.38,
-        coefficient_of_curvature: 1.02,
-        uscs: "GP".into(),
-    };
+    let gradation = gradation([8.12, 9.61, 10.65, 11.18], [1.38, 1.02]);
     SieveSummary {
         generated: gradation.clone(),
         specified: None,
