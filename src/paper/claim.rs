@@ -142,11 +142,10 @@ impl Draft {
             full_size: of.full_size,
             ..Claim::default()
         };
-        let draft = Self { claim, missing: 0 };
-        let draft = match &of.paper {
-            Some(stated) => draft.paper(stated),
-            None => draft,
-        };
+        let mut draft = Self { claim, missing: 0 };
+        if let Some(stated) = &of.paper {
+            draft = draft.paper(stated);
+        }
         draft.note(of.note)
     }
 

@@ -2,7 +2,7 @@
 
 use super::text::number;
 use crate::grains::GrainShape;
-use crate::record::{GradationSummary, RunKind, RunRecord, SeriesRow};
+use crate::record::{GradationSummary, RunKind, RunRecord, SeriesRow, Settlement};
 
 /// What a study found, and what it set out to do.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,6 +109,18 @@ impl StudyView<'_> {
         self.runs.iter().find(|r| is_pluviation(r, configuration, falling_height_mm))
     }
 
+    /// What the runs of a kind show, where they do.
+    pub(super) fn values(&self, kind: RunKind, of: impl Fn(&RunRecord) -> Option<f64>) -> Vec<f64> {
+        self.of_kind(kind).filter_map(of).filter(|v| v.is_finite()).collect()
+    }
+
+    /// (falling height in mm, standing height in mm) of a configuration, ascending.
+    pub(super) fn standing_heights(&self, configuration: u32) -> Vec<(f64, f64)> {
+        let height = |fh| Some((fh, height_mm(self.pluviation(configuration, fh)?)));
+        let heights = self.falling_heights_mm().into_iter().filter_map(height);
+        heights.filter(|p| p.1.is_finite()).collect()
+    }
+
     /// The configurations asked for.
     pub fn configurations(&self) -> impl Iterator<Item = u32> + use<> {
         1..=self.configurations
@@ -139,6 +151,21 @@ fn is_pluviation(run: &RunRecord, configuration: u32, falling_height_mm: f64) ->
 /// Standing height of a run in mm: the mean surface.
 pub(super) fn height_mm(run: &RunRecord) -> f64 {
     run.summary.standing_height_mm.mean_surface
+}
+
+/// Angle of repose of a run's pile in degrees.
+pub(super) fn angle_of_repose(run: &RunRecord) -> Option<f64> {
+    Some(run.summary.angle_of_repose.as_ref()?.degrees)
+}
+
+/// Settlement of a run's plate.
+pub(super) fn plate(run: &RunRecord) -> Option<&Settlement> {
+    run.summary.settlement_mm.as_ref()
+}
+
+/// Settlement of the mean surface of a run's grains.
+pub(super) fn surface(run: &RunRecord) -> Option<&Settlement> {
+    run.summary.surface_settlement_mm.as_ref()
 }
 
 /// Settlement of the plate (or of the surface) over the time since vibration

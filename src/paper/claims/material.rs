@@ -6,40 +6,22 @@ use crate::paper::{
 use crate::record::{RunRecord, UNCHANGED};
 
 pub(super) fn claims(study: &StudyView) -> Vec<Claim> {
+    let count = study.grain_count as f64;
+    // What only grains give; a study without grains has none of it.
+    let of_grains = |id: &str, value: f64| {
+        Draft::of(id).ours((study.grain_count > 0).then_some(value)).judge()
+    };
     let mut claims = vec![
-        grain_count(study),
-        total_mass(study),
-        grains_in_100_g(study),
-        density(study),
+        of_grains("grain-count", count),
+        of_grains("total-mass", study.total_mass_g),
+        of_grains("grains-in-100-g", count / study.total_mass_g * 100.0),
+        of_grains("solid-density", study.total_mass_g / study.solids_volume_cm3 * 1e3),
         poorly_graded(study),
         friction_is_repose(),
     ];
     claims.extend(super::repose::claims(study));
     claims.push(no_crushing(study));
     claims
-}
-
-/// A value that only grains give; a study without grains has none.
-fn of_grains(study: &StudyView, value: f64) -> Option<f64> {
-    (study.grain_count > 0).then_some(value)
-}
-
-fn grain_count(study: &StudyView) -> Claim {
-    Draft::of("grain-count").ours(of_grains(study, study.grain_count as f64)).judge()
-}
-
-fn total_mass(study: &StudyView) -> Claim {
-    Draft::of("total-mass").ours(of_grains(study, study.total_mass_g)).judge()
-}
-
-fn grains_in_100_g(study: &StudyView) -> Claim {
-    let count = study.grain_count as f64 / study.total_mass_g * 100.0;
-    Draft::of("grains-in-100-g").ours(of_grains(study, count)).judge()
-}
-
-fn density(study: &StudyView) -> Claim {
-    let kg_per_m3 = study.total_mass_g / study.solids_volume_cm3 * 1e3;
-    Draft::of("solid-density").ours(of_grains(study, kg_per_m3)).judge()
 }
 
 fn poorly_graded(study: &StudyView) -> Claim {

@@ -12,16 +12,6 @@ pub(super) fn claims(study: &StudyView) -> Vec<Claim> {
     vec![falls(study), monotone(study), slope(study), within_laboratory(study), reproducible(study)]
 }
 
-/// (falling height in mm, standing height in mm) of a configuration, ascending.
-fn curve(study: &StudyView, configuration: u32) -> Vec<(f64, f64)> {
-    study
-        .falling_heights_mm()
-        .into_iter()
-        .filter_map(|fh| Some((fh, height_mm(study.pluviation(configuration, fh)?))))
-        .filter(|p| p.1.is_finite())
-        .collect()
-}
-
 fn falls(study: &StudyView) -> Claim {
     let (lowest, highest) = (FALLING_HEIGHTS_MM[0], FALLING_HEIGHTS_MM[3]);
     let known_height = |r: &&RunRecord| height_mm(r).is_finite();
@@ -31,9 +21,8 @@ fn falls(study: &StudyView) -> Claim {
         study.configurations().filter_map(|c| ends(c).map(|(a, b)| (c, a, b))).collect();
     // Of a configuration that is left out nothing is expected.
     let left_out = |c: u32| [lowest, highest].iter().any(|fh| study.leaves_out_pluviation(c, *fh));
-    let counts = |c: &u32| ends(*c).is_some() || !left_out(*c);
-    let expected: Vec<u32> = study.configurations().filter(counts).collect();
-    let missing: Vec<u32> = expected.iter().copied().filter(|&c| ends(c).is_none()).collect();
+    let missing = study.configurations().filter(|c| ends(*c).is_none() && !left_out(*c));
+    let missing: Vec<u32> = missing.collect();
     let drop = |a: &RunRecord, b: &RunRecord| height_mm(a) - height_mm(b);
     let falling = known.iter().filter(|(_, a, b)| drop(a, b) > 0.0).count();
     let drops: Vec<String> = known
@@ -45,7 +34,7 @@ fn falls(study: &StudyView) -> Claim {
         _ => String::new(),
     };
     Draft::of("standing-height-falls")
-        .paper(&Stated::Count(expected.len()))
+        .paper(&Stated::Count(known.len() + missing.len()))
         .ours((!known.is_empty()).then_some(falling as f64))
         .runs(known.iter().flat_map(|(_, a, b)| [*a, *b]))
         .note(listed("From 0 to 20 cm it falls by", &drops))
@@ -55,8 +44,8 @@ fn falls(study: &StudyView) -> Claim {
 }
 
 fn monotone(study: &StudyView) -> Claim {
-    let curves: Vec<Vec<(f64, f64)>> =
-        study.configurations().map(|c| curve(study, c)).filter(|c| c.len() >= 2).collect();
+    let curves = study.configurations().map(|c| study.standing_heights(c));
+    let curves: Vec<_> = curves.filter(|c| c.len() >= 2).collect();
     let count = curves.iter().filter(|c| c.windows(2).all(|w| w[1].1 < w[0].1)).count();
     Draft::of("standing-height-monotone")
         .ours((!curves.is_empty()).then_some(count as f64))
@@ -71,11 +60,8 @@ fn monotone(study: &StudyView) -> Claim {
 
 fn slope(study: &StudyView) -> Claim {
     const MM_IN_CM: f64 = 10.0;
-    let slopes: Vec<f64> = study
-        .configurations()
-        .filter_map(|c| least_squares_slope(&curve(study, c)))
-        .map(|s| s * MM_IN_CM)
-        .collect();
+    let slope = |c| Some(least_squares_slope(&study.standing_heights(c))? * MM_IN_CM);
+    let slopes: Vec<f64> = study.configurations().filter_map(slope).collect();
     Draft::of("standing-height-slope")
         .ours(mean(&slopes))
         .spread(slopes)
@@ -85,8 +71,7 @@ fn slope(study: &StudyView) -> Claim {
 }
 
 fn within_laboratory(study: &StudyView) -> Claim {
-    let heights: Vec<f64> =
-        study.of_kind(RunKind::Pluviation).map(height_mm).filter(|h| h.is_finite()).collect();
+    let heights = study.values(RunKind::Pluviation, |r| Some(height_mm(r)));
     Draft::of("standing-height-in-laboratory-range")
         .ours(mean(&heights))
         .spread(heights)
@@ -95,23 +80,16 @@ fn within_laboratory(study: &StudyView) -> Claim {
 }
 
 fn reproducible(study: &StudyView) -> Claim {
-    let ranges: Vec<(f64, f64)> = study
-        .falling_heights_mm()
-        .into_iter()
-        .filter_map(|fh| {
-            let heights: Vec<f64> = study
-                .configurations()
-                .filter_map(|c| study.pluviation(c, fh).map(height_mm))
-                .filter(|h| h.is_finite())
-                .collect();
-            let range = Interval::of(heights.iter().copied())?;
-            (heights.len() >= 2).then_some((fh, range.high - range.low))
-        })
-        .collect();
-    let each: Vec<String> = ranges
-        .iter()
-        .map(|(fh, r)| format!("{} mm at {} cm", number(*r, 1), number(fh / 10.0, 0)))
-        .collect();
+    let range = |fh: f64| {
+        let heights = study.configurations().filter_map(|c| study.pluviation(c, fh).map(height_mm));
+        let heights: Vec<f64> = heights.filter(|h| h.is_finite()).collect();
+        let range = Interval::of(heights.iter().copied())?;
+        (heights.len() >= 2).then_some((fh, range.high - range.low))
+    };
+    let ranges: Vec<_> = study.falling_heights_mm().into_iter().filter_map(range).collect();
+    let in_words =
+        |(fh, r): &(f64, f64)| format!("{} mm at {} cm", number(*r, 1), number(fh / 10.0, 0));
+    let each: Vec<String> = ranges.iter().map(in_words).collect();
     Draft::of("standing-height-reproducible")
         .ours(ranges.iter().map(|r| r.1).reduce(f64::max))
         .spread(ranges.iter().map(|r| r.1))

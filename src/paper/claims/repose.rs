@@ -8,9 +8,9 @@
 use crate::measure::inference::MeanTest;
 use crate::paper::{
     Claim, ClaimKind, Interval, PaperValue, StudyView, Verdict, claim::Draft, constants,
-    text::number,
+    text::number, view::angle_of_repose,
 };
-use crate::record::{AngleOfRepose, RunKind, RunRecord};
+use crate::record::RunKind;
 
 const CONFIDENCE: f64 = 0.95;
 
@@ -19,66 +19,55 @@ const ONE_PILE: &str = "one configuration has no interval";
 
 /// Only where piles were simulated: the paper's simulations have none.
 pub(super) fn claims(study: &StudyView) -> Vec<Claim> {
-    let runs: Vec<&RunRecord> = study.of_kind(RunKind::Repose).collect();
-    let left_out = study.left_out.iter().any(|r| r.kind == RunKind::Repose);
-    if runs.is_empty() && !left_out {
+    if !study.runs.iter().chain(study.left_out).any(|r| r.kind == RunKind::Repose) {
         return Vec::new();
     }
-    vec![laboratory(&runs), atan_friction(study, &runs)]
-}
-
-fn angles(runs: &[&RunRecord]) -> Vec<f64> {
-    let angle = |r: &&RunRecord| Some(r.summary.angle_of_repose.as_ref()?.degrees);
-    runs.iter().filter_map(angle).filter(|a| a.is_finite()).collect()
+    vec![laboratory(study), atan_friction(study)]
 }
 
 /// A claim on the mean angle, judged by the interval of the configurations.
-fn judged(mut draft: Draft, runs: &[&RunRecord], stated: f64) -> Claim {
-    let angles = angles(runs);
+fn judged(draft: Draft, study: &StudyView, stated: f64) -> Claim {
+    let angles = study.values(RunKind::Repose, angle_of_repose);
     let mean = crate::measure::statistics::mean(&angles);
-    let test = MeanTest::of(&angles, CONFIDENCE);
-    draft = draft.ours(mean).runs(runs.iter().copied()).spread(angles.iter().copied());
-    draft = match &test {
-        Some(t) => draft.note(format!(
+    let draft = draft.ours(mean).runs(study.of_kind(RunKind::Repose)).spread(angles.clone());
+    let mut claim = draft.judge();
+    claim.paper = Some(PaperValue::Value { value: stated });
+    claim.kind = ClaimKind::Result;
+    if let Some(t) = MeanTest::of(&angles, CONFIDENCE) {
+        let interval = Interval::around(t.mean, t.half_width);
+        claim.add_note(&format!(
             "Judged by our interval, the paper giving no scatter: mean of {} configurations {}°, 95 % \
              confidence interval {}° to {}°.",
             t.count,
             number(t.mean, 1),
-            number(t.mean - t.half_width, 1),
-            number(t.mean + t.half_width, 1),
-        )),
-        None if mean.is_some() => draft.note(
+            number(interval.low, 1),
+            number(interval.high, 1),
+        ));
+        let holds = interval.contains(stated);
+        claim.verdict = if holds { Verdict::Within } else { Verdict::Outside };
+    } else if mean.is_some() {
+        claim.add_note(
             "One configuration has no interval, and the paper gives no scatter to judge by.",
-        ),
-        None => draft,
-    };
-    let mut claim = draft.judge();
-    claim.paper = Some(PaperValue::Value { value: stated });
-    claim.kind = ClaimKind::Result;
-    match &test {
-        Some(t) => {
-            let holds = Interval::around(t.mean, t.half_width).contains(stated);
-            claim.verdict = if holds { Verdict::Within } else { Verdict::Outside };
-        }
-        None if mean.is_some() => claim.not_comparable(ONE_PILE),
+        );
+        claim.not_comparable(ONE_PILE);
+    } else {
         // Piles were built, and none had an angle.
-        None => claim.verdict = Verdict::NotRun,
+        claim.verdict = Verdict::NotRun;
     }
     claim
 }
 
-fn laboratory(runs: &[&RunRecord]) -> Claim {
-    let piles: Vec<&AngleOfRepose> =
-        runs.iter().filter_map(|r| r.summary.angle_of_repose.as_ref()).collect();
-    let volumes = Interval::of(piles.iter().map(|p| p.by_volume_degrees));
+fn laboratory(study: &StudyView) -> Claim {
+    let piles = study.of_kind(RunKind::Repose).filter_map(|r| r.summary.angle_of_repose.as_ref());
+    let volumes = Interval::of(piles.map(|p| p.by_volume_degrees));
     let by_volume = volumes.map_or_else(String::new, |v| {
         format!("By volume and height ours are {}° to {}°.", number(v.low, 1), number(v.high, 1))
     });
     let draft = Draft::of("angle-of-repose").note(by_volume);
-    judged(draft, runs, constants::ANGLE_OF_REPOSE_DEG)
+    judged(draft, study, constants::ANGLE_OF_REPOSE_DEG)
 }
 
-fn atan_friction(study: &StudyView, runs: &[&RunRecord]) -> Claim {
+fn atan_friction(study: &StudyView) -> Claim {
     let friction = study.pile_friction;
     let atan = friction.atan().to_degrees();
     let draft = Draft::of("repose-is-atan-friction").note(format!(
@@ -88,13 +77,14 @@ fn atan_friction(study: &StudyView, runs: &[&RunRecord]) -> Claim {
         number(friction, 3),
         number(atan, 2)
     ));
-    judged(draft, runs, atan)
+    judged(draft, study, atan)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::paper::{canned, claims as all};
+    use crate::record::{AngleOfRepose, RunRecord};
 
     /// A canned run as a pile of so many degrees.
     fn pile(configuration: u32, degrees: Option<f64>) -> RunRecord {

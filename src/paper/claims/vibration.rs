@@ -9,9 +9,9 @@ use crate::paper::{
     claims::list,
     constants::{FREQUENCY_HZ, MONITORING_INTERVAL_S},
     fluctuation::rms_about_running_mean,
-    view::{shaken_curve, shaken_periods},
+    view::{plate, shaken_curve, shaken_periods, surface},
 };
-use crate::record::{RunKind, RunRecord, Settlement};
+use crate::record::{RunKind, RunRecord};
 
 /// Time in s after a period's start and before its end that counts as "right
 /// at the end and at the beginning". Ours: one and a half cycles.
@@ -32,10 +32,6 @@ pub(super) fn claims(study: &StudyView) -> Vec<Claim> {
 
 fn vibrated<'a>(study: &'a StudyView) -> impl Iterator<Item = &'a RunRecord> {
     study.runs.iter().filter(|r| r.kind.is_vibration())
-}
-
-fn plate(run: &RunRecord) -> Option<&Settlement> {
-    run.summary.settlement_mm.as_ref()
 }
 
 /// The plate's settlement curve until the shaking ends.
@@ -108,18 +104,18 @@ fn placed_gently(study: &StudyView) -> Claim {
 
 fn final_settlement(study: &StudyView, configuration: u32) -> Claim {
     let run = study.vibration(RunKind::VibrationContinuous, configuration);
-    let summary = run.map(|r| &r.summary);
     let note = |what: &str, value: Option<f64>, unit: &str| {
         value.map_or_else(String::new, |v| format!("{what} {} {unit}.", number(v, 1)))
     };
     let plate_moving = run.and_then(plate).and_then(|s| s.end_of_shaking);
-    let surface = summary.and_then(|s| Some(s.surface_settlement_mm.as_ref()?.final_mm));
+    let surface = run.and_then(surface).map(|s| s.final_mm);
+    let creep = run.and_then(|r| r.summary.creep_um_per_s);
     Draft::of_configuration("continuous-final-settlement", configuration)
         .ours(run.and_then(plate).map(|s| s.final_mm))
         .runs(run)
         .note(note("At the end of shaking it was", plate_moving, "mm"))
         .note(note("The mean surface of the grains settled by", surface, "mm"))
-        .note(note("Creep of the rest test:", summary.and_then(|s| s.creep_um_per_s), "µm/s"))
+        .note(note("Creep of the rest test:", creep, "µm/s"))
         .judge()
 }
 
@@ -158,13 +154,12 @@ fn fluctuation(study: &StudyView) -> Claim {
 }
 
 fn monitoring(study: &StudyView) -> Claim {
-    let intervals: Vec<f64> = vibrated(study)
-        .filter_map(|r| {
-            let curve = curve(r);
-            let (first, last) = (curve.first()?.0, curve.last()?.0);
-            (curve.len() > 1).then(|| (last - first) / (curve.len() - 1) as f64)
-        })
-        .collect();
+    let interval = |r: &RunRecord| {
+        let curve = curve(r);
+        let (first, last) = (curve.first()?.0, curve.last()?.0);
+        (curve.len() > 1).then(|| (last - first) / (curve.len() - 1) as f64)
+    };
+    let intervals: Vec<f64> = vibrated(study).filter_map(interval).collect();
     // The run furthest from the paper's interval speaks for all.
     let worst = intervals.iter().copied().max_by(|a, b| {
         (a - MONITORING_INTERVAL_S).abs().total_cmp(&(b - MONITORING_INTERVAL_S).abs())
@@ -177,11 +172,9 @@ fn monitoring(study: &StudyView) -> Claim {
 }
 
 fn finals<'a>(study: &'a StudyView) -> Vec<(&'a RunRecord, f64)> {
-    study
-        .of_kind(RunKind::VibrationIntermittent)
-        .filter_map(|r| plate(r).map(|s| (r, s.final_mm)))
-        .filter(|f| f.1.is_finite())
-        .collect()
+    let intermittent = study.of_kind(RunKind::VibrationIntermittent);
+    let finals = intermittent.filter_map(|r| Some((r, plate(r)?.final_mm)));
+    finals.filter(|f| f.1.is_finite()).collect()
 }
 
 fn intermittent_range(study: &StudyView) -> Claim {
@@ -198,13 +191,11 @@ fn below_minimum(study: &StudyView) -> Claim {
     let minimum = FINAL_SETTLEMENT_MM.low;
     let finals = finals(study);
     let below: Vec<&(&RunRecord, f64)> = finals.iter().filter(|f| f.1 < minimum).collect();
-    let by: Vec<String> = below
-        .iter()
-        .map(|(r, s)| {
-            let percent = 100.0 * (1.0 - s / minimum);
-            format!("{} % (configuration {})", number(percent, 0), r.configuration)
-        })
-        .collect();
+    let in_words = |(r, s): &&(&RunRecord, f64)| {
+        let percent = 100.0 * (1.0 - s / minimum);
+        format!("{} % (configuration {})", number(percent, 0), r.configuration)
+    };
+    let by: Vec<String> = below.iter().map(in_words).collect();
     Draft::of("intermittent-case-below-minimum")
         .ours((!finals.is_empty()).then_some(below.len() as f64))
         .runs(finals.iter().map(|f| f.0))
@@ -227,16 +218,12 @@ fn edge_ratio(study: &StudyView, run: &RunRecord) -> Option<f64> {
 }
 
 fn edges(study: &StudyView) -> Claim {
-    let ratios: Vec<(&RunRecord, f64)> = study
-        .of_kind(RunKind::VibrationIntermittent)
-        .filter_map(|r| edge_ratio(study, r).map(|x| (r, x)))
-        .collect();
+    let intermittent = |r: &&RunRecord| r.kind == RunKind::VibrationIntermittent;
+    let ratio = |r: &RunRecord| edge_ratio(study, r);
+    let ratios: Vec<(&RunRecord, f64)> =
+        study.runs.iter().filter(intermittent).filter_map(|r| Some((r, ratio(r)?))).collect();
     // Of a run that is left out nothing is expected.
-    let left_out = study
-        .left_out
-        .iter()
-        .filter(|r| r.kind == RunKind::VibrationIntermittent && edge_ratio(study, r).is_some())
-        .count();
+    let left_out = study.left_out.iter().filter(intermittent).filter_map(ratio).count();
     let expected = (study.configurations as usize).saturating_sub(left_out);
     let more: Vec<u32> = ratios.iter().filter(|r| r.1 > 1.0).map(|r| r.0.configuration).collect();
     let mut draft = Draft::of("intermittent-fluctuation-at-ends")

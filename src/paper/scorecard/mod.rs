@@ -11,9 +11,10 @@ use serde::Serialize;
 use super::{
     Claim, ClaimKind, Interval, PaperValue, StudyView, Verdict,
     text::{compact, number},
+    view::{angle_of_repose, plate},
 };
 use crate::measure::{inference::MeanTest, statistics::mean};
-use crate::record::{RunKind, RunRecord, Settlement};
+use crate::record::{RunKind, Settlement};
 
 /// Confidence of the rows' intervals.
 const CONFIDENCE: f64 = 0.95;
@@ -152,56 +153,45 @@ fn rows(study: &StudyView, claims: &[Claim]) -> Vec<ScoreRow> {
         })
     };
     let settled = |kind, value: fn(&Settlement) -> Option<f64>| {
-        values(study, kind, move |r| value(r.summary.settlement_mm.as_ref()?))
+        study.values(kind, move |r| value(plate(r)?))
     };
     let (continuous, intermittent) = (RunKind::VibrationContinuous, RunKind::VibrationIntermittent);
     let mut falls =
         one("standing-height-falls", "Gravel that falls from higher stands lower").counted();
     if let (Some(row), Some(slope)) = (&mut falls, super::uncertainty::trend(study).slope) {
-        row.in_words += &format!(
-            "; {} mm per cm [{} … {}]",
-            number(slope.mean_mm_per_cm, 2),
-            number(slope.interval.low, 2),
-            number(slope.interval.high, 2)
-        );
+        let mean = number(slope.mean_mm_per_cm, 2);
+        row.in_words += &format!("; {mean} mm per cm {}", in_brackets(slope.interval, 2));
     }
-    let after_first = |s: &Settlement| Some(100.0 * s.after_each_period.first()? / s.final_mm);
+    let after_20_s = settled(continuous, |s| Some(s.final_mm));
+    let after_5_s = settled(continuous, |s| Some(100.0 * s.share_after_5_s?));
+    let of_first = |s: &Settlement| Some(100.0 * s.after_each_period.first()? / s.final_mm);
+    let after_first = settled(intermittent, of_first);
+    let after_last = settled(intermittent, |s| Some(s.final_mm));
+    let angles = study.values(RunKind::Repose, angle_of_repose);
     [
         falls,
         one("denser-after-vibration", "Gravel is denser after vibration").counted(),
         each("continuous-final-settlement", "Settlement of the plate after 20 s of vibration")
-            .mean(&settled(continuous, |s| Some(s.final_mm)), "mm", 1),
-        each("continuous-share-after-5-s", "Share of it in the first 5 s").mean(
-            &settled(continuous, |s| Some(100.0 * s.share_after_5_s?)),
-            "%",
-            0,
-        ),
+            .mean(&after_20_s, "mm", 1),
+        each("continuous-share-after-5-s", "Share of it in the first 5 s").mean(&after_5_s, "%", 0),
         each(
             "intermittent-share-in-first-period",
             "Share in the first of four periods of vibration",
         )
-        .mean(&settled(intermittent, after_first), "%", 0),
+        .mean(&after_first, "%", 0),
         one("intermittent-fluctuation-at-ends", "The plate moves most as a period begins and ends")
             .counted(),
-        one("intermittent-in-laboratory-range", "Settlement of the plate after four periods").mean(
-            &settled(intermittent, |s| Some(s.final_mm)),
-            "mm",
-            1,
-        ),
-        one("angle-of-repose", "Angle of repose").mean(
-            &values(study, RunKind::Repose, |r| Some(r.summary.angle_of_repose.as_ref()?.degrees)),
-            "°",
-            1,
-        ),
+        one("intermittent-in-laboratory-range", "Settlement of the plate after four periods")
+            .mean(&after_last, "mm", 1),
+        one("angle-of-repose", "Angle of repose").mean(&angles, "°", 1),
     ]
     .into_iter()
     .flatten()
     .collect()
 }
 
-/// What the runs of a kind show, where they do.
-fn values(study: &StudyView, kind: RunKind, value: impl Fn(&RunRecord) -> Option<f64>) -> Vec<f64> {
-    study.of_kind(kind).filter_map(value).filter(|v| v.is_finite()).collect()
+fn in_brackets(interval: Interval, decimals: usize) -> String {
+    format!("[{} … {}]", number(interval.low, decimals), number(interval.high, decimals))
 }
 
 impl Row<'_> {
@@ -215,12 +205,9 @@ impl Row<'_> {
         row.in_words = match (ours, interval) {
             (None, _) => "–".to_owned(),
             (Some(m), None) => format!("{}{space}{unit} (one run)", number(m, decimals)),
-            (Some(m), Some(i)) => format!(
-                "{}{space}{unit} [{} … {}]",
-                number(m, decimals),
-                number(i.low, decimals),
-                number(i.high, decimals)
-            ),
+            (Some(m), Some(i)) => {
+                format!("{}{space}{unit} {}", number(m, decimals), in_brackets(i, decimals))
+            }
         };
         (row.ours, row.interval, row.count) = (ours, interval, values.len());
         let band = self.claims.first().and_then(|c| c.read_as);

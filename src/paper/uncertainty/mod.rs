@@ -9,7 +9,11 @@ pub use placements::{PlacementScatter, SpecimenPlacements};
 
 use serde::Serialize;
 
-use super::{Interval, StudyView, bands, text::number, view::height_mm};
+use super::{
+    Interval, StudyView, bands,
+    text::number,
+    view::{height_mm, plate, surface},
+};
 use crate::measure::{
     inference::{MeanTest, page_test, values_needed},
     statistics::{least_squares_slope, mean},
@@ -212,10 +216,7 @@ pub fn uncertainty(all: &StudyView) -> Uncertainty {
         })
         .collect();
     type Of = fn(&RunRecord) -> Option<&Settlement>;
-    let of: [(&str, Of); 2] = [
-        ("plate", |r| r.summary.settlement_mm.as_ref()),
-        ("mean surface", |r| r.summary.surface_settlement_mm.as_ref()),
-    ];
+    let of: [(&str, Of); 2] = [("plate", plate), ("mean surface", surface)];
     for (kind, mode) in MODES {
         for (what, settlement) in of {
             let continuous = kind == RunKind::VibrationContinuous;
@@ -238,7 +239,7 @@ pub fn uncertainty(all: &StudyView) -> Uncertainty {
         confidence: CONFIDENCE,
         trend: trend(study),
         settlements: settlements(all),
-        placements: placements::scatter(all, study, CONFIDENCE),
+        placements: placements::scatter(all, study),
         laboratory,
         quantities,
     }
@@ -260,8 +261,8 @@ fn settled(run: &RunRecord) -> SettledRun {
     SettledRun {
         run: run.name.clone(),
         left_out_of_means: s.why_left_out(),
-        plate_mm: s.settlement_mm.as_ref().map(|s| s.final_mm),
-        surface_mm: s.surface_settlement_mm.as_ref().map(|s| s.final_mm),
+        plate_mm: plate(run).map(|s| s.final_mm),
+        surface_mm: surface(run).map(|s| s.final_mm),
         creep_um_per_s: s.creep_um_per_s,
         creep_over_vibration_mm: s.creep_um_per_s.zip(duration).map(|(c, t)| 1e-3 * c * t),
         rest_test_plate_drop_mm: s.rest_test.and_then(|c| c.plate_drop_mm),
@@ -279,11 +280,8 @@ pub fn trend(study: &StudyView) -> Trend {
     let mut left_out = Vec::new();
     let mut curves: Vec<Vec<(f64, f64)>> = Vec::new();
     for c in study.configurations() {
-        let curve: Vec<(f64, f64)> = heights
-            .iter()
-            .filter_map(|fh| Some((fh / MM_IN_CM, height_mm(study.pluviation(c, *fh)?))))
-            .filter(|p| p.1.is_finite())
-            .collect();
+        let curve = study.standing_heights(c).into_iter().map(|(fh, mm)| (fh / MM_IN_CM, mm));
+        let curve: Vec<(f64, f64)> = curve.collect();
         // One without every height would weigh the heights unequally.
         if curve.len() == heights.len() && curve.len() >= 2 {
             configurations.push(c);
@@ -346,10 +344,7 @@ fn in_words(
         return format!(
             "{} poured from every height: whether the standing height falls with the falling height \
              cannot be distinguished from scatter.",
-            match slopes.len() {
-                0 => "No configuration was".to_owned(),
-                _ => "Only one configuration was".to_owned(),
-            }
+            if slopes.is_empty() { "No configuration was" } else { "Only one configuration was" }
         );
     };
     let mut text = format!(
@@ -378,16 +373,12 @@ fn in_words(
         _ => ". That it falls is not shown.",
     };
     match needed {
-        Some(n) if n > slopes.len() => {
-            text += &format!(
-                " Were the measured slope and scatter the true ones, {n} configurations would show it \
-                 with a probability of 80 %."
-            );
-        }
         Some(n) => {
+            let more = n > slopes.len();
             text += &format!(
-                " Were the measured slope and scatter the true ones, {n} configurations would be \
-                 enough for a probability of 80 %."
+                " Were the measured slope and scatter the true ones, {n} configurations would {} a \
+                 probability of 80 %.",
+                if more { "show it with" } else { "be enough for" }
             );
         }
         None if slopes.len() < 3 => {

@@ -3,10 +3,14 @@
 
 use serde::Serialize;
 
-use super::Interval;
+use super::{CONFIDENCE, Interval};
 use crate::measure::nested::{Bounded, Nested};
-use crate::paper::{StudyView, text::number};
-use crate::record::{RunKind, RunRecord, Settlement};
+use crate::paper::{
+    StudyView,
+    text::number,
+    view::{plate, surface},
+};
+use crate::record::{RunKind, RunRecord};
 
 /// Fewest placements on a specimen of which a scatter is quoted without a word of caution.
 const ENOUGH: usize = 10;
@@ -54,28 +58,18 @@ pub struct SpecimenPlacements {
 
 /// What was measured under the plates of a study's placements; `all` are its runs with those that
 /// are left out of `study`.
-pub(super) fn scatter(
-    all: &StudyView,
-    study: &StudyView,
-    confidence: f64,
-) -> Vec<PlacementScatter> {
+pub(super) fn scatter(all: &StudyView, study: &StudyView) -> Vec<PlacementScatter> {
     if study.of_kind(RunKind::VibrationPlacement).next().is_none() {
         return Vec::new();
     }
     type Of = fn(&RunRecord) -> Option<f64>;
-    fn plate(run: &RunRecord) -> Option<&Settlement> {
-        run.summary.settlement_mm.as_ref()
-    }
     let quantities: [(&str, &str, Of); 4] = [
         ("settlement of the plate, final", "mm", |r| Some(plate(r)?.final_mm)),
         ("settlement of the plate, after 5 s", "mm", |r| plate(r)?.after_5_s),
         ("share of it after 5 s", "%", |r| Some(100.0 * plate(r)?.share_after_5_s?)),
-        ("settlement of the mean surface, final", "mm", |r| {
-            Some(r.summary.surface_settlement_mm.as_ref()?.final_mm)
-        }),
+        ("settlement of the mean surface, final", "mm", |r| Some(surface(r)?.final_mm)),
     ];
-    let found =
-        quantities.iter().map(|(name, unit, of)| one(all, study, (name, unit), of, confidence));
+    let found = quantities.iter().map(|(name, unit, of)| one(all, study, (name, unit), of));
     found.filter(|q| q.specimens.iter().any(|s| !s.values.is_empty())).collect()
 }
 
@@ -84,7 +78,6 @@ fn one(
     study: &StudyView,
     (name, unit): (&str, &str),
     of: &dyn Fn(&RunRecord) -> Option<f64>,
-    confidence: f64,
 ) -> PlacementScatter {
     let specimens: Vec<SpecimenPlacements> = study
         .configurations()
@@ -103,7 +96,7 @@ fn one(
         })
         .collect();
     let groups: Vec<Vec<f64>> = specimens.iter().map(|s| s.values.clone()).collect();
-    let nested = Nested::of(&groups, confidence);
+    let nested = Nested::of(&groups, CONFIDENCE);
     let n = nested.as_ref();
     let root = |b: Option<Bounded>| b.map(|b| b.value.max(0.0).sqrt());
     let ends = |b: Option<Bounded>| b.map(|b| Interval::new(b.low.sqrt(), b.high.sqrt()));
@@ -178,7 +171,7 @@ mod tests {
     fn both_sources_are_reported_apart() {
         let runs = scattered(&[&[2.0], &[4.0, 6.0], &[8.0, 9.0, 10.0]]);
         let study = canned::study(&runs);
-        let found = scatter(&study, &study, 0.95);
+        let found = scatter(&study, &study);
         let plate = &found[0];
         assert_eq!(plate.name, "settlement of the plate, final");
         let counts: Vec<usize> = plate.specimens.iter().map(|s| s.values.len()).collect();
@@ -200,7 +193,7 @@ mod tests {
     fn the_programme_s_own_runs_are_none_of_them() {
         let own = canned::runs();
         assert!(
-            scatter(&canned::study(&own), &canned::study(&own), 0.95).is_empty(),
+            scatter(&canned::study(&own), &canned::study(&own)).is_empty(),
             "law: the plate was laid once"
         );
         let runs = scattered(&[&[1.0, 2.0]]);
@@ -211,7 +204,7 @@ mod tests {
             claims.into_iter().filter(|c| c.id != "no-crushing").collect::<Vec<_>>()
         };
         assert_eq!(claims(&own), claims(&runs), "law: placements answer no claim of the paper");
-        let found = scatter(&study, &study, 0.95);
+        let found = scatter(&study, &study);
         assert_eq!(found[0].mean, None, "law: one specimen tells nothing of others");
         assert!(found[0].note.starts_with("With one specimen"), "{}", found[0].note);
     }
