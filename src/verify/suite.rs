@@ -60,34 +60,29 @@ pub enum SuiteError {
 pub fn run_suite(options: &SuiteOptions, make: WorldMaker) -> Result<Vec<Verdict>, SuiteError> {
     let todo: Vec<(&Case, &Setting)> =
         options.cases.iter().flat_map(|c| options.settings.iter().map(move |s| (c, s))).collect();
-    let done: Mutex<Vec<Option<Verdict>>> = Mutex::new(vec![None; todo.len()]);
+    let done = Mutex::new(0_usize);
     let pool = pool(options.jobs.max(1))?;
     options.progress.begin_pieces(SUITE, "experiments", todo.len());
-    pool.install(|| {
+    let verdicts: Option<Vec<Verdict>> = pool.install(|| {
         // One at a time from the front: the order of the table is that of the work.
-        todo.par_iter().with_max_len(1).enumerate().for_each(|(index, (case, setting))| {
+        let each = todo.par_iter().with_max_len(1).map(|(case, setting)| {
             if options.cancel.load(Ordering::Relaxed) {
-                return;
+                return None;
             }
             let began = Instant::now();
             let mut verdict = verify(case, setting, make);
             verdict.wall_s = began.elapsed().as_secs_f64();
             let words = in_words(&verdict);
             let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
-            done[index] = Some(verdict);
-            let count = done.iter().flatten().count();
-            options.progress.message(&format!(
-                "{count}/{}  {} on {}: {words}",
-                todo.len(),
-                case.id,
-                setting.name
-            ));
-            options.progress.update(SUITE, count as f64, &case.id);
+            *done += 1;
+            let place = format!("{done}/{}", todo.len());
+            options.progress.message(&format!("{place}  {} on {}: {words}", case.id, setting.name));
+            options.progress.update(SUITE, *done as f64, &case.id);
+            Some(verdict)
         });
+        each.collect()
     });
     options.progress.end_stage(SUITE);
-    let done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let verdicts: Option<Vec<Verdict>> = done.into_iter().collect();
     let verdicts = verdicts.ok_or(SuiteError::Cancelled)?;
     if let Some(out) = &options.out {
         write_json(&out.join("verify.json"), &verdicts)?;
