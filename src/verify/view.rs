@@ -14,8 +14,8 @@ use super::VerifyError;
 use crate::geometry::{ConvexPolyhedron, Point, Pose, Sphere, Vector};
 use crate::world::{Body, BodyState};
 
-/// How the laboratory stands in the engine's world.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// How the laboratory stands in the engine's world; upright and at rest by default.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct View {
     /// R: how the laboratory is turned, gravity with it.
     pub frame: UnitQuaternion<f64>,
@@ -25,17 +25,6 @@ pub struct View {
     pub velocity: Vector,
     /// Whether bodies are added to the engine last first.
     pub last_first: bool,
-}
-
-impl Default for View {
-    fn default() -> Self {
-        Self {
-            frame: UnitQuaternion::identity(),
-            mirrored: false,
-            velocity: Vector::zeros(),
-            last_first: false,
-        }
-    }
 }
 
 /// S x.
