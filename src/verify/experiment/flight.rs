@@ -31,7 +31,7 @@ pub(super) fn flight(bench: &Bench, from: Vector, velocity: Vector, duration: f6
 }
 
 /// Angular momentum about the centroid, and kinetic energy of turning.
-fn spin(state: &BodyState, inertia: &Vector) -> (Vector, f64) {
+pub(super) fn spin(state: &BodyState, inertia: &Vector) -> (Vector, f64) {
     let rotation = state.pose.rotation;
     let omega = rotation.inverse() * state.angular_velocity;
     let momentum = inertia.component_mul(&omega);
@@ -125,7 +125,7 @@ pub(super) fn flip(bench: &Bench, spin_rate: f64, disturbance: f64) -> Measured 
 pub(super) fn collision(bench: &Bench, speed: f64, friction: f64, restitution: f64) -> Measured {
     let set = grains(20, 3)?;
     let mut scene = bench.scene_under(Vector::zeros(), &uniform(friction, restitution))?;
-    let mut bodies = Vec::new();
+    let (mut ids, mut bodies) = (Vec::new(), Vec::new());
     for (index, side) in [-1.0, 1.0].into_iter().enumerate() {
         let grain = &set.grains[index];
         let at = Vector::new(side * 0.02, side * 0.0015, 0.0);
@@ -133,23 +133,23 @@ pub(super) fn collision(bench: &Bench, speed: f64, friction: f64, restitution: f
         let mut body = grain_body(grain, pose);
         body.state.linear_velocity = Vector::new(-side * speed, 0.0, 0.1 * side * speed);
         body.state.angular_velocity = Vector::new(5.0, side * 3.0, 8.0);
-        bodies.push((scene.add(&body), mass_of(&body), body.state));
+        ids.push(scene.add(&body));
+        bodies.push(body);
     }
     let totals = |states: &[BodyState]| {
-        let mut linear = Vector::zeros();
-        let mut angular = Vector::zeros();
-        for (state, (_, (mass, inertia), _)) in states.iter().zip(&bodies) {
-            let momentum = *mass * state.linear_velocity;
+        let (mut linear, mut angular) = (Vector::zeros(), Vector::zeros());
+        for (state, body) in states.iter().zip(&bodies) {
+            let (mass, inertia) = mass_of(body);
+            let momentum = mass * state.linear_velocity;
             linear += momentum;
-            angular += state.pose.translation.vector.cross(&momentum) + spin(state, inertia).0;
+            angular += state.pose.translation.vector.cross(&momentum) + spin(state, &inertia).0;
         }
         (linear, angular)
     };
-    let before: Vec<BodyState> = bodies.iter().map(|b| b.2).collect();
+    let before: Vec<BodyState> = bodies.iter().map(|body| body.state).collect();
     let (linear, angular) = totals(&before);
     // What flows through the contact: the scale on which a change counts.
-    let scale = bodies[0].1.0 * speed;
-    let ids: Vec<_> = bodies.iter().map(|b| b.0).collect();
+    let scale = mass_of(&bodies[0]).0 * speed;
     let mut outcome = Outcome::new("Time (s)", "Change of momentum (% of one grain's)");
     let (mut of_linear, mut of_angular, mut worst) = (Vec::new(), Vec::new(), 0.0_f64);
     let mut met = false;

@@ -107,9 +107,8 @@ impl ImpactTilted {
         outcome.measured(format!("e = {restitution}"), curve);
         let impulse = impact.mass * (state.linear_velocity - impact.velocity);
         let (_, moments) = mass_of(&body);
-        let spin = state.pose.rotation.inverse() * state.angular_velocity;
         // Kept while it flies on, unlike the angular velocity.
-        let momentum = state.pose.rotation * moments.component_mul(&spin);
+        let (momentum, _) = spin(&state, &moments);
         let speed = impact.velocity.norm();
         let Some(law) = law else {
             let before = 0.5 * impact.mass * speed * speed;

@@ -123,18 +123,13 @@ impl Packing {
 
     /// Kinetic and potential energy of all grains in J.
     pub fn energy(&mut self) -> Result<f64> {
-        let states = self.states()?;
-        Ok(states
-            .iter()
-            .zip(&self.bodies)
-            .map(|(s, body)| {
-                let Motion::Free { mass, inertia } = body.motion else { return 0.0 };
-                let omega = s.pose.rotation.inverse() * s.angular_velocity;
-                0.5 * mass * s.linear_velocity.norm_squared()
-                    + 0.5 * omega.dot(&inertia.component_mul(&omega))
-                    + mass * GRAVITY * s.pose.translation.z
-            })
-            .sum())
+        let energy = |(s, body): (&BodyState, &Body)| {
+            let (mass, inertia) = mass_of(body);
+            0.5 * mass * s.linear_velocity.norm_squared()
+                + spin(s, &inertia).1
+                + mass * GRAVITY * s.pose.translation.z
+        };
+        Ok(self.states()?.iter().zip(&self.bodies).map(energy).sum())
     }
 
     /// The grains as they are now.
