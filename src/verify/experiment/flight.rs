@@ -17,7 +17,6 @@ pub(super) fn flight(bench: &Bench, from: Vector, velocity: Vector, duration: f6
         let n = (time / h).round();
         from + velocity * time - Vector::z() * (GRAVITY * h * h * n * (n + 1.0) / 2.0)
     };
-    let mut outcome = Outcome::new("Time (s)", "Height (mm)");
     let (mut measured, mut stated, mut off) = (Vec::new(), Vec::new(), 0.0);
     scene.follow(id, duration, |time, state| {
         let (at, expected) = (state.pose.translation.vector, law(time));
@@ -25,9 +24,7 @@ pub(super) fn flight(bench: &Bench, from: Vector, velocity: Vector, duration: f6
         measured.push((time, to_mm(at.z)));
         stated.push((time, to_mm(expected.z)));
     })?;
-    outcome.measured("Engine", measured);
-    outcome.law("Discrete solution", stated);
-    Ok(outcome.got(off))
+    Ok(Outcome::over_time("Height (mm)", measured, "Discrete solution", stated).got(off))
 }
 
 /// Angular momentum about the centroid, and kinetic energy of turning.
@@ -46,7 +43,6 @@ pub(super) fn tumbling(bench: &Bench, rate: Vector, duration: f64, quantity: Tum
     let mut scene = bench.scene_under(Vector::zeros(), &uniform(0.0, 0.0))?;
     let id = scene.add(&body);
     let (momentum, energy) = spin(&body.state, &inertia);
-    let mut outcome = Outcome::new("Time (s)", "Relative change (%)");
     let (mut curve, mut worst) = (Vec::new(), 0.0_f64);
     scene.follow(id, duration, |time, state| {
         let (l, e) = spin(&state, &inertia);
@@ -58,10 +54,8 @@ pub(super) fn tumbling(bench: &Bench, rate: Vector, duration: f64, quantity: Tum
         worst = if change.abs() > worst.abs() || change.is_nan() { change } else { worst };
         curve.push((time, change));
     })?;
-    let end = scene.time();
-    outcome.measured("Engine", curve);
-    outcome.law("Law", vec![(0.0, 0.0), (end, 0.0)]);
-    Ok(outcome.got(worst))
+    let law = vec![(0.0, 0.0), (scene.time(), 0.0)];
+    Ok(Outcome::over_time("Relative change (%)", curve, "Law", law).got(worst))
 }
 
 /// Spin about each body axis by Euler's equations, integrated by the classical
@@ -113,12 +107,10 @@ pub(super) fn flip(bench: &Bench, spin_rate: f64, disturbance: f64) -> Measured 
     })?;
     let expected = first_crossing(&law).ok_or(VerifyError::NoEvent("a flip in the law itself"))?;
     let got = first_crossing(&curve).unwrap_or(f64::INFINITY);
-    let mut outcome = Outcome::new("Time (s)", "Spin about the middle axis (rad/s)");
-    outcome.note =
-        Some(format!("first flip after {got:.4} s, by Euler's equations {expected:.4} s"));
-    outcome.measured("Engine", curve);
-    outcome.law("Euler's equations", law);
-    Ok(outcome.got(got / expected))
+    let y = "Spin about the middle axis (rad/s)";
+    Ok(Outcome::over_time(y, curve, "Euler's equations", law)
+        .said(format!("first flip after {got:.4} s, by Euler's equations {expected:.4} s"))
+        .got(got / expected))
 }
 
 /// Two irregular grains meet off their centres, each spinning.

@@ -73,8 +73,7 @@ impl InnerEdge {
         if let Some(end) = outcome.curves.first().and_then(|c| c.points.last()) {
             outcome.law("One floor", vec![(0.0, 0.0), (end.0, 0.0)]);
         }
-        outcome.note = Some(notes.join(", "));
-        Ok(outcome.got(worst))
+        Ok(outcome.said(notes.join(", ")).got(worst))
     }
 }
 

@@ -92,12 +92,25 @@ impl Outcome {
         Self { x: x.to_owned(), y: y.to_owned(), ..Self::default() }
     }
 
+    /// What an engine did over time, and the law's curve.
+    fn over_time(y: &str, engine: Points, name: &str, law: Points) -> Self {
+        let mut outcome = Self::new("Time (s)", y);
+        outcome.measured("Engine", engine);
+        outcome.law(name, law);
+        outcome
+    }
+
     fn measured(&mut self, name: impl Into<String>, points: Points) {
         self.curves.push(Curve { name: name.into(), law: false, points });
     }
 
     fn law(&mut self, name: impl Into<String>, points: Points) {
         self.curves.push(Curve { name: name.into(), law: true, points });
+    }
+
+    fn said(mut self, note: String) -> Self {
+        self.note = Some(note);
+        self
     }
 
     fn got(mut self, got: f64) -> Self {
@@ -338,8 +351,7 @@ fn of_each(
         notes.push(format!("e = {restitution}: {note}"));
         worst = if got.is_nan() { got } else { worst.max(got) };
     }
-    outcome.note = Some(notes.join("; "));
-    Ok(outcome.got(worst))
+    Ok(outcome.said(notes.join("; ")).got(worst))
 }
 
 /// Room in m below a body that is about to fall on something.

@@ -99,8 +99,8 @@ impl OfGrains {
             notes.push(format!("{:.3}", to_mm(worst)));
             outcome.measured(format!("Order {order}"), curve);
         }
-        outcome.note = Some(format!("mm in each order: {}", notes.join(", ")));
-        Ok(outcome.got(to_mm(furthest)))
+        let note = format!("mm in each order: {}", notes.join(", "));
+        Ok(outcome.said(note).got(to_mm(furthest)))
     }
 }
 

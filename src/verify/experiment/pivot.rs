@@ -121,16 +121,16 @@ impl Pivot {
         // Velocity first, then position: in steps of length h everything comes h/2 early.
         let late = scene.integration_step() / 2.0;
         let got = reaches(&curve, to).ok_or(VerifyError::NoEvent("a fall"))? + late;
-        let mut outcome = Outcome::new("Time (s)", "Angle from balance (°)");
-        outcome.note = Some(format!(
+        let note = format!(
             "{got:.4} s, by the law {expected:.4} s; the pivot slips by {:.3} mm of {:.1}",
             1e3 * slip,
             1e3 * radius
-        ));
-        outcome.measured("Engine", curve.iter().map(|(t, a)| (*t, a.to_degrees())).collect());
-        let shown = law.iter().step_by(10).map(|(t, a, _)| (*t, a.to_degrees()));
-        outcome.law("Physical pendulum", shown.collect());
-        Ok(outcome.got(got / expected))
+        );
+        let curve = curve.iter().map(|(t, a)| (*t, a.to_degrees())).collect();
+        let law = law.iter().step_by(10).map(|(t, a, _)| (*t, a.to_degrees())).collect();
+        Ok(Outcome::over_time("Angle from balance (°)", curve, "Physical pendulum", law)
+            .said(note)
+            .got(got / expected))
     }
 }
 

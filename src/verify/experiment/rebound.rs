@@ -50,8 +50,8 @@ pub(super) fn rebound(bench: &Bench, restitution: f64, height: f64, rates: &[f64
         })
     });
     outcome.law("Law", law);
-    outcome.note = Some(notes.join(", "));
-    Ok(outcome.got(worst_of(&found, |e| (e - restitution).abs())))
+    let worst = worst_of(&found, |e| (e - restitution).abs());
+    Ok(outcome.said(notes.join(", ")).got(worst))
 }
 
 /// Heights (m) of the peaks of a motion (time, height, upward velocity), the
@@ -91,8 +91,6 @@ pub(super) fn bounces(bench: &Bench, restitution: f64, height: f64, count: usize
         peaks.windows(2).take(count).map(|p| (p[1] / p[0]).max(0.0).sqrt()).collect();
     // What does not rebound visibly rises to nothing.
     ratios.resize(count, 0.0);
-    let mut outcome = Outcome::new("Time (s)", "Height of the lower face (mm)");
-    outcome.measured("Engine", motion.iter().map(|m| (m.0, to_mm(m.1))).collect());
     let mut law = vec![(0.0, to_mm(height))];
     let mut time = fall;
     for n in 1..=count as i32 {
@@ -101,12 +99,13 @@ pub(super) fn bounces(bench: &Bench, restitution: f64, height: f64, count: usize
         law.push((time + flight, to_mm(height * restitution.powi(2 * n))));
         time += 2.0 * flight;
     }
-    outcome.law("Impacts and peaks", law);
+    let curve = motion.iter().map(|m| (m.0, to_mm(m.1))).collect();
     let words: Vec<String> = ratios.iter().map(|r| format!("{r:.3}")).collect();
-    outcome.note = Some(format!("{}; turns with {turns:.3} rad/s at most", words.join(", ")));
     let error = |e: &&f64| (**e - restitution).abs();
     let worst = ratios.iter().max_by(|a, b| error(a).total_cmp(&error(b)));
-    Ok(outcome.got(worst.copied().unwrap_or(f64::NAN)))
+    Ok(Outcome::over_time("Height of the lower face (mm)", curve, "Impacts and peaks", law)
+        .said(format!("{}; turns with {turns:.3} rad/s at most", words.join(", ")))
+        .got(worst.copied().unwrap_or(f64::NAN)))
 }
 
 #[cfg(test)]

@@ -138,19 +138,15 @@ impl RockingBlock {
             let up = state.pose.rotation * Vector::z();
             motion.push((time, up.x.atan2(up.z), state.angular_velocity.y));
         })?;
-        let mut outcome = Outcome::new("Time (s)", "Tilt (°)");
-        outcome.measured("Engine", motion.iter().map(|(t, a, _)| (*t, a.to_degrees())).collect());
+        let curve = motion.iter().map(|(t, a, _)| (*t, a.to_degrees())).collect();
         let peaks = [(0.0, tilt), (falls, 0.0), (falls + rises, -next)];
         let peaks = peaks.map(|(t, a)| (t, a.to_degrees())).to_vec();
-        outcome.law("Impact and peaks by Housner’s law", peaks);
         let ratio = first_impact(&law, &motion, tilt).ok_or(VerifyError::NoEvent("an impact"))?;
         let lowest = motion.iter().map(|m| m.1).fold(0.0_f64, f64::min);
-        outcome.note = Some(format!(
-            "rises to {:.3}°, by the law {:.3}°",
-            -lowest.to_degrees(),
-            next.to_degrees()
-        ));
-        Ok(outcome.got(ratio))
+        let (rises, law) = (-lowest.to_degrees(), next.to_degrees());
+        Ok(Outcome::over_time("Tilt (°)", curve, "Impact and peaks by Housner’s law", peaks)
+            .said(format!("rises to {rises:.3}°, by the law {law:.3}°"))
+            .got(ratio))
     }
 
     fn flies(&self, bench: &Bench) -> Measured {

@@ -150,12 +150,11 @@ impl SlidesOff {
             curve.push((scene.time(), linear_velocity.dot(&aside)));
             if pose.translation.z < 0.3 * circle {
                 let got = linear_velocity.dot(&aside);
-                let mut outcome = Outcome::new("Time (s)", "Horizontal velocity (m/s)");
-                outcome.note = Some(format!("{got:.4} m/s, by the law {expected:.4}"));
-                let end = scene.time();
-                outcome.measured("Engine", curve);
-                outcome.law("After leaving", vec![(0.0, expected), (end, expected)]);
-                return Ok(outcome.got(got / expected));
+                let law = vec![(0.0, expected), (scene.time(), expected)];
+                let y = "Horizontal velocity (m/s)";
+                return Ok(Outcome::over_time(y, curve, "After leaving", law)
+                    .said(format!("{got:.4} m/s, by the law {expected:.4}"))
+                    .got(got / expected));
             }
         }
         Err(VerifyError::NoEvent("a ball that leaves"))
@@ -254,7 +253,6 @@ impl RoundedTopples {
     pub(super) fn run(&self, bench: &Bench) -> Measured {
         const HALVINGS: u32 = 9;
         let law = self.law();
-        let mut outcome = Outcome::new("Trial", "Slope / slope of the law");
         let range = (0.8, 1.2);
         for (share, expected) in [(range.0, false), (range.1, true)] {
             if self.topples(bench, share * law)? != expected {
@@ -266,11 +264,11 @@ impl RoundedTopples {
             trials.push(((trials.len() + 1) as f64, share));
             self.topples(bench, share * law)
         })?;
+        let mut outcome = Outcome::new("Trial", "Slope / slope of the law");
         outcome.measured("Engine", trials);
         outcome.law("Statics", vec![(1.0, 1.0), (f64::from(HALVINGS), 1.0)]);
-        outcome.note =
-            Some(format!("it stands at {:.4}, topples at {:.4}", stands * law, falls * law));
-        Ok(outcome.got((stands + falls) / 2.0))
+        let note = format!("it stands at {:.4}, topples at {:.4}", stands * law, falls * law);
+        Ok(outcome.said(note).got((stands + falls) / 2.0))
     }
 }
 

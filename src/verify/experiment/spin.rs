@@ -108,8 +108,7 @@ impl SpinSlide {
         let distance = moved.xy().norm() + half_step * self.speed_m_per_s;
         let angle = angle + half_step * self.spin_rad_per_s;
         let time = stop(&motion).ok_or(VerifyError::NoEvent("a stop"))?;
-        let mut outcome = Outcome::new("Time (s)", "Distance (mm)");
-        outcome.note = Some(format!(
+        let note = format!(
             "{:.2} mm, {angle:.3} rad, {time:.4} s; by the law {:.2} mm, {:.3} rad, {:.4} s; \
              {:.2} mm aside, by the law {:.2}; on {:.1} points",
             to_mm(distance),
@@ -119,15 +118,15 @@ impl SpinSlide {
             to_mm(moved.y),
             to_mm(law.displacement.y),
             points as f64 / (curve.len() - 1) as f64
-        ));
-        outcome.measured("Engine", curve);
-        let in_mm = |(t, d): &(f64, f64)| (*t, to_mm(*d));
-        outcome.law("Coulomb's law at four corners", law.curve.iter().map(in_mm).collect());
-        Ok(outcome.got(match self.quantity {
+        );
+        let law = law.curve.iter().map(|(t, d)| (*t, to_mm(*d))).collect();
+        let got = match self.quantity {
             Quantity::Distance => to_mm(distance),
             Quantity::Angle => angle,
             Quantity::Time => time,
-        }))
+        };
+        let name = "Coulomb's law at four corners";
+        Ok(Outcome::over_time("Distance (mm)", curve, name, law).said(note).got(got))
     }
 }
 
@@ -150,8 +149,8 @@ impl SpinSlides {
             }
             ratios.push(one.got / law);
         }
-        outcome.note = Some(notes.join("; "));
-        Ok(outcome.got(worst_of(&ratios, |ratio| (ratio - 1.0).abs())))
+        let worst = worst_of(&ratios, |ratio| (ratio - 1.0).abs());
+        Ok(outcome.said(notes.join("; ")).got(worst))
     }
 }
 

@@ -186,17 +186,14 @@ impl CriticalFriction {
         let (low_stands, high_stands) = (stands(low, true)?, stands(high, true)?);
         if low_stands == high_stands {
             // Outside of what was tried; which end says on which side.
-            let end = if low_stands { low } else { high };
-            outcome.note = Some(format!(
-                "{} from μ = {low:.4} to {high:.4}; by statics {law:.4}",
-                if low_stands { "stands" } else { "falls" }
-            ));
-            return Ok(outcome.got(end));
+            let (end, does) = if low_stands { (low, "stands") } else { (high, "falls") };
+            let note = format!("{does} from μ = {low:.4} to {high:.4}; by statics {law:.4}");
+            return Ok(outcome.said(note).got(end));
         }
         let (low, high) = halved((low, high), HALVINGS, |friction| stands(friction, false))?;
-        outcome.note = Some(format!("falls at {low:.4}, stands at {high:.4}; by statics {law:.4}"));
         outcome.law("Stands", vec![(0.0, 0.0), (self.duration_s, 0.0)]);
-        Ok(outcome.got(0.5 * (low + high)))
+        let note = format!("falls at {low:.4}, stands at {high:.4}; by statics {law:.4}");
+        Ok(outcome.said(note).got(0.5 * (low + high)))
     }
 }
 

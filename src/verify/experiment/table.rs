@@ -87,10 +87,8 @@ impl BlockOnTable {
         let off = largest(travel.iter().zip(&law).map(|(got, law)| (got - law).abs()));
         let in_mm =
             |values: &[f64]| times.iter().copied().zip(values.iter().map(|v| to_mm(*v))).collect();
-        let mut outcome = Outcome::new("Time (s)", "Travel of the block on the table (mm)");
-        outcome.measured("Engine", in_mm(&travel));
-        outcome.law("Newmark's sliding block", in_mm(&law));
-        Ok(outcome.got(to_mm(off)))
+        let (y, name) = ("Travel of the block on the table (mm)", "Newmark's sliding block");
+        Ok(Outcome::over_time(y, in_mm(&travel), name, in_mm(&law)).got(to_mm(off)))
     }
 }
 

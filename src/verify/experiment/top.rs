@@ -150,18 +150,16 @@ impl Top {
                 ("Spin (rad/s)", [spin; 2], spin_of(&last) / spin)
             }
         };
-        let mut outcome = Outcome::new("Time (s)", y);
-        outcome.note = Some(format!(
+        let note = format!(
             "tilt {tilted:.2}° after {:.2}°, spin {:.2} rad/s, tip {:.3} mm from where it was; \
              on {:.1} points",
             self.tilt_deg,
             spin_of(&last),
             1e3 * tip.norm(),
             points as f64 / curve.len() as f64
-        ));
-        outcome.measured("Engine", curve);
-        outcome.law("Symmetric top", vec![(0.0, law[0]), (end, law[1])]);
-        Ok(outcome.got(got))
+        );
+        let law = vec![(0.0, law[0]), (end, law[1])];
+        Ok(Outcome::over_time(y, curve, "Symmetric top", law).said(note).got(got))
     }
 }
 
