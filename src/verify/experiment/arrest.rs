@@ -221,7 +221,6 @@ impl ApproachArrested {
             }
         };
         let start = scene.state(id)?;
-        let at_rest = start.linear_velocity.norm();
         let (begin, mut motion) = (scene.time(), Vec::new());
         for n in 1..=scene.steps_in(duration) {
             holder.lower(&mut scene, (speed * dt * n as f64).min(depth) - lift)?;
@@ -232,16 +231,16 @@ impl ApproachArrested {
         }
         let upwards = largest(motion.iter().map(|m| m.2));
         let lowest = motion.iter().map(|m| m.1).fold(f64::INFINITY, f64::min);
-        let mut outcome = Outcome::new("Time since it is let down (s)", "Height (µm)");
-        outcome.note = Some(format!(
+        let note = format!(
             "caught {:.1} µm above the floor for {:.0}, there with {:.3} mm/s; then down to {:.1} µm, \
              and up with {:.2} mm/s at most",
             1e6 * (start.pose.translation.z - caught + gap),
             1e6 * distance,
-            to_mm(at_rest),
+            to_mm(start.linear_velocity.norm()),
             1e6 * lowest,
             to_mm(upwards)
-        ));
+        );
+        let mut outcome = Outcome::new("Time since it is let down (s)", "Height (µm)");
         outcome.measured("Engine", motion.iter().map(|m| (m.0, 1e6 * m.1)).collect());
         // What never comes down shows nothing of the impact.
         let came_down = lowest < 0.5 * distance;
@@ -249,18 +248,17 @@ impl ApproachArrested {
             let law = over(duration, 200, |t| 1e6 * self.dropped(distance, t));
             outcome.law("Falls freely and rebounds", law);
             let rise = if came_down { rise_after_fall(&motion) } else { f64::NAN };
-            return Ok(outcome.got((rise / distance).sqrt()));
+            return Ok(outcome.said(note).got((rise / distance).sqrt()));
         }
         let ground = distance / speed;
         outcome.law("Let down", vec![(0.0, 1e6 * distance), (ground, 0.0), (duration, 0.0)]);
         let met = Self { then: LetDown::Meets { speed_mm_per_s: MEETS }, ..self.clone() };
         let rebounds = met.run(bench)?.got;
-        let note = outcome.note.take().unwrap_or_default();
-        outcome.note = Some(format!("{note}; met by the floor it rebounds with {rebounds:.3}"));
+        let note = format!("{note}; met by the floor it rebounds with {rebounds:.3}");
         // What was on the floor before it was let down met nothing there.
         let held = start.pose.translation.z - caught > -0.5 * gap;
         let shows = held && came_down && (rebounds / self.restitution - 1.0).abs() < 0.5;
-        Ok(outcome.got(if shows { to_mm(upwards) } else { f64::NAN }))
+        Ok(outcome.said(note).got(if shows { to_mm(upwards) } else { f64::NAN }))
     }
 
     /// The floor comes up to the block, from a distance (m) and at a velocity (m/s), until the

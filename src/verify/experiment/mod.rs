@@ -232,8 +232,7 @@ impl Experiment {
         match *self {
             Self::MassProperties => properties(),
             Self::FreeFall { height_mm, duration_s } => {
-                let from = Vector::new(0.0, 0.0, from_mm(height_mm));
-                flight(bench, from, Vector::zeros(), duration_s)
+                flight(bench, Vector::z() * from_mm(height_mm), Vector::zeros(), duration_s)
             }
             Self::Projectile { speed_m_per_s, duration_s } => {
                 flight(bench, Vector::zeros(), speed_m_per_s.into(), duration_s)
