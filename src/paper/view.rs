@@ -143,9 +143,12 @@ impl StudyView<'_> {
 }
 
 fn is_pluviation(run: &RunRecord, configuration: u32, falling_height_mm: f64) -> bool {
-    run.kind == RunKind::Pluviation
-        && run.configuration == configuration
-        && (run.falling_height_mm - falling_height_mm).abs() < 0.5
+    run.configuration == configuration && is_poured_from(run, falling_height_mm)
+}
+
+/// Whether a run is a pluviation from a falling height.
+pub(super) fn is_poured_from(run: &RunRecord, falling_height_mm: f64) -> bool {
+    run.kind == RunKind::Pluviation && (run.falling_height_mm - falling_height_mm).abs() < 0.5
 }
 
 /// Standing height of a run in mm: the mean surface.

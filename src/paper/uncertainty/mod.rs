@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::{
     Interval, StudyView, bands,
     text::number,
-    view::{height_mm, plate, surface},
+    view::{height_mm, is_poured_from, plate, surface},
 };
 use crate::measure::{
     inference::{MeanTest, page_test, values_needed},
@@ -204,17 +204,12 @@ impl Quantity {
 pub fn uncertainty(all: &StudyView) -> Uncertainty {
     let (counting, others) = all.split();
     let study = &all.of_runs(&counting, &others);
-    let mut quantities: Vec<Quantity> = study
-        .falling_heights_mm()
-        .into_iter()
-        .map(|fh| {
-            let name = format!("standing height from {} cm", number(fh / MM_IN_CM, 0));
-            let from = |r: &RunRecord| {
-                r.kind == RunKind::Pluviation && (r.falling_height_mm - fh).abs() < 0.5
-            };
-            Quantity::of(name, "mm", Some(fh), study, &|r| from(r).then(|| height_mm(r)))
-        })
-        .collect();
+    let mut quantities = Vec::new();
+    for fh in study.falling_heights_mm() {
+        let name = format!("standing height from {} cm", number(fh / MM_IN_CM, 0));
+        let height = |r: &RunRecord| is_poured_from(r, fh).then(|| height_mm(r));
+        quantities.push(Quantity::of(name, "mm", Some(fh), study, &height));
+    }
     type Of = fn(&RunRecord) -> Option<&Settlement>;
     let of: [(&str, Of); 2] = [("plate", plate), ("mean surface", surface)];
     for (kind, mode) in MODES {

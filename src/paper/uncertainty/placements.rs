@@ -79,22 +79,20 @@ fn one(
     (name, unit): (&str, &str),
     of: &dyn Fn(&RunRecord) -> Option<f64>,
 ) -> PlacementScatter {
-    let specimens: Vec<SpecimenPlacements> = study
-        .configurations()
-        .map(|configuration| {
-            let placed = study
-                .of_kind(RunKind::VibrationPlacement)
-                .filter(|r| r.configuration == configuration)
-                .filter_map(|r| Some((r.name.clone(), of(r).filter(|v| v.is_finite())?)));
-            let (runs, values): (Vec<String>, _) = placed.unzip();
-            let left_out = all
-                .of_kind(RunKind::VibrationPlacement)
-                .filter(|r| r.configuration == configuration && !runs.contains(&r.name))
-                .map(|r| r.name.clone())
-                .collect();
-            SpecimenPlacements { configuration, values, runs, left_out }
-        })
-        .collect();
+    let specimen = |configuration: u32| {
+        let placed = study
+            .of_kind(RunKind::VibrationPlacement)
+            .filter(|r| r.configuration == configuration)
+            .filter_map(|r| Some((r.name.clone(), of(r).filter(|v| v.is_finite())?)));
+        let (runs, values): (Vec<String>, _) = placed.unzip();
+        let left_out = all
+            .of_kind(RunKind::VibrationPlacement)
+            .filter(|r| r.configuration == configuration && !runs.contains(&r.name))
+            .map(|r| r.name.clone())
+            .collect();
+        SpecimenPlacements { configuration, values, runs, left_out }
+    };
+    let specimens: Vec<SpecimenPlacements> = study.configurations().map(specimen).collect();
     let groups: Vec<Vec<f64>> = specimens.iter().map(|s| s.values.clone()).collect();
     let nested = Nested::of(&groups, CONFIDENCE);
     let n = nested.as_ref();
