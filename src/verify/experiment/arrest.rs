@@ -161,11 +161,8 @@ impl ApproachArrested {
                     let turn = about_y(side * lean);
                     let sides = Vector::new(THICK, 2.0 * SIDE, 3.0 * WEDGE);
                     // Beside the middle of the wedge's face, whose normal is x turned.
-                    let face = Vector::new(
-                        side * (SIDE / 2.0 + 0.5 * WEDGE * lean.tan()),
-                        0.0,
-                        gap + 0.5 * WEDGE,
-                    );
+                    let beside = SIDE / 2.0 + 0.5 * WEDGE * lean.tan();
+                    let face = Vector::new(side * beside, 0.0, gap + 0.5 * WEDGE);
                     let at = face + turn * Vector::x() * (side * THICK / 2.0);
                     let mut body = wall(sides, Vector::zeros(), Motion::Kinematic)?;
                     body.state.pose = Pose::from_parts(at.into(), turn);

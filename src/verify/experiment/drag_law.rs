@@ -71,12 +71,9 @@ impl Drag {
     /// Mean of the force over μ W while the pusher goes a distance (m) in which the block
     /// passes the edge from flat to flat.
     pub fn mean(&self, distance: f64) -> f64 {
-        let less: f64 = self
-            .tilted()
-            .windows(2)
-            .map(|p| (p[1].0 - p[0].0) * (0.5 * (p[0].1 + p[1].1) - self.friction))
-            .sum();
-        1.0 + less / (self.friction * distance)
+        let tilted = self.tilted();
+        let less = |p: &[Pushed]| (p[1].0 - p[0].0) * (0.5 * (p[0].1 + p[1].1) - self.friction);
+        1.0 + tilted.windows(2).map(less).sum::<f64>() / (self.friction * distance)
     }
 }
 

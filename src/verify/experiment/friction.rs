@@ -5,11 +5,6 @@ use super::*;
 /// Flat enough not to tip over on any slope of these cases.
 const BLOCK: Vector = Vector::new(0.02, 0.02, 0.006);
 
-fn heading(degrees: f64) -> Vector {
-    let (sin, cos) = from_deg(degrees).sin_cos();
-    Vector::new(cos, sin, 0.0)
-}
-
 /// A block on a slope.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -89,7 +84,7 @@ pub struct SlideStops {
 /// Distance in m of a body that starts with a speed and loses an acceleration's
 /// worth of it in every step (sub-step, where the engine has those) before it moves.
 fn in_steps(speed: f64, deceleration: f64, scene: &Scene) -> f64 {
-    let step = scene.time_step() / scene.integration_substeps();
+    let step = scene.integration_step();
     let lost = deceleration * step;
     let n = (speed / lost).floor();
     step * (n * speed - lost * n * (n + 1.0) / 2.0)

@@ -55,13 +55,8 @@ impl ImpactTilted {
     fn impact(&self, body: &Body, restitution: f64) -> Impact {
         let rotation = body.state.pose.rotation;
         let down = lowest(&body.shape, &rotation);
-        let corners: Vec<Vector> = body
-            .shape
-            .vertices()
-            .iter()
-            .map(|v| rotation * v.coords)
-            .filter(|v| v.z < down + 1e-9)
-            .collect();
+        let turned = body.shape.vertices().iter().map(|v| rotation * v.coords);
+        let corners: Vec<Vector> = turned.filter(|v| v.z < down + 1e-9).collect();
         let (mass, moments) = mass_of(body);
         let axes = rotation.to_rotation_matrix();
         Impact {
@@ -103,7 +98,6 @@ impl ImpactTilted {
         let inverse = impact.inertia.try_inverse().ok_or(VerifyError::NoEvent("a body"))?;
         let turns = |state: &BodyState| state.angular_velocity.norm();
         let (state, curve) = through_impact(&mut scene, &body, meets, OVER, turns)?;
-        let end = scene.time();
         outcome.measured(format!("e = {restitution}"), curve);
         let impulse = impact.mass * (state.linear_velocity - impact.velocity);
         let (_, moments) = mass_of(&body);
@@ -129,10 +123,7 @@ impl ImpactTilted {
             return Ok((if energy.is_nan() { f64::NAN } else { got }, words));
         };
         let turning = (inverse * impact.arm.cross(&law)).norm();
-        outcome.law(
-            format!("Law, e = {restitution}"),
-            vec![(0.0, 0.0), (meets, 0.0), (meets, turning), (end, turning)],
-        );
+        outcome.law(format!("Law, e = {restitution}"), stepped(0.0, turning, meets, scene.time()));
         let off = (impulse - law).norm() / (impact.mass * speed);
         let off_turning =
             (momentum - impact.arm.cross(&law)).norm() / (impact.mass * speed * impact.arm.norm());

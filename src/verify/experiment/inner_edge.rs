@@ -27,7 +27,7 @@ pub struct InnerEdge {
 const HALF: f64 = 0.2;
 
 impl InnerEdge {
-    fn path(&self, bench: &Bench, heading: f64, joints: &[f64]) -> Result<Vec<(f64, BodyState)>> {
+    fn path(&self, bench: &Bench, degrees: f64, joints: &[f64]) -> Result<Vec<(f64, BodyState)>> {
         let mut scene = bench.scene(&uniform(self.friction, 0.0))?;
         let mut bounds = vec![-HALF];
         bounds.extend(joints.iter().map(|x| from_mm(*x)));
@@ -37,11 +37,10 @@ impl InnerEdge {
         }
         let sides = in_m(self.sides_mm);
         let mut body = block(sides, Vector::new(0.0, 0.0, sides.z / 2.0 + START_GAP))?;
-        let (sin, cos) = from_deg(heading).sin_cos();
-        body.state.linear_velocity = self.speed_m_per_s * Vector::new(cos, sin, 0.0);
+        body.state.linear_velocity = self.speed_m_per_s * heading(degrees);
         body.state.angular_velocity.z = self.spin_rad_per_s;
         body.state.pose.rotation =
-            UnitQuaternion::from_axis_angle(&Vector::z_axis(), from_deg(heading));
+            UnitQuaternion::from_axis_angle(&Vector::z_axis(), from_deg(degrees));
         let id = scene.add(&body);
         // Longer than any of the motion lasts: sliding and spinning share the friction.
         let radius = sides.xy().norm() / 2.0;

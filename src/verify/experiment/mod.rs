@@ -309,6 +309,17 @@ fn over(end: f64, parts: u32, value: impl Fn(f64) -> f64) -> Points {
     times.map(|time| (time, value(time))).collect()
 }
 
+/// A curve that steps from one value to another at a time.
+fn stepped(from: f64, to: f64, at: f64, end: f64) -> Points {
+    vec![(0.0, from), (at, from), (at, to), (end, to)]
+}
+
+/// The unit vector of a direction in the horizontal plane, from x in degrees.
+fn heading(degrees: f64) -> Vector {
+    let (sin, cos) = from_deg(degrees).sin_cos();
+    Vector::new(cos, sin, 0.0)
+}
+
 /// The value of a curve's last point; no number where there is none.
 fn at_end(curve: &[(f64, f64)]) -> f64 {
     curve.last().map_or(f64::NAN, |point| point.1)

@@ -173,10 +173,7 @@ impl RockingBlock {
         let turns = |state: &BodyState| -state.angular_velocity.y / rate;
         let (state, curve) = through_impact(&mut scene, &body, time, OVER, turns)?;
         let mut outcome = Outcome::new("Time (s)", "Angular velocity over that before");
-        outcome.law(
-            "Housner’s law",
-            vec![(0.0, 1.0), (time, 1.0), (time, law.ratio()), (scene.time(), law.ratio())],
-        );
+        outcome.law("Housner’s law", stepped(1.0, law.ratio(), time, scene.time()));
         outcome.measured("Engine", curve);
         Ok(outcome.got(turns(&state)))
     }

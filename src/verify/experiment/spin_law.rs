@@ -87,14 +87,7 @@ impl Slide {
             }
             shares = corners.map(|r| self.share(r, axes, pull));
         }
-        State::from_column_slice(&[
-            s[3],
-            s[4],
-            s[5],
-            pull.x,
-            pull.y,
-            turn / self.gyration_squared(),
-        ])
+        State::from([s[3], s[4], s[5], pull.x, pull.y, turn / self.gyration_squared()])
     }
 
     /// Integrates until nothing moves.
@@ -104,7 +97,7 @@ impl Slide {
         const SHARE: f64 = 0.02;
         const REST: f64 = 1e-7;
         let motion = |s: &State| s[3].hypot(s[4]) + s[5].abs() * self.radius();
-        let mut s = State::from_column_slice(&[0.0, 0.0, 0.0, self.speed, 0.0, self.spin]);
+        let mut s = State::from([0.0, 0.0, 0.0, self.speed, 0.0, self.spin]);
         let start = motion(&s);
         let (mut time, mut curve) = (0.0, vec![(0.0, 0.0)]);
         while motion(&s) > REST * start {

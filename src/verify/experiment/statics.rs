@@ -79,14 +79,9 @@ impl Assembly {
     fn arch(lean: f64, foot: f64) -> (Points, Points) {
         let face = |z: f64| KEY_HALF + (z - CLEARANCE) * lean.tan();
         let top = CLEARANCE + KEY_HEIGHT;
-        let key = vec![
-            (-KEY_HALF, CLEARANCE),
-            (KEY_HALF, CLEARANCE),
-            (face(top), top),
-            (-face(top), top),
-        ];
-        let (inner, outer) = (face(0.0), face(0.0) + foot);
-        (key, vec![(inner, 0.0), (outer, 0.0), (outer, top), (face(top), top)])
+        let (inner, outer, upper) = (face(0.0), face(0.0) + foot, face(top));
+        let key = vec![(-KEY_HALF, CLEARANCE), (KEY_HALF, CLEARANCE), (upper, top), (-upper, top)];
+        (key, vec![(inner, 0.0), (outer, 0.0), (outer, top), (upper, top)])
     }
 
     /// The least friction coefficient by statics.

@@ -127,10 +127,7 @@ impl ImpactAtSeveralPoints {
         let rises = |state: &BodyState| state.linear_velocity.z;
         let (state, curve) = through_impact(&mut scene, &body, meets, OVER, rises)?;
         outcome.measured(format!("e = {restitution}"), curve);
-        outcome.law(
-            format!("Law, e = {restitution}"),
-            vec![(0.0, -down), (meets, -down), (meets, law.z), (scene.time(), law.z)],
-        );
+        outcome.law(format!("Law, e = {restitution}"), stepped(-down, law.z, meets, scene.time()));
         let velocity = state.linear_velocity - Vector::new(law.x, 0.0, law.z);
         let turning = state.angular_velocity - Vector::y() * law.spin;
         // A turn counts by the speed it has at the radius of gyration.
