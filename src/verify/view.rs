@@ -41,22 +41,18 @@ fn reflected_turn(rotation: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
 
 /// A state in the mirror, which is its own way back.
 fn reflected_state(state: &BodyState) -> BodyState {
+    let at = reflected(state.pose.translation.vector);
     BodyState {
-        pose: Pose::from_parts(
-            reflected(state.pose.translation.vector).into(),
-            reflected_turn(&state.pose.rotation),
-        ),
+        pose: Pose::from_parts(at.into(), reflected_turn(&state.pose.rotation)),
         linear_velocity: reflected(state.linear_velocity),
         angular_velocity: -reflected(state.angular_velocity),
     }
 }
 
 fn turned(by: &UnitQuaternion<f64>, state: &BodyState) -> BodyState {
+    let at = by * state.pose.translation.vector;
     BodyState {
-        pose: Pose::from_parts(
-            (by * state.pose.translation.vector).into(),
-            by * state.pose.rotation,
-        ),
+        pose: Pose::from_parts(at.into(), by * state.pose.rotation),
         linear_velocity: by * state.linear_velocity,
         angular_velocity: by * state.angular_velocity,
     }

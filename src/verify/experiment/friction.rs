@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// Flat enough not to tip over on any slope of these cases.
-const BLOCK: Vector = Vector::new(0.02, 0.02, 0.006);
+/// Sides in m, flat enough not to tip over on any slope of these cases.
+pub(super) const BLOCK: Vector = Vector::new(0.02, 0.02, 0.006);
 
 /// A block on a slope.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

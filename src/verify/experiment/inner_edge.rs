@@ -58,11 +58,9 @@ impl InnerEdge {
         for &heading in &self.headings_deg {
             let whole = self.path(bench, heading, &[])?;
             let laid = self.path(bench, heading, &self.joints_mm)?;
-            let apart: Vec<(f64, f64)> = whole
-                .iter()
-                .zip(&laid)
-                .map(|((t, a), (_, b))| (*t, to_mm(furthest_corner(sides, a, b))))
-                .collect();
+            let both = whole.iter().zip(&laid);
+            let apart = both.map(|((t, a), (_, b))| (*t, to_mm(furthest_corner(sides, a, b))));
+            let apart: Points = apart.collect();
             let most = largest(apart.iter().map(|(_, d)| *d));
             let gone = whole.last().map_or(0.0, |(_, s)| s.pose.translation.vector.xy().norm());
             notes.push(format!("{heading}°: {most:.4} of {:.2} mm", to_mm(gone)));

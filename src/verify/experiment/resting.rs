@@ -1,10 +1,8 @@
 //! Bodies that must lie still.
 
-use super::packing::Packing;
+use super::packing::{FRICTION, Packing};
 use super::*;
 
-/// Friction of the gravel (paper, section 4).
-const FRICTION: f64 = 0.793;
 const SIDE: f64 = 0.01;
 
 /// How far the bodies are at most from where they were at the end of the settling time: the

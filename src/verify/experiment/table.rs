@@ -1,9 +1,9 @@
 //! A block on a shaking table: Newmark's sliding block, with the table moving
 //! both ways.
 
+use super::friction::BLOCK;
 use super::*;
 
-const BLOCK: Vector = Vector::new(0.02, 0.02, 0.006);
 const FLOOR_CENTRE: f64 = -0.01;
 
 /// The table's harmonic motion x = A sin ωt, which begins with full speed as
