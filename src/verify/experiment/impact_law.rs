@@ -60,21 +60,6 @@ impl Impact {
         Some(Matrix3::identity() / self.mass - arm * inverse * arm)
     }
 
-    /// Velocity of the point after an impulse (N s).
-    #[cfg(test)]
-    pub fn point_after(&self, impulse: &Vector) -> Option<Vector> {
-        Some(self.velocity + self.compliance()? * impulse)
-    }
-
-    /// Kinetic energy in J after an impulse.
-    #[cfg(test)]
-    pub fn energy_after(&self, impulse: &Vector) -> Option<f64> {
-        let velocity = self.velocity + impulse / self.mass;
-        let momentum = self.arm.cross(impulse);
-        let turning = momentum.dot(&(self.inertia.try_inverse()? * momentum));
-        Some(0.5 * (self.mass * velocity.norm_squared() + turning))
-    }
-
     /// How much an impulse leaves the cone of friction, in N s; negative inside.
     pub fn outside_cone(&self, impulse: &Vector) -> f64 {
         impulse.xy().norm() - self.friction * impulse.z
@@ -171,6 +156,21 @@ impl Impact {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    impl Impact {
+        /// Velocity of the point after an impulse (N s).
+        fn point_after(&self, impulse: &Vector) -> Option<Vector> {
+            Some(self.velocity + self.compliance()? * impulse)
+        }
+
+        /// Kinetic energy in J after an impulse.
+        fn energy_after(&self, impulse: &Vector) -> Option<f64> {
+            let velocity = self.velocity + impulse / self.mass;
+            let momentum = self.arm.cross(impulse);
+            let turning = momentum.dot(&(self.inertia.try_inverse()? * momentum));
+            Some(0.5 * (self.mass * velocity.norm_squared() + turning))
+        }
+    }
 
     /// A rod-like body that meets the floor beside its centroid.
     fn rod(slip: f64, friction: f64, restitution: f64) -> Impact {

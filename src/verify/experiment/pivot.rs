@@ -48,21 +48,6 @@ fn pendulum(rate_squared: f64, from: f64, to: f64) -> Vec<(f64, f64, f64)> {
     curve
 }
 
-/// Friction over normal force on the pivot, the largest up to an angle.
-#[cfg(test)]
-fn friction_needed(curve: &[(f64, f64, f64)], rate_squared: f64, radius: f64) -> f64 {
-    curve
-        .iter()
-        .map(|(_, angle, rate)| {
-            let (sin, cos) = angle.sin_cos();
-            let turning = rate_squared * sin;
-            let sideways = radius * (turning * cos - rate * rate * sin);
-            let down = radius * (turning * sin + rate * rate * cos);
-            sideways.abs() / (GRAVITY - down)
-        })
-        .fold(0.0, f64::max)
-}
-
 /// Time at which a rising curve first reaches a value, between its points.
 fn reaches(curve: &[(f64, f64)], value: f64) -> Option<f64> {
     curve.windows(2).find(|w| w[1].1 >= value).map(|w| {
@@ -174,6 +159,18 @@ mod tests {
         let (corner, radius) = pivot([10.0; 3], Support::Corner).pendulum_of();
         let expected = GRAVITY * radius / (11.0 / 12.0 * 1e-4);
         assert!((corner / expected - 1.0).abs() < 1e-12, "law: {expected}, got {corner}");
+    }
+
+    /// Friction over normal force on the pivot, the largest up to an angle.
+    fn friction_needed(curve: &[(f64, f64, f64)], rate_squared: f64, radius: f64) -> f64 {
+        let needed = |(_, angle, rate): &(f64, f64, f64)| {
+            let (sin, cos) = angle.sin_cos();
+            let turning = rate_squared * sin;
+            let sideways = radius * (turning * cos - rate * rate * sin);
+            let down = radius * (turning * sin + rate * rate * cos);
+            sideways.abs() / (GRAVITY - down)
+        };
+        curve.iter().map(needed).fold(0.0, f64::max)
     }
 
     #[test]
