@@ -151,9 +151,8 @@ pub fn chains(setup: &Setup, state: &SpecimenState) -> PolyData {
         data.cell(numbers.into_iter());
     }
     let all = || bonds.values();
-    let party = |which: usize| {
-        Values::ints(all().map(|(between, _)| party_number(setup, between[which])))
-    };
+    let party =
+        |which: usize| Values::ints(all().map(|(between, _)| party_number(setup, between[which])));
     data.cell_data = vec![
         ("first", party(0)),
         ("second", party(1)),

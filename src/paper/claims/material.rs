@@ -8,9 +8,8 @@ use crate::record::{RunRecord, UNCHANGED};
 pub(super) fn claims(study: &StudyView) -> Vec<Claim> {
     let count = study.grain_count as f64;
     // What only grains give; a study without grains has none of it.
-    let of_grains = |id: &str, value: f64| {
-        Draft::of(id).ours((study.grain_count > 0).then_some(value)).judge()
-    };
+    let of_grains =
+        |id: &str, value: f64| Draft::of(id).ours((study.grain_count > 0).then_some(value)).judge();
     let mut claims = vec![
         of_grains("grain-count", count),
         of_grains("total-mass", study.total_mass_g),

@@ -152,9 +152,8 @@ fn rows(study: &StudyView, claims: &[Claim]) -> Vec<ScoreRow> {
             number.is_some_and(|n| n.parse::<u32>().is_ok())
         })
     };
-    let settled = |kind, value: fn(&Settlement) -> Option<f64>| {
-        study.values(kind, move |r| value(plate(r)?))
-    };
+    let settled =
+        |kind, value: fn(&Settlement) -> Option<f64>| study.values(kind, move |r| value(plate(r)?));
     let (continuous, intermittent) = (RunKind::VibrationContinuous, RunKind::VibrationIntermittent);
     let mut falls =
         one("standing-height-falls", "Gravel that falls from higher stands lower").counted();
@@ -181,8 +180,11 @@ fn rows(study: &StudyView, claims: &[Claim]) -> Vec<ScoreRow> {
         .mean(&after_first, "%", 0),
         one("intermittent-fluctuation-at-ends", "The plate moves most as a period begins and ends")
             .counted(),
-        one("intermittent-in-laboratory-range", "Settlement of the plate after four periods")
-            .mean(&after_last, "mm", 1),
+        one("intermittent-in-laboratory-range", "Settlement of the plate after four periods").mean(
+            &after_last,
+            "mm",
+            1,
+        ),
         one("angle-of-repose", "Angle of repose").mean(&angles, "°", 1),
     ]
     .into_iter()
