@@ -6,36 +6,32 @@
 
 use super::*;
 
+parts! {
 /// The specimen that a scenario begins with, in place of its first stages.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Eq)]
 pub struct BeginSpec {
     /// Folder of a run, as `pluvia run` leaves it, or the `specimen.json` in it, or that of one of
     /// its stored stages; relative to the scenario file that names it, once loaded to the working
     /// directory.
     #[schemars(length(min = 1))]
-    pub specimen: String,
+    pub specimen: String;
     /// The stage at whose end the specimen is taken: its number from 0 as a text (`"0"`), its name,
     /// or `rest_test`; left out, the last one of the scenario.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
-    pub stage: Option<String>,
+    pub stage: Option<String>, skip "Option::is_none";
     /// Stages that the specimen has been through, in order. Filled in when the scenario is loaded.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 200))]
-    pub after: Vec<String>,
+    pub after: Vec<String>, skip "Vec::is_empty";
     /// Key of the last of them in the run's store. Filled in when the scenario is loaded; where it
     /// is given, no other stage is taken.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub key: Option<String>,
+    pub key: Option<String>, skip "Option::is_none";
     /// SHA-256 of the specimen, likewise.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub specimen_sha256: Option<String>,
+    pub specimen_sha256: Option<String>, skip "Option::is_none";
     /// Paths of contact settings that are as in the run, or, where they were automatic there,
     /// larger if the scenario's own loads ask for that. Filled in when the scenario is loaded.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 10))]
-    pub taken_over: Vec<String>,
+    pub taken_over: Vec<String>, skip "Vec::is_empty";
+}
 }
 
 /// Fields of a run's scenario that are not taken from it.

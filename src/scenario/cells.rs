@@ -20,32 +20,27 @@ impl SievedShape {
     }
 }
 
-settings! {
-    /// Shape of the Voronoi cells that grains are cut into. The defaults are the
-    /// paper's: cells of random points, as they come, in no direction longer than
-    /// in another but by chance.
-    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-    #[serde(deny_unknown_fields, default)]
-    pub struct CellShape {
-        /// How often each point moves to the centroid of its cell before the cells
-        /// are cut (Lloyd 1982). With every step cells become more alike in volume,
-        /// rounder and less angular; with some tens of steps they are nearly regular.
-        #[schemars(range(min = 0, max = 1000))]
-        pub relaxation_steps: u32 = 0,
-        /// Longest over intermediate dimension that is given to all cells on top
-        /// of what they have by chance. They are cut in a space stretched so.
-        #[schemars(range(min = 1.0, max = 10.0))]
-        pub elongation: f64 = 1.0,
-        /// Intermediate over shortest dimension, likewise.
-        #[schemars(range(min = 1.0, max = 10.0))]
-        pub flatness: f64 = 1.0,
-        /// Roundness: radius of corners and edges over that of the largest sphere inside the cell;
-        /// 0, or 0.01 to 0.9. The planes of a cell move inwards by the radius, a ball of the radius
-        /// sweeps what they leave, and the grain is enlarged to the cell's volume.
-        #[schemars(range(min = 0.0, max = 0.9))]
-        #[serde(skip_serializing_if = "is_zero")]
-        pub rounding: f64 = 0.0,
-    }
+parts! {
+/// Shape of the Voronoi cells that grains are cut into. The defaults are the
+/// paper's: cells of random points, as they come, in no direction longer than
+/// in another but by chance.
+#[derive(Copy)]
+#[serde(default)]
+pub struct CellShape {
+    /// How often each point moves to the centroid of its cell before the cells
+    /// are cut (Lloyd 1982). With every step cells become more alike in volume,
+    /// rounder and less angular; with some tens of steps they are nearly regular.
+    pub relaxation_steps: u32 = 0, from 0 to 1000;
+    /// Longest over intermediate dimension that is given to all cells on top
+    /// of what they have by chance. They are cut in a space stretched so.
+    pub elongation: f64 = 1.0, from 1.0 to 10.0;
+    /// Intermediate over shortest dimension, likewise.
+    pub flatness: f64 = 1.0, from 1.0 to 10.0;
+    /// Roundness: radius of corners and edges over that of the largest sphere inside the cell;
+    /// 0, or 0.01 to 0.9. The planes of a cell move inwards by the radius, a ball of the radius
+    /// sweeps what they leave, and the grain is enlarged to the cell's volume.
+    pub rounding: f64 = 0.0, skip "is_zero", from 0.0 to 0.9;
+}
 }
 
 // By reference as serde asks for it.

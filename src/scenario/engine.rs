@@ -25,71 +25,61 @@ pub enum ContactSolver {
     Native,
 }
 
-settings! {
-    /// Settings of the engine. Nothing is inherited silently: every value is set
-    /// and read back into the manifest.
-    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-    #[serde(deny_unknown_fields, default, remote = "Self")]
-    pub struct EngineSettings {
-        /// The physics engine.
-        pub backend: Backend = Backend::Bullet,
-        /// Who finds and solves contacts on Bullet.
-        pub contact_solver: ContactSolver = ContactSolver::Native,
-        /// Size of the smallest grains in mm, from which the engine's own lengths
-        /// follow: gaps, clearances and margins (`docs/scale.md`). Left out, it is that of
-        /// the grains. Smaller: contacts are found later and more boxes are renewed; larger:
-        /// gaps that a grain notices.
-        #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 10000.0))]
-        pub grain_size_mm: f64 = 8.0,
-        /// Steps per second of simulated time. Lower: grains sink into each
-        /// other; higher: slower.
-        #[schemars(range(min = 30.0, max = 100000.0))]
-        pub rate_hz: f64 = 480.0,
-        /// Iterations per step of Bullet's own solver. Fewer: contacts give way; more: slower.
-        #[schemars(range(min = 1, max = 10000))]
-        pub iterations: u32 = 20,
-        /// Engine length units in a metre. Bullet's absolute tolerances are made
-        /// for bodies of about one unit; 100 makes a 10 mm grain one unit.
-        #[schemars(range(min = 1.0, max = 10000.0))]
-        pub length_scale: f64 = 100.0,
-        /// Friction directions a contact: 2 resists sliding in every direction of
-        /// the contact plane, 1 (Bullet's default) only along the sliding direction.
-        #[schemars(range(min = 1, max = 2))]
-        pub friction_directions: u32 = 2,
-        /// Distance up to which a contact is kept, in mm.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        pub contact_threshold_mm: f64 = 1.0,
-        /// Share of the overlap removed per step (Bullet's `m_erp2`).
-        #[schemars(range(min = 0.0, max = 1.0))]
-        pub erp: f64 = 0.2,
-        /// Share of the last step's normal impulses with which the solver starts.
-        #[schemars(range(min = 0.0, max = 1.0))]
-        pub warm_start: f64 = 0.85,
-        /// Correct overlaps by a separate pseudo-velocity (Bullet's split impulse).
-        pub split_impulse: bool = false,
-        /// Approach speed in m/s below which contacts do not rebound.
-        #[schemars(range(min = 0.0, max = 100.0))]
-        pub restitution_velocity_threshold_m_per_s: f64 = 0.002,
-        /// Linear velocity lost per second, as a fraction.
-        #[schemars(range(min = 0.0, max = 1.0))]
-        pub linear_damping: f64 = 0.0,
-        /// Angular velocity lost per second, as a fraction.
-        #[schemars(range(min = 0.0, max = 1.0))]
-        pub angular_damping: f64 = 0.0,
-        /// Integrate the gyroscopic term of the rotation of uneven bodies.
-        pub gyroscopic: bool = true,
-        /// Run also where steps are so coarse that bodies can pass through each
-        /// other or vibration is not followed: what would refuse the scenario
-        /// becomes a warning of every result. Left out of what is written where it
-        /// is `false`.
-        pub allow_coarse_steps: bool = false,
-        /// What only stock Bullet contacts ask for.
-        pub stock: StockSettings = StockSettings::default(),
-        /// What only the native contact solver asks for.
-        pub native: NativeSettings = NativeSettings::default(),
-        /// What only rapier asks for.
-        pub rapier: RapierSettings = RapierSettings::default(),
-    }
+parts! {
+/// Settings of the engine. Nothing is inherited silently: every value is set
+/// and read back into the manifest.
+#[serde(default, remote = "Self")]
+pub struct EngineSettings {
+    /// The physics engine.
+    pub backend: Backend = Backend::Bullet;
+    /// Who finds and solves contacts on Bullet.
+    pub contact_solver: ContactSolver = ContactSolver::Native;
+    /// Size of the smallest grains in mm, from which the engine's own lengths
+    /// follow: gaps, clearances and margins (`docs/scale.md`). Left out, it is that of
+    /// the grains. Smaller: contacts are found later and more boxes are renewed; larger:
+    /// gaps that a grain notices.
+    #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 10000.0))]
+    pub grain_size_mm: f64 = 8.0;
+    /// Steps per second of simulated time. Lower: grains sink into each
+    /// other; higher: slower.
+    pub rate_hz: f64 = 480.0, from 30.0 to 100000.0;
+    /// Iterations per step of Bullet's own solver. Fewer: contacts give way; more: slower.
+    pub iterations: u32 = 20, from 1 to 10000;
+    /// Engine length units in a metre. Bullet's absolute tolerances are made
+    /// for bodies of about one unit; 100 makes a 10 mm grain one unit.
+    pub length_scale: f64 = 100.0, from 1.0 to 10000.0;
+    /// Friction directions a contact: 2 resists sliding in every direction of
+    /// the contact plane, 1 (Bullet's default) only along the sliding direction.
+    pub friction_directions: u32 = 2, from 1 to 2;
+    /// Distance up to which a contact is kept, in mm.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub contact_threshold_mm: f64 = 1.0;
+    /// Share of the overlap removed per step (Bullet's `m_erp2`).
+    pub erp: f64 = 0.2, from 0.0 to 1.0;
+    /// Share of the last step's normal impulses with which the solver starts.
+    pub warm_start: f64 = 0.85, from 0.0 to 1.0;
+    /// Correct overlaps by a separate pseudo-velocity (Bullet's split impulse).
+    pub split_impulse: bool = false;
+    /// Approach speed in m/s below which contacts do not rebound.
+    pub restitution_velocity_threshold_m_per_s: f64 = 0.002, from 0.0 to 100.0;
+    /// Linear velocity lost per second, as a fraction.
+    pub linear_damping: f64 = 0.0, from 0.0 to 1.0;
+    /// Angular velocity lost per second, as a fraction.
+    pub angular_damping: f64 = 0.0, from 0.0 to 1.0;
+    /// Integrate the gyroscopic term of the rotation of uneven bodies.
+    pub gyroscopic: bool = true;
+    /// Run also where steps are so coarse that bodies can pass through each
+    /// other or vibration is not followed: what would refuse the scenario
+    /// becomes a warning of every result. Left out of what is written where it
+    /// is `false`.
+    pub allow_coarse_steps: bool = false;
+    /// What only stock Bullet contacts ask for.
+    pub stock: StockSettings = StockSettings::default();
+    /// What only the native contact solver asks for.
+    pub native: NativeSettings = NativeSettings::default();
+    /// What only rapier asks for.
+    pub rapier: RapierSettings = RapierSettings::default();
+}
 }
 
 // Serde's derive makes inherent functions for `remote = "Self"`, which these

@@ -2,17 +2,16 @@
 
 use super::*;
 
+parts! {
 /// Void ratios of the loosest and the densest state, as `pluvia density` or a laboratory finds
 /// them. With them `summary.json` gives relative densities.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Copy)]
 pub struct IndexDensitiesSpec {
     /// Void ratio of the loosest state.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 100.0))]
-    pub e_max: f64,
+    pub e_max: f64, above 0.0 to 100.0;
     /// Void ratio of the densest state, less than that of the loosest.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 100.0))]
-    pub e_min: f64,
+    pub e_min: f64, above 0.0 to 100.0;
+}
 }
 
 impl IndexDensitiesSpec {

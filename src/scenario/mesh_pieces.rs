@@ -3,35 +3,26 @@
 
 use super::*;
 
+parts! {
 /// A piece whose solid convex parts are those of a mesh.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct MeshPieceSpec {
     /// Path of an OBJ, STL or PLY file, relative to the scenario file that names it. Each closed
     /// surface in it is a part, and has to be convex. Once loaded, the parts stand in `parts`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
-    pub file: Option<String>,
+    pub file: Option<String>, skip "Option::is_none";
     /// Millimetres per unit of length of the file, as 1000 for metres; left out, 1.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
-    pub scale_to_mm: Option<f64>,
+    pub scale_to_mm: Option<f64>, skip "Option::is_none", above 0.0 to 1e6;
     /// The parts, in place of a file.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(length(min = 1, max = 1000))]
-    pub parts: Option<Vec<MeshPart>>,
+    pub parts: Option<Vec<MeshPart>>, skip "Option::is_none", length 1 to 1000;
 }
 
 /// A convex part of a piece.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct MeshPart {
     /// Corners in mm.
-    #[schemars(length(min = 4, max = 1000))]
-    pub vertices_mm: Vec<[f64; 3]>,
+    pub vertices_mm: Vec<[f64; 3]>, length 4 to 1000;
     /// Faces as loops of numbers of corners from 0, counter-clockwise seen from outside.
-    #[schemars(length(min = 4, max = 2000))]
-    pub faces: Vec<Vec<u32>>,
+    pub faces: Vec<Vec<u32>>, length 4 to 2000;
+}
 }
 
 /// Reads the convex parts of a mesh file, lengths multiplied by a number.

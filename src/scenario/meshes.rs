@@ -2,47 +2,37 @@
 
 use super::*;
 
+parts! {
 /// Grains with the shapes of meshes. With a sieve table, grains are drawn and
 /// scaled until every fraction has its mass; without one they are taken in
 /// their own size.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct MeshGrains {
     /// OBJ, STL and PLY files, or patterns of their names such as `stones/*.stl`,
     /// relative to the scenario file; once loaded, relative to the working directory.
     /// Each object of an OBJ file and each solid of an STL file is a grain.
-    #[schemars(length(min = 1, max = 10000))]
-    pub meshes: Vec<String>,
+    pub meshes: Vec<String>, length 1 to 10000;
     /// Unit of length in the files, which do not say it themselves.
-    pub mesh_unit: MeshUnit,
+    pub mesh_unit: MeshUnit;
     /// Density of the solids, in kg/m³.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 30000.0))]
-    pub density_kg_per_m3: f64,
+    pub density_kg_per_m3: f64, above 0.0 to 30000.0;
     /// Take the convex hull of grains that are not convex. Without it only those
     /// whose volume is at least 99 % of their hull's are taken as their hulls.
     #[serde(default)]
-    pub hull: bool,
+    pub hull: bool;
     /// Separate closed surfaces in one object are grains of their own.
     #[serde(default)]
-    pub split_surfaces: bool,
+    pub split_surfaces: bool;
     /// Most vertices a grain may have; the hull of one that has more is
     /// simplified, farthest vertices kept first.
-    #[serde(default = "default_vertices")]
-    #[schemars(range(min = 8, max = 1000))]
-    pub largest_vertex_count: u32,
+    pub largest_vertex_count: u32, else "default_vertices", from 8 to 1000;
     /// Mass of all grains together in grams; with a sieve table, and only with one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
-    pub total_mass_g: Option<f64>,
+    pub total_mass_g: Option<f64>, skip "Option::is_none", above 0.0 to 1e9;
     /// Sieve fractions as of grains cut from sieve data, coarsest first. None:
     /// the grains keep their own size.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(length(min = 1, max = 100))]
-    pub sieve_table: Vec<SieveFraction>,
+    pub sieve_table: Vec<SieveFraction>, skip "Vec::is_empty", length 1 to 100;
     /// Without a sieve table: how many grains are drawn; if not given, each is taken once.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 1, max = 1_000_000))]
-    pub count: Option<u32>,
+    pub count: Option<u32>, skip "Option::is_none", from 1 to 1_000_000;
+}
 }
 
 defaults! {

@@ -2,74 +2,65 @@
 
 use super::*;
 
-settings! {
-    /// How contacts yield in the native contact solver: an implicit spring and
-    /// damper in every contact point. The rate and the speed below which nothing
-    /// rebounds are those of the engine settings; its `iterations` are Bullet's own.
-    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-    #[serde(deny_unknown_fields, default)]
-    pub struct NativeSettings {
-        /// Sub-steps of the solver in a second of simulated time, at least:
-        /// contacts are found once a step, and solved in as many sub-steps of equal
-        /// length as it takes. Lower: impacts, shaking and high stacks are followed more
-        /// coarsely; higher: slower.
-        #[schemars(range(min = 30.0, max = 1e6))]
-        pub substep_rate_hz: f64 = 1440.0,
-        /// Iterations over all contacts in a sub-step, there and back in turn, at least: they
-        /// go on until `solver_tolerance` is met, up to 256 times there and back. Fewer: loads
-        /// do not get through the packing; more: slower.
-        #[schemars(range(min = 1, max = 10000))]
-        pub iterations: u32 = 8,
-        /// Share of what contacts change of a body in a sub-step, on average, by which the
-        /// last iteration may still change any body, in the kinetic norm. Lower: forces
-        /// are found more exactly, by more iterations; 1: no more than `iterations`, but after
-        /// impacts and among few contacts.
-        #[schemars(range(min = 0.0, max = 1.0))]
-        pub solver_tolerance: f64 = 0.002,
-        /// Stiffness of a contact point in N/m. Lower: grains sink in further, by
-        /// their load over it; higher: more iterations are needed for the load to
-        /// get through the packing. 10000 N/m make a grain of 1.6 g on four points
-        /// sink by 0.4 µm.
-        #[schemars(range(min = 0.001, max = 1e9))]
-        pub contact_stiffness_n_per_m: f64 = 10000.0,
-        /// Damping ratio of the spring with the bodies it stands between. Lower
-        /// than 1: contacts swing; higher: overlaps last longer.
-        #[schemars(range(min = 0.0, max = 100.0))]
-        pub contact_damping_ratio: f64 = 1.0,
-        /// Largest speed in m/s at which an overlap is pushed apart. It limits the force of a
-        /// contact, too, to this speed times stiffness and sub-step, plus the damper's part.
-        /// Lower: overlaps last, and grains give way under a load; higher: overlaps burst.
-        #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 100.0))]
-        pub max_depenetration_velocity_m_per_s: f64 = 0.3,
-        /// Threads that compute one world: they find its contacts, solve them and move its bodies.
-        /// Left out, they are the cores that other stages of the same command leave free
-        /// (`--jobs`), as far as the grains keep them busy. They change no bit of the result, and
-        /// are therefore left out of what is kept of a run.
-        #[schemars(range(min = 1, max = 1024))]
-        #[serde(skip_serializing)]
-        pub threads: Option<u32> = None,
-        /// Whether steps may go without the threads where these make them no faster: of threads
-        /// that nobody typed.
-        #[schemars(skip)]
-        #[serde(skip)]
-        pub may_leave_threads: bool = false,
-        /// Use the instructions that every processor has, not the fastest of this
-        /// one: slower, and the same bits.
-        #[serde(skip_serializing)]
-        pub portable: bool = false,
-        /// Contacts solved at once: 8, in single precision, or 1, in double,
-        /// which is slower and there to compare with.
-        #[schemars(extend("enum" = [1, 8]))]
-        pub contacts_at_once: u32 = 8,
-        /// Simulated time in s after which a stage is stored on its way, read back
-        /// and carried on in a world built anew, so that an interrupted run goes on
-        /// from there. Left out, it is what a core does in about a minute, by the
-        /// number of grains and the rate. It changes the bits of a stage that takes
-        /// longer, not what is simulated.
-        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
-        #[serde(skip_serializing_if = "Option::is_none")]
-        pub checkpoint_every_s: Option<f64> = None,
-    }
+parts! {
+/// How contacts yield in the native contact solver: an implicit spring and
+/// damper in every contact point. The rate and the speed below which nothing
+/// rebounds are those of the engine settings; its `iterations` are Bullet's own.
+#[serde(default)]
+pub struct NativeSettings {
+    /// Sub-steps of the solver in a second of simulated time, at least:
+    /// contacts are found once a step, and solved in as many sub-steps of equal
+    /// length as it takes. Lower: impacts, shaking and high stacks are followed more
+    /// coarsely; higher: slower.
+    pub substep_rate_hz: f64 = 1440.0, from 30.0 to 1e6;
+    /// Iterations over all contacts in a sub-step, there and back in turn, at least: they
+    /// go on until `solver_tolerance` is met, up to 256 times there and back. Fewer: loads
+    /// do not get through the packing; more: slower.
+    pub iterations: u32 = 8, from 1 to 10000;
+    /// Share of what contacts change of a body in a sub-step, on average, by which the
+    /// last iteration may still change any body, in the kinetic norm. Lower: forces
+    /// are found more exactly, by more iterations; 1: no more than `iterations`, but after
+    /// impacts and among few contacts.
+    pub solver_tolerance: f64 = 0.002, from 0.0 to 1.0;
+    /// Stiffness of a contact point in N/m. Lower: grains sink in further, by
+    /// their load over it; higher: more iterations are needed for the load to
+    /// get through the packing. 10000 N/m make a grain of 1.6 g on four points
+    /// sink by 0.4 µm.
+    pub contact_stiffness_n_per_m: f64 = 10000.0, from 0.001 to 1e9;
+    /// Damping ratio of the spring with the bodies it stands between. Lower
+    /// than 1: contacts swing; higher: overlaps last longer.
+    pub contact_damping_ratio: f64 = 1.0, from 0.0 to 100.0;
+    /// Largest speed in m/s at which an overlap is pushed apart. It limits the force of a
+    /// contact, too, to this speed times stiffness and sub-step, plus the damper's part.
+    /// Lower: overlaps last, and grains give way under a load; higher: overlaps burst.
+    #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 100.0))]
+    pub max_depenetration_velocity_m_per_s: f64 = 0.3;
+    /// Threads that compute one world: they find its contacts, solve them and move its bodies.
+    /// Left out, they are the cores that other stages of the same command leave free
+    /// (`--jobs`), as far as the grains keep them busy. They change no bit of the result, and
+    /// are therefore left out of what is kept of a run.
+    #[serde(skip_serializing)]
+    pub threads: Option<u32> = None, from 1 to 1024;
+    /// Whether steps may go without the threads where these make them no faster: of threads
+    /// that nobody typed.
+    #[schemars(skip)]
+    #[serde(skip)]
+    pub may_leave_threads: bool = false;
+    /// Use the instructions that every processor has, not the fastest of this
+    /// one: slower, and the same bits.
+    #[serde(skip_serializing)]
+    pub portable: bool = false;
+    /// Contacts solved at once: 8, in single precision, or 1, in double,
+    /// which is slower and there to compare with.
+    #[schemars(extend("enum" = [1, 8]))]
+    pub contacts_at_once: u32 = 8;
+    /// Simulated time in s after which a stage is stored on its way, read back
+    /// and carried on in a world built anew, so that an interrupted run goes on
+    /// from there. Left out, it is what a core does in about a minute, by the
+    /// number of grains and the rate. It changes the bits of a stage that takes
+    /// longer, not what is simulated.
+    pub checkpoint_every_s: Option<f64> = None, skip "Option::is_none", above 0.0 to 1e6;
+}
 }
 
 impl NativeSettings {

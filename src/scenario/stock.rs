@@ -18,40 +18,34 @@ pub enum InertiaRule {
     BoundingBoxWithDefaultMargin,
 }
 
-settings! {
-    /// What stock Bullet contacts (`"contact_solver": "stock"`) can be told beside
-    /// the settings that both contact solvers share. The defaults switch everything off that
-    /// is there for games; the interpretations of what the paper's authors had switch it
-    /// on again.
-    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-    #[serde(deny_unknown_fields, default)]
-    pub struct StockSettings {
-        /// Distance in mm by which every surface stands off its hull in contacts
-        /// (Bullet's collision margin). 0: none. More: bodies seem larger by it.
-        #[schemars(range(min = 0.0, max = 1000.0))]
-        pub collision_margin_mm: f64 = 0.0,
-        /// How moments of inertia are found.
-        pub inertia: InertiaRule = InertiaRule::Exact,
-        /// Mass in g that no grain and no plate falls below in the engine: lighter
-        /// ones are made as heavy. 0: none is changed.
-        #[schemars(range(min = 0.0, max = 1e6))]
-        pub least_mass_g: f64 = 0.0,
-        /// Contacts kept up to this share of the smaller body's radius (Bullet's
-        /// relative contact breaking threshold, 0.02 where nothing is said), in
-        /// place of `contact_threshold_mm`. 0: not used.
-        #[schemars(range(min = 0.0, max = 1.0))]
-        pub relative_contact_threshold: f64 = 0.0,
-        /// Whether grains that stay slow for two seconds (Bullet's
-        /// `gDeactivationTime`) are no longer moved until something touches them.
-        /// Walls that stand still sleep; a table that moves wakes what it carries.
-        pub sleeping: bool = false,
-        // The two speeds are Bullet's (`btRigidBodyConstructionInfo`, 3.24); without effect while
-        // `sleeping` is off.
-        /// Speed in m/s below which a body counts as slow.
-        #[schemars(range(min = 0.0, max = 1000.0))]
-        pub sleeping_speed_m_per_s: f64 = 0.8,
-        /// Angular speed in rad/s below which a body counts as slow.
-        #[schemars(range(min = 0.0, max = 1000.0))]
-        pub sleeping_spin_rad_per_s: f64 = 1.0,
-    }
+parts! {
+/// What stock Bullet contacts (`"contact_solver": "stock"`) can be told beside
+/// the settings that both contact solvers share. The defaults switch everything off that
+/// is there for games; the interpretations of what the paper's authors had switch it
+/// on again.
+#[serde(default)]
+pub struct StockSettings {
+    /// Distance in mm by which every surface stands off its hull in contacts
+    /// (Bullet's collision margin). 0: none. More: bodies seem larger by it.
+    pub collision_margin_mm: f64 = 0.0, from 0.0 to 1000.0;
+    /// How moments of inertia are found.
+    pub inertia: InertiaRule = InertiaRule::Exact;
+    /// Mass in g that no grain and no plate falls below in the engine: lighter
+    /// ones are made as heavy. 0: none is changed.
+    pub least_mass_g: f64 = 0.0, from 0.0 to 1e6;
+    /// Contacts kept up to this share of the smaller body's radius (Bullet's
+    /// relative contact breaking threshold, 0.02 where nothing is said), in
+    /// place of `contact_threshold_mm`. 0: not used.
+    pub relative_contact_threshold: f64 = 0.0, from 0.0 to 1.0;
+    /// Whether grains that stay slow for two seconds (Bullet's
+    /// `gDeactivationTime`) are no longer moved until something touches them.
+    /// Walls that stand still sleep; a table that moves wakes what it carries.
+    pub sleeping: bool = false;
+    // The two speeds are Bullet's (`btRigidBodyConstructionInfo`, 3.24); without effect while
+    // `sleeping` is off.
+    /// Speed in m/s below which a body counts as slow.
+    pub sleeping_speed_m_per_s: f64 = 0.8, from 0.0 to 1000.0;
+    /// Angular speed in rad/s below which a body counts as slow.
+    pub sleeping_spin_rad_per_s: f64 = 1.0, from 0.0 to 1000.0;
+}
 }

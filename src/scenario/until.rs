@@ -17,64 +17,44 @@ pub enum UntilSpec {
     One(ConditionSpec),
 }
 
+parts! {
 /// Conditions that have to hold at the same time.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct AllOfSpec {
     /// The conditions.
-    #[schemars(length(min = 1, max = 20))]
-    pub all_of: Vec<ConditionSpec>,
+    pub all_of: Vec<ConditionSpec>, length 1 to 20;
 }
 
 /// One condition on one piece, group or opening.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Default)]
+#[serde(default)]
 pub struct ConditionSpec {
     /// Name of a piece, or of a group of `measures.groups`; or `opening`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(length(min = 1, max = 40))]
-    pub piece: Option<String>,
+    pub piece: Option<String>, skip "Option::is_none", length 1 to 40;
     /// Name of an opening of `measures.openings`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(length(min = 1, max = 40))]
-    pub opening: Option<String>,
+    pub opening: Option<String>, skip "Option::is_none", length 1 to 40;
     /// Direction along which a force or a displacement counts; its length does not matter. A
     /// force needs it; a displacement without it counts in every direction.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub direction: Option<[f64; 3]>,
+    pub direction: Option<[f64; 3]>, skip "Option::is_none";
     /// Ends when the force of the grains on the piece along `direction`, mean over the window,
     /// is as large as this, in N.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
-    pub force_n: Option<f64>,
+    pub force_n: Option<f64>, skip "Option::is_none", above 0.0 to 1e9;
     /// Ends when that force has changed by no more than this from the window before to the last
     /// one, in percent of the last one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 100.0))]
-    pub steady_force_percent: Option<f64>,
+    pub steady_force_percent: Option<f64>, skip "Option::is_none", above 0.0 to 100.0;
     /// Ends when the piece has moved so far since the stage began, in mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 100000.0))]
-    pub moved_mm: Option<f64>,
+    pub moved_mm: Option<f64>, skip "Option::is_none", above 0.0 to 100000.0;
     /// Ends when the piece has turned so far since the stage began, in degrees: of one that a
     /// moment turns about its axis, the whole angle; of others at most 180.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
-    pub turned_deg: Option<f64>,
+    pub turned_deg: Option<f64>, skip "Option::is_none", above 0.0 to 1e6;
     /// Ends when the flow through the opening, mean over the window, falls below this, in g/s,
     /// after it was above it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
-    pub flow_below_g_per_s: Option<f64>,
+    pub flow_below_g_per_s: Option<f64>, skip "Option::is_none", above 0.0 to 1e9;
     /// Ends when the flow has changed by no more than this from the window before to the last
     /// one, in percent of the last one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 100.0))]
-    pub steady_flow_percent: Option<f64>,
+    pub steady_flow_percent: Option<f64>, skip "Option::is_none", above 0.0 to 100.0;
     /// Length of the window in s; left out, 0.2.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 60.0))]
-    pub window_s: Option<f64>,
+    pub window_s: Option<f64>, skip "Option::is_none", above 0.0 to 60.0;
+}
 }
 
 /// Length of a window in s that is not given.
