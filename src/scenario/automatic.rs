@@ -102,22 +102,13 @@ pub(super) fn fill(value: &mut Value, grading: &Grading) {
         return;
     }
     fill_stages(value, &scale);
-    let by_law = fields().filter(|field| !BY_LOAD.contains(&field.0) && field.0 != RATE);
-    for (path, law, default) in by_law {
-        put(value, path, default, law.factor(&scale));
-    }
-    let engine = EngineSettings::default();
-    for (path, default, number) in [
-        (STIFFNESS, engine.native.contact_stiffness_n_per_m, stiffness(value, grading, &scale)),
-        (
-            DEPENETRATION,
-            engine.native.max_depenetration_velocity_m_per_s,
-            depenetration(value, grading, &scale),
-        ),
-        (SUBSTEPS, engine.native.substep_rate_hz, substep_rate(value, grading, &scale)),
-        (RATE, engine.rate_hz, rate(value, grading, &scale)),
-    ] {
-        put(value, path, default, number / default);
+    for field in BY_SIZE {
+        let default = field.default_value();
+        let factor = match by_scenario(field.path, value, grading, &scale) {
+            Some(number) => number / default,
+            None => field.law.factor(&scale),
+        };
+        put(value, field.path, default, factor);
     }
 }
 
@@ -174,7 +165,7 @@ const OF_APPARATUS: [&str; 9] = [
 
 /// Paths of the fields that are automatic where they are left out, those of stages aside.
 pub(super) fn automatic_paths() -> impl Iterator<Item = &'static str> {
-    fields().map(|(path, ..)| path).chain(OF_APPARATUS)
+    BY_SIZE.iter().map(|field| field.path).chain(OF_APPARATUS)
 }
 
 /// What is automatic of stages where it is left out: stage, field, law and default.

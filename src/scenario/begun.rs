@@ -4,11 +4,6 @@
 use super::automatic::{self, Grading, number_at};
 use super::*;
 
-/// Values that are as in the run that a scenario begins with. Where they were automatic there, they
-/// grow with the scenario's own loads, and never shrink: with softer contacts, or in longer sub-steps,
-/// a pressed specimen would sink into itself.
-const KEPT: [&str; 3] = BY_LOAD;
-
 /// The faults of what contradicts the specimen: its grains are what they are, and its pieces stand
 /// where the run has left them. `run` is that run's scenario, `own` what is laid over it.
 pub(super) fn contradictions(run: &Map<String, Value>, own: &Value) -> Vec<Fault> {
@@ -75,11 +70,11 @@ fn difference(path: &str, run: &Value, own: &Value) -> Option<(String, Value, St
     }
 }
 
-/// Which of these values a document takes over from a run.
+/// Which of the values that follow from loads a document takes over from a run.
 pub(super) fn taken_over(run: &Map<String, Value>, own: &Value) -> Vec<String> {
     let run = Value::Object(run.clone());
     let is_there = |path: &&&str| number_at(own, path).is_none() && number_at(&run, path).is_some();
-    KEPT.iter().filter(is_there).map(|path| (*path).to_owned()).collect()
+    BY_LOAD.iter().filter(is_there).map(|path| (*path).to_owned()).collect()
 }
 
 /// The automatic value of a field, whatever stands there.
@@ -91,23 +86,21 @@ fn automatic_value(value: &Value, path: &str, grading: &Grading) -> f64 {
         fields.remove(name);
     }
     automatic::fill(&mut free, grading);
-    let native = NativeSettings::default();
-    number_at(&free, path).unwrap_or(match path {
-        automatic::STIFFNESS => native.contact_stiffness_n_per_m,
-        automatic::DEPENETRATION => native.max_depenetration_velocity_m_per_s,
-        _ => native.substep_rate_hz,
-    })
+    let field = BY_SIZE.iter().find(|field| field.path == path);
+    number_at(&free, path).or(field.map(BySize::default_value)).unwrap_or(f64::NAN)
 }
 
 /// Makes contacts as stiff as a scenario's own loads ask for, where they were softer in the run
-/// that it begins with, and nobody typed how stiff.
+/// that it begins with, and nobody typed how stiff. Values that were automatic there grow with the
+/// scenario's own loads, and never shrink: with softer contacts, or in longer sub-steps, a pressed
+/// specimen would sink into itself.
 pub(super) fn stiffen(value: &mut Value, run: &Map<String, Value>, grading: &Grading) {
     let run = Value::Object(run.clone());
     let listed = |value: &Value, path: &str| {
         let paths = value["begin"]["taken_over"].as_array();
         paths.is_some_and(|paths| paths.iter().any(|of| of == path))
     };
-    for path in KEPT {
+    for path in BY_LOAD {
         let there = number_at(value, path).filter(|_| listed(value, path));
         let Some(there) = there else { continue };
         let was_automatic =

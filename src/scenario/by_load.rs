@@ -25,6 +25,24 @@ const FASTER_UNDER_LOAD: f64 = 10.0;
 /// end. Ours: a specimen of 534 grains under 200 kPa lay still with 0.19, and sank with 0.38.
 const SUBSTEP_OF_INERTIAL_TIME: f64 = 0.2;
 
+/// What a field is that follows from the motions or loads of a scenario, too, as well as from its
+/// grains; none of every other.
+pub(super) fn by_scenario(
+    path: &str,
+    value: &Value,
+    grading: &Grading,
+    scale: &Scale,
+) -> Option<f64> {
+    let asked = match path {
+        RATE => rate,
+        STIFFNESS => stiffness,
+        DEPENETRATION => depenetration,
+        SUBSTEPS => substep_rate,
+        _ => return None,
+    };
+    Some(asked(value, grading, scale))
+}
+
 /// Stiffness of a contact point in N/m, to two digits: that of the law, and so much more as
 /// the largest stress exceeds what the default is for.
 pub(super) fn stiffness(value: &Value, grading: &Grading, scale: &Scale) -> f64 {

@@ -2,46 +2,135 @@
 
 use super::*;
 
-/// A number of the engine's settings, by its place in them.
-type Setting = fn(&mut EngineSettings) -> &mut f64;
+/// What holds such settings, by default for grains of the paper's size.
+#[derive(Default)]
+struct Settings {
+    engine: EngineSettings,
+    settle: SettleSpec,
+}
 
-/// Settings of the engine that go with the size of the grains, each by a law. Of the rates of
-/// steps and sub-steps, the stiffness and the speed at which overlaps are pushed apart, the scenario
-/// may ask for more.
-const OF_ENGINE: [(&str, Law, Setting); 14] = [
-    ("engine.grain_size_mm", Law::Fine, |e| &mut e.grain_size_mm),
-    (RATE, Law::Rate, |e| &mut e.rate_hz),
-    ("engine.length_scale", Law::PerLength, |e| &mut e.length_scale),
-    ("engine.contact_threshold_mm", Law::Fine, |e| &mut e.contact_threshold_mm),
-    ("engine.restitution_velocity_threshold_m_per_s", Law::Speed, |e| {
-        &mut e.restitution_velocity_threshold_m_per_s
-    }),
-    (SUBSTEPS, Law::Rate, |e| &mut e.native.substep_rate_hz),
-    (STIFFNESS, Law::Stiffness, |e| &mut e.native.contact_stiffness_n_per_m),
-    (DEPENETRATION, Law::Speed, |e| &mut e.native.max_depenetration_velocity_m_per_s),
-    ("engine.rapier.contact_frequency_hz", Law::Rate, |e| &mut e.rapier.contact_frequency_hz),
-    ("engine.rapier.wall_contact_frequency_hz", Law::Rate, |e| {
-        &mut e.rapier.wall_contact_frequency_hz
-    }),
-    ("engine.rapier.engine_unit_mm", Law::Fine, |e| &mut e.rapier.engine_unit_mm),
-    ("engine.rapier.prediction_mm", Law::Fine, |e| &mut e.rapier.prediction_mm),
-    ("engine.rapier.corrective_speed_m_per_s", Law::Speed, |e| {
-        &mut e.rapier.corrective_speed_m_per_s
-    }),
-    ("engine.rapier.recycling_distance_mm", Law::Fine, |e| &mut e.rapier.recycling_distance_mm),
-];
+/// A field that goes with the size of the grains, and what goes wrong where it is far off.
+pub(super) struct BySize {
+    pub path: &'static str,
+    /// How it grows; of the rates of steps and sub-steps, the stiffness and the speed at which
+    /// overlaps are pushed apart, the scenario may ask for more.
+    pub law: Law,
+    pub of: Of,
+    pub low: &'static str,
+    pub high: &'static str,
+    place: fn(&mut Settings) -> &mut f64,
+}
 
-/// Fields that go with the size of the grains by a law, with their defaults.
-pub(super) fn fields() -> impl Iterator<Item = (&'static str, Law, f64)> {
-    let settle = SettleSpec::default();
-    let of_engine = OF_ENGINE
-        .into_iter()
-        .map(|(path, law, setting)| (path, law, *setting(&mut EngineSettings::default())));
-    of_engine.chain([
-        ("settle.rms_speed_mm_per_s", Law::Speed, settle.rms_speed_mm_per_s),
-        ("settle.largest_speed_mm_per_s", Law::Speed, settle.largest_speed_mm_per_s),
-        ("settle.hold_s", Law::Time, settle.hold_s),
-    ])
+/// Contacts of which a field is a setting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Of {
+    /// Every engine's.
+    All,
+    /// Bullet's own and the native ones.
+    Bullet,
+    /// The native contact solver's.
+    Native,
+    /// Rapier's.
+    Rapier,
+}
+
+macro_rules! by_size {
+    ($(
+        $group:ident $(.$field:ident)+ => $law:ident, $of:ident:
+            low $low:expr;
+            high $high:expr;
+    )*) => {
+        /// The fields in the order in which they are reported.
+        pub(super) const BY_SIZE: &[BySize] = &[$(BySize {
+            path: concat!(stringify!($group), $(".", stringify!($field)),+),
+            law: Law::$law,
+            of: Of::$of,
+            low: $low,
+            high: $high,
+            place: |all| &mut all.$group$(.$field)+,
+        }),*];
+    };
+}
+
+const SLOWER: &str = "the run takes longer in proportion and is no more exact";
+
+by_size! {
+    engine.grain_size_mm => Fine, All:
+        low "contacts are found late, and many boxes are renewed in a step";
+        high "gaps and clearances are so wide that grains notice them";
+    engine.rate_hz => Rate, All:
+        low "grains sink into each other within a step";
+        high SLOWER;
+    engine.native.substep_rate_hz => Rate, Native:
+        low "impacts, shaking and grains under load are followed too coarsely";
+        high SLOWER;
+    engine.native.contact_stiffness_n_per_m => Stiffness, Native:
+        low "grains sink into each other";
+        high "loads need more sub-steps and iterations to get through the packing, which costs \
+              time";
+    engine.native.max_depenetration_velocity_m_per_s => Speed, Native:
+        low "overlaps that impacts leave last, and contacts bear no more than this speed times \
+              stiffness and sub-step";
+        high "overlaps burst and throw grains apart";
+    engine.restitution_velocity_threshold_m_per_s => Speed, Bullet:
+        low "contacts at rest go on rebounding, and the specimen settles late";
+        high "impacts that should rebound do not";
+    engine.length_scale => PerLength, Bullet:
+        low "a grain is much smaller than an engine unit, and Bullet's tolerances are gaps that \
+              it notices";
+        high "a grain is much larger than an engine unit, and Bullet's tolerances are lost in \
+              rounding";
+    engine.contact_threshold_mm => Fine, Bullet:
+        low "contacts are found late and lost between steps";
+        high "contacts that bear nothing are kept";
+    settle.rms_speed_mm_per_s => Speed, All:
+        low "a stage may not count as settled before its time limit";
+        high "a stage ends while the specimen still moves";
+    settle.largest_speed_mm_per_s => Speed, All:
+        low "a stage may not count as settled before its time limit";
+        high "a stage ends while grains still fall";
+    settle.hold_s => Time, All:
+        low "a stage may end at the top of a bounce";
+        high "every stage that settles is simulated for longer than it needs";
+    engine.rapier.contact_frequency_hz => Rate, Rapier:
+        low "grains sink into each other";
+        high "the packing jitters and creeps unless engine.rapier.substeps is raised, which \
+              costs time";
+    engine.rapier.wall_contact_frequency_hz => Rate, Rapier:
+        low "grains sink into the funnel";
+        high "grains jitter in the funnel unless engine.rapier.substeps is raised, which costs \
+              time";
+    engine.rapier.engine_unit_mm => Fine, Rapier:
+        low "contact points are needlessly recomputed";
+        high "contact points are kept that are no longer there";
+    engine.rapier.prediction_mm => Fine, Rapier:
+        low "grains sink in before they are met";
+        high "contacts that bear nothing are prepared, which costs time";
+    engine.rapier.corrective_speed_m_per_s => Speed, Rapier:
+        low "overlaps that impacts leave last";
+        high "overlaps burst and throw grains apart";
+    engine.rapier.recycling_distance_mm => Fine, Rapier:
+        low "contact points change for nothing, and the packing creeps";
+        high "contact normals are out of date";
+}
+
+impl Of {
+    /// Whether a scenario's contacts are among them.
+    pub fn holds(self, engine: &EngineSettings) -> bool {
+        match self {
+            Self::All => true,
+            Self::Bullet => engine.backend == Backend::Bullet,
+            Self::Native => engine.is_native(),
+            Self::Rapier => engine.backend == Backend::Rapier,
+        }
+    }
+}
+
+impl BySize {
+    /// Its value for grains of the paper's size, which is its default.
+    pub fn default_value(&self) -> f64 {
+        *(self.place)(&mut Settings::default())
+    }
 }
 
 impl EngineSettings {
@@ -49,10 +138,10 @@ impl EngineSettings {
     pub fn enlarged(&self, larger: f64) -> Self {
         let paper = Scale::PAPER;
         let scale = Scale::of_smallest(paper.sizes.smallest * larger, paper.gravity);
-        let mut enlarged = self.clone();
-        for (_, law, setting) in OF_ENGINE {
-            *setting(&mut enlarged) *= law.factor(&scale);
+        let mut enlarged = Settings { engine: self.clone(), ..Settings::default() };
+        for field in BY_SIZE {
+            *(field.place)(&mut enlarged) *= field.law.factor(&scale);
         }
-        enlarged
+        enlarged.engine
     }
 }

@@ -1,6 +1,5 @@
 //! What is typed, may be meant, and does not suit the grains: reported, not refused.
 
-use super::sized::fields as by_size;
 use super::validate::short;
 use super::*;
 
@@ -39,7 +38,7 @@ pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
     let judged = Judged { engine: &scenario.engine, value, grading, scale };
     let mut found = Vec::new();
     let faults = &mut Faults::of(&mut found);
-    for field in FIELDS {
+    for field in BY_SIZE {
         judged.check_field(field, faults);
     }
     if let Some(grading) = grading {
@@ -56,129 +55,20 @@ pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
     found
 }
 
-/// Contacts of which a field is a setting.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Of {
-    /// Every engine's.
-    All,
-    /// Bullet's own and the native ones.
-    Bullet,
-    /// The native contact solver's.
-    Native,
-    /// Rapier's.
-    Rapier,
-}
-
-/// A field whose value follows from the grains, and what goes wrong where it is far off.
-struct Field {
-    path: &'static str,
-    of: Of,
-    low: &'static str,
-    high: &'static str,
-}
-
-const SLOWER: &str = "the run takes longer in proportion and is no more exact";
-
-macro_rules! fields {
-    ($($path:expr => $of:ident: low $low:expr; high $high:expr;)*) => {
-        const FIELDS: &[Field] = &[$(Field { path: $path, of: Of::$of, low: $low, high: $high }),*];
-    };
-}
-
-// The fields in the order in which they are reported.
-fields! {
-    "engine.grain_size_mm" => All:
-        low "contacts are found late, and many boxes are renewed in a step";
-        high "gaps and clearances are so wide that grains notice them";
-    RATE => All:
-        low "grains sink into each other within a step";
-        high SLOWER;
-    SUBSTEPS => Native:
-        low "impacts, shaking and grains under load are followed too coarsely";
-        high SLOWER;
-    STIFFNESS => Native:
-        low "grains sink into each other";
-        high "loads need more sub-steps and iterations to get through the packing, which costs \
-              time";
-    DEPENETRATION => Native:
-        low "overlaps that impacts leave last, and contacts bear no more than this speed times \
-              stiffness and sub-step";
-        high "overlaps burst and throw grains apart";
-    "engine.restitution_velocity_threshold_m_per_s" => Bullet:
-        low "contacts at rest go on rebounding, and the specimen settles late";
-        high "impacts that should rebound do not";
-    "engine.length_scale" => Bullet:
-        low "a grain is much smaller than an engine unit, and Bullet's tolerances are gaps that \
-              it notices";
-        high "a grain is much larger than an engine unit, and Bullet's tolerances are lost in \
-              rounding";
-    "engine.contact_threshold_mm" => Bullet:
-        low "contacts are found late and lost between steps";
-        high "contacts that bear nothing are kept";
-    "settle.rms_speed_mm_per_s" => All:
-        low "a stage may not count as settled before its time limit";
-        high "a stage ends while the specimen still moves";
-    "settle.largest_speed_mm_per_s" => All:
-        low "a stage may not count as settled before its time limit";
-        high "a stage ends while grains still fall";
-    "settle.hold_s" => All:
-        low "a stage may end at the top of a bounce";
-        high "every stage that settles is simulated for longer than it needs";
-    "engine.rapier.contact_frequency_hz" => Rapier:
-        low "grains sink into each other";
-        high "the packing jitters and creeps unless engine.rapier.substeps is raised, which \
-              costs time";
-    "engine.rapier.wall_contact_frequency_hz" => Rapier:
-        low "grains sink into the funnel";
-        high "grains jitter in the funnel unless engine.rapier.substeps is raised, which costs \
-              time";
-    "engine.rapier.engine_unit_mm" => Rapier:
-        low "contact points are needlessly recomputed";
-        high "contact points are kept that are no longer there";
-    "engine.rapier.prediction_mm" => Rapier:
-        low "grains sink in before they are met";
-        high "contacts that bear nothing are prepared, which costs time";
-    "engine.rapier.corrective_speed_m_per_s" => Rapier:
-        low "overlaps that impacts leave last";
-        high "overlaps burst and throw grains apart";
-    "engine.rapier.recycling_distance_mm" => Rapier:
-        low "contact points change for nothing, and the packing creeps";
-        high "contact normals are out of date";
-}
-
-impl Of {
-    /// Whether a scenario's contacts are among them.
-    fn holds(self, engine: &EngineSettings) -> bool {
-        match self {
-            Self::All => true,
-            Self::Bullet => engine.backend == Backend::Bullet,
-            Self::Native => engine.is_native(),
-            Self::Rapier => engine.backend == Backend::Rapier,
-        }
-    }
-}
-
 impl Judged<'_> {
     /// What a field is where it is left out; of grains whose sizes are not known, by the law alone.
-    fn automatic(&self, path: &str) -> Option<f64> {
-        let number = match (path, &self.grading) {
-            (RATE, Some(grading)) => automatic::rate(self.value, grading, &self.scale),
-            (STIFFNESS, Some(grading)) => stiffness(self.value, grading, &self.scale),
-            (DEPENETRATION, Some(grading)) => depenetration(self.value, grading, &self.scale),
-            (SUBSTEPS, Some(grading)) => substep_rate(self.value, grading, &self.scale),
-            _ => {
-                let (_, law, default) = by_size().find(|field| field.0 == path)?;
-                default * law.factor(&self.scale)
-            }
-        };
-        Some(automatic::within(path, number))
+    fn automatic(&self, field: &BySize) -> f64 {
+        let asked = self.grading.as_ref();
+        let asked = asked.and_then(|all| by_scenario(field.path, self.value, all, &self.scale));
+        let by_law = || field.default_value() * field.law.factor(&self.scale);
+        automatic::within(field.path, asked.unwrap_or_else(by_law))
     }
 
     /// A value that is off by more than the factor, in either direction.
-    fn check_field(&self, field: &Field, faults: &mut Faults) {
-        let Field { path, of, low, high } = *field;
-        let typed = number_at(self.value, path);
-        let (Some(typed), Some(automatic)) = (typed, self.automatic(path)) else { return };
+    fn check_field(&self, field: &BySize, faults: &mut Faults) {
+        let BySize { path, of, low, high, .. } = *field;
+        let Some(typed) = number_at(self.value, path) else { return };
+        let automatic = self.automatic(field);
         let is_read = of.holds(self.engine) && !self.is_unread(path, typed, automatic);
         let goes_wrong = if typed < automatic / UNUSUAL { low } else { high };
         faults.add_if(
