@@ -39,6 +39,12 @@ impl GrainSizes {
     pub const PAPER: Self =
         Self { smallest: 0.008, median: 0.010_755_221_034_089_258, largest: 0.016 };
 
+    /// Those of grains so many times as large.
+    pub fn times(self, larger: f64) -> Self {
+        let Self { smallest, median, largest } = self;
+        Self { smallest: smallest * larger, median: median * larger, largest: largest * larger }
+    }
+
     /// Sizes of grains that were sieved; `None` where no fraction has openings and a mass
     /// above zero.
     pub fn of(fractions: &[SieveMass]) -> Option<Self> {
@@ -81,9 +87,7 @@ impl Scale {
     /// no more is known; gravity in m/s².
     pub fn of_smallest(smallest: f64, gravity: f64) -> Self {
         let paper = GrainSizes::PAPER;
-        let larger = smallest / paper.smallest;
-        let sizes =
-            GrainSizes { smallest, median: paper.median * larger, largest: paper.largest * larger };
+        let sizes = GrainSizes { smallest, ..paper.times(smallest / paper.smallest) };
         Self { sizes, gravity, ..Self::PAPER }
     }
 }

@@ -270,12 +270,7 @@ pub(super) fn rounded(value: f64, digits: usize) -> f64 {
 /// Grains three times as large as the paper's.
 #[cfg(test)]
 pub(super) fn larger() -> Grading {
-    let paper = GrainSizes::PAPER;
-    let sizes = GrainSizes {
-        smallest: 3.0 * paper.smallest,
-        median: 3.0 * paper.median,
-        largest: 3.0 * paper.largest,
-    };
+    let sizes = GrainSizes::PAPER.times(3.0);
     Grading { sizes, density: 2000.0, solids: 0.035, count: 2000.0 }
 }
 

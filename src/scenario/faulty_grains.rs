@@ -21,16 +21,8 @@ pub(super) fn fill_by_sizes(value: &mut Value) -> bool {
 pub(super) fn faults(value: &Value) -> Vec<Fault> {
     let mut found = validate::faults(value, None);
     for factor in TRIED {
-        let paper = GrainSizes::PAPER;
         let mut filled = value.clone();
-        fill(
-            &mut filled,
-            &of_sizes(GrainSizes {
-                smallest: factor * paper.smallest,
-                median: factor * paper.median,
-                largest: factor * paper.largest,
-            }),
-        );
+        fill(&mut filled, &of_sizes(GrainSizes::PAPER.times(factor)));
         let with_these = validate::faults(&filled, None);
         found.retain(|fault| with_these.contains(fault));
     }
