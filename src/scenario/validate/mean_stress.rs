@@ -7,7 +7,7 @@ use crate::scenario::KeepMeanStressSpec;
 
 /// What holds a piece.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Hold {
+pub(super) enum Hold {
     /// A force presses it.
     Force,
     /// A moment turns it.
@@ -20,9 +20,19 @@ enum Hold {
     Removed,
 }
 
+impl Hold {
+    /// Whether the piece moves by what the grains do.
+    pub fn gives_way(self) -> bool {
+        matches!(self, Self::Force | Self::Moment | Self::Free)
+    }
+}
+
+/// What holds the pieces that stages have named so far.
+pub(super) type Holds<'a> = HashMap<&'a str, Hold>;
+
 pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     // What earlier stages have made of the pieces, of which one may not be readable.
-    let mut holds: HashMap<&str, Hold> = HashMap::new();
+    let mut holds = Holds::new();
     let mut all_known = parts.begun_after.is_none();
     for (i, stage) in parts.stages.iter().enumerate() {
         let Some(spec) = &stage.spec else {
@@ -39,7 +49,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
 }
 
 /// What a stage makes of the pieces that it names.
-fn follow<'a>(spec: &'a StageSpec, holds: &mut HashMap<&'a str, Hold>) {
+pub(super) fn follow<'a>(spec: &'a StageSpec, holds: &mut Holds<'a>) {
     let (pieces, hold) = match spec {
         StageSpec::Press { loads, .. } => {
             holds.extend(loads.iter().map(|load| {
@@ -87,7 +97,7 @@ fn check_pieces(
     parts: &Parts,
     keep: &KeepMeanStressSpec,
     moved: &[String],
-    (holds, all_known): (&HashMap<&str, Hold>, bool),
+    (holds, all_known): (&Holds, bool),
     faults: &mut Faults,
 ) {
     let Some(known) = parts.names_of_pieces().filter(|_| parts.has_pieces()) else { return };

@@ -1,20 +1,21 @@
 //! Conditions that end stages.
 
+use super::mean_stress::{Holds, follow};
 use super::*;
 use crate::scenario::ConditionSpec;
 
 pub(super) fn check(parts: &Parts, faults: &mut Faults) {
-    // Pieces that are pressed or free when a stage begins.
-    let mut pressed: HashSet<&str> = HashSet::new();
+    // What holds the pieces in a stage.
+    let mut holds = Holds::new();
     for (i, spec) in parts.specs() {
-        follow(spec, &mut pressed);
+        follow(spec, &mut holds);
         let mut faults = faults.at(format!("stages[{i}]"));
         check_limit(spec, &mut faults);
         for (place, condition) in spec.until().into_iter().flat_map(|until| until.placed()) {
             let mut faults = faults.at(format!("until{place}"));
             check_condition(condition, &mut faults);
             check_names(parts, condition, &mut faults);
-            check_way(parts, spec, condition, &pressed, &mut faults);
+            check_way(parts, spec, condition, &holds, &mut faults);
             check_reach(spec, condition, &mut faults);
         }
     }
@@ -44,26 +45,6 @@ fn check_limit(spec: &StageSpec, faults: &mut Faults) {
         _ => return,
     };
     faults.add("time_limit_s", found, allowed, message);
-}
-
-/// Which pieces are pressed or free in and after a stage.
-fn follow<'a>(spec: &'a StageSpec, pressed: &mut HashSet<&'a str>) {
-    match spec {
-        StageSpec::Press { loads, .. } => {
-            for load in loads {
-                match load.locked {
-                    true => pressed.remove(load.piece.as_str()),
-                    false => pressed.insert(load.piece.as_str()),
-                };
-            }
-        }
-        // What is free moves as well.
-        StageSpec::Release { pieces, .. } => pressed.extend(pieces.iter().map(String::as_str)),
-        StageSpec::Move { pieces, .. } | StageSpec::Remove { pieces, .. } => {
-            pressed.retain(|name| !pieces.iter().any(|piece| piece == name));
-        }
-        _ => {}
-    }
 }
 
 /// One condition, with what it needs and nothing else.
@@ -121,7 +102,7 @@ fn check_way(
     parts: &Parts,
     spec: &StageSpec,
     until: &ConditionSpec,
-    pressed: &HashSet<&str>,
+    holds: &Holds,
     faults: &mut Faults,
 ) {
     let way = until.moved_mm.or(until.turned_deg);
@@ -134,7 +115,8 @@ fn check_way(
         StageSpec::Move { pieces, .. } => pieces.is_empty() || pieces.contains(name),
         _ => false,
     };
-    let moves = |name: &String| driven(name) || pressed.contains(name.as_str());
+    let gives_way = |name: &String| holds.get(name.as_str()).is_some_and(|hold| hold.gives_way());
+    let moves = |name: &String| driven(name) || gives_way(name);
     let there = |name: &String| parts.pieces().any(|(_, piece)| piece.name == *name);
     faults.add_if(
         names.iter().all(there) && !names.iter().any(moves),
