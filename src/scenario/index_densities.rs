@@ -24,13 +24,10 @@ impl IndexDensitiesSpec {
     /// What of it makes no sense, in the JSON of a scenario.
     pub(super) fn check(value: &Value, faults: &mut Faults) {
         let Some(Ok(spec)) = value.get("index_densities").map(Self::deserialize) else { return };
-        faults.add_if(
-            spec.e_min >= spec.e_max,
-            "index_densities.e_min",
-            spec.e_min,
-            format!("less than e_max, {}", spec.e_max),
-            "the densest state has less voids than the loosest",
-        );
+        let Self { e_max, e_min } = spec;
+        let allowed = format!("less than e_max, {e_max}");
+        let why = "the densest state has less voids than the loosest";
+        faults.add_if(e_min >= e_max, "index_densities.e_min", e_min, allowed, why);
     }
 }
 

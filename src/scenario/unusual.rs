@@ -49,9 +49,8 @@ pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
         unusual_pieces(scenario, &grading, faults);
     }
     // The run that they are of has reported them.
-    let taken_over = scenario.begin.iter().flat_map(|begin| &begin.taken_over);
-    let taken_over: Vec<&String> = taken_over.collect();
-    found.retain(|fault| !taken_over.contains(&&fault.path));
+    let taken_over = scenario.begin.as_ref().map_or(&[][..], |begin| &begin.taken_over);
+    found.retain(|fault| !taken_over.contains(&fault.path));
     found
 }
 
@@ -70,17 +69,14 @@ impl Judged<'_> {
         let Some(typed) = number_at(self.value, path) else { return };
         let automatic = self.automatic(field);
         let is_read = of.holds(self.engine) && !self.is_unread(path, typed, automatic);
-        let goes_wrong = if typed < automatic / UNUSUAL { low } else { high };
-        faults.add_if(
-            is_read && (typed < automatic / UNUSUAL || typed > automatic * UNUSUAL),
-            path,
-            short(typed),
-            format!("{} for these grains, or the field left out", short(automatic)),
-            format!(
-                "the value differs by more than a factor of {UNUSUAL} from what these grains \
-            ask for: {goes_wrong}"
-            ),
+        let (is_low, is_high) = (typed < automatic / UNUSUAL, typed > automatic * UNUSUAL);
+        let goes_wrong = if is_low { low } else { high };
+        let allowed = format!("{} for these grains, or the field left out", short(automatic));
+        let why = format!(
+            "the value differs by more than a factor of {UNUSUAL} from what these grains ask for: \
+             {goes_wrong}"
         );
+        faults.add_if(is_read && (is_low || is_high), path, short(typed), allowed, why);
     }
 
     /// Whether contacts do without the distance: native ones go by the shorter of it and their own
@@ -98,16 +94,13 @@ impl Judged<'_> {
         let overlap = OVERLAP_OF_STRESS * stress * self.scale.sizes.median / typed;
         let least = short(stiffness(self.value, grading, &self.scale));
         let (stress, percent) = (short(stress), short(100.0 * overlap));
-        faults.add_if(
-            self.engine.is_native() && overlap > OVERLAP_ALLOWED,
-            STIFFNESS,
-            short(typed),
-            format!("at least {least} N/m, or the field left out"),
-            format!(
-                "contacts too soft for {stress} Pa at the bottom of the specimen: grains \
-            would overlap by some {percent} % of their size"
-            ),
+        let wrong = self.engine.is_native() && overlap > OVERLAP_ALLOWED;
+        let allowed = format!("at least {least} N/m, or the field left out");
+        let why = format!(
+            "contacts too soft for {stress} Pa at the bottom of the specimen: grains would overlap \
+             by some {percent} % of their size"
         );
+        faults.add_if(wrong, STIFFNESS, short(typed), allowed, why);
     }
 }
 
@@ -119,32 +112,19 @@ fn unusual_apparatus(scenario: &Scenario, grading: &Grading, faults: &mut Faults
     let mut faults = faults.at("apparatus");
     let (cylinder, funnel) = (&scenario.apparatus.cylinder, &scenario.apparatus.funnel);
     let area = PI / 4.0 * from_mm(cylinder.inner_diameter_mm).powi(2);
-    let height = to_mm(grading.solids * (1.0 + LOOSE) / area);
-    faults.add_if(
-        height > cylinder.height_mm,
-        "cylinder.height_mm",
-        short(cylinder.height_mm),
-        format!("at least {} mm", short(height)),
-        format!(
-            "grains may fall over the rim: a specimen with a void ratio of {LOOSE} stands \
-        higher than the cylinder"
-        ),
+    let (height, there) = (to_mm(grading.solids * (1.0 + LOOSE) / area), cylinder.height_mm);
+    let allowed = format!("at least {} mm", short(height));
+    let why = format!(
+        "grains may fall over the rim: a specimen with a void ratio of {LOOSE} stands higher than \
+         the cylinder"
     );
+    faults.add_if(height > there, "cylinder.height_mm", short(there), allowed, why);
     let least = JAMS_BELOW * to_mm(grading.sizes.median);
-    for (field, across, jams) in [
-        (
-            "cylinder.inner_diameter_mm",
-            cylinder.inner_diameter_mm,
-            "grains may bridge the cylinder or lie over its rim: it is",
-        ),
-        (
-            "funnel.opening_diameter_mm",
-            funnel.opening_diameter_mm,
-            "the funnel may jam: its opening is",
-        ),
-    ] {
-        check_opening(field, across, least, jams, &mut faults);
-    }
+    let jams = "grains may bridge the cylinder or lie over its rim: it is";
+    let across = cylinder.inner_diameter_mm;
+    check_opening("cylinder.inner_diameter_mm", across, least, jams, &mut faults);
+    let (across, jams) = (funnel.opening_diameter_mm, "the funnel may jam: its opening is");
+    check_opening("funnel.opening_diameter_mm", across, least, jams, &mut faults);
 }
 
 /// An opening that jams, or nearly does.
@@ -160,13 +140,10 @@ fn unusual_pieces(scenario: &Scenario, grading: &Grading, faults: &mut Faults) {
     let least = JAMS_BELOW * median;
     for (i, piece) in scenario.pieces.iter().enumerate() {
         let reach = piece.shape.mesh.as_ref().map_or(f64::INFINITY, MeshPieceSpec::reach_mm);
-        faults.add_if(
-            reach < median,
-            &format!("pieces[{i}].shape.mesh"),
-            format!("corners within {} mm of its origin", short(reach)),
-            format!("more than the median grain size, {} mm", short(median)),
-            "the mesh is smaller than a grain; of a file in metres `scale_to_mm` is 1000",
-        );
+        let found = format!("corners within {} mm of its origin", short(reach));
+        let allowed = format!("more than the median grain size, {} mm", short(median));
+        let why = "the mesh is smaller than a grain; of a file in metres `scale_to_mm` is 1000";
+        faults.add_if(reach < median, &format!("pieces[{i}].shape.mesh"), found, allowed, why);
         let Some(hopper) = &piece.shape.hopper else { continue };
         let field = format!("pieces[{i}].shape.hopper.opening_diameter_mm");
         let jams = "the hopper may jam: its opening is";
@@ -175,14 +152,11 @@ fn unusual_pieces(scenario: &Scenario, grading: &Grading, faults: &mut Faults) {
     // A floor, a hopper or a ramp beside them may take what does not go in.
     let holds: Vec<f64> = scenario.pieces.iter().filter_map(|p| p.shape.holds_mm3()).collect();
     let (room, needed) = (holds.iter().sum::<f64>(), grading.solids * 1e9 * (1.0 + LOOSE));
-    faults.add_if(
-        !holds.is_empty() && room < needed,
-        "pieces",
-        format!("{} cm³", short(room / 1e3)),
-        format!("at least {} cm³", short(needed / 1e3)),
-        format!(
-            "grains may fall over the rims: containers hold less than all grains take with a \
-        void ratio of {LOOSE}"
-        ),
+    let wrong = !holds.is_empty() && room < needed;
+    let [found, least] = [room, needed].map(|mm3| format!("{} cm³", short(mm3 / 1e3)));
+    let why = format!(
+        "grains may fall over the rims: containers hold less than all grains take with a void \
+         ratio of {LOOSE}"
     );
+    faults.add_if(wrong, "pieces", found, format!("at least {least}"), why);
 }

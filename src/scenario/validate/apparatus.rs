@@ -21,64 +21,46 @@ fn check_cylinder(parts: &Parts, faults: &mut Faults) {
     let Some(cylinder) = &parts.cylinder else { return };
     let Some(coarsest) = parts.coarsest_mm() else { return };
     let (across, longest) = (cylinder.inner_diameter_mm, LONGEST_GRAIN * coarsest);
-    faults.add_if(
-        across < longest,
-        "inner_diameter_mm",
-        across,
-        format!("at least {} mm, the length of the longest grains", short(longest)),
-        format!(
-            "the cylinder is narrower than a grain: those that pass {coarsest} mm are up to \
-        {LONGEST_GRAIN} times as long"
-        ),
+    let why = format!(
+        "the cylinder is narrower than a grain: those that pass {coarsest} mm are up to \
+         {LONGEST_GRAIN} times as long"
     );
+    faults.add_if(across < longest, "inner_diameter_mm", across, as_longest(longest), why);
     // A mixture of sizes packs denser than this only by crushing.
     let Some(grading) = &parts.grading else { return };
     let height = grading.solids / (PI / 4.0 * from_mm(across).powi(2));
     let is_higher = height.is_finite() && height > from_mm(cylinder.height_mm);
-    faults.add_if(
-        is_higher && parts.has_stage("pour"),
-        "height_mm",
-        cylinder.height_mm,
-        format!("more than {} mm", short(height * 1e3)),
-        "the cylinder has less room than the grains have volume, voids not counted",
-    );
+    let wrong = is_higher && parts.has_stage("pour");
+    let allowed = format!("more than {} mm", short(height * 1e3));
+    let why = "the cylinder has less room than the grains have volume, voids not counted";
+    faults.add_if(wrong, "height_mm", cylinder.height_mm, allowed, why);
+}
+
+/// What is allowed where the longest grains, of a length in mm, must have room.
+fn as_longest(longest: f64) -> String {
+    format!("at least {} mm, the length of the longest grains", short(longest))
 }
 
 fn check_funnel(parts: &Parts, faults: &mut Faults) {
     let Some(funnel) = &parts.funnel else { return };
     let (opening, top) = (funnel.opening_diameter_mm, funnel.top_diameter_mm);
-    faults.add_if(
-        top <= opening,
-        "top_diameter_mm",
-        top,
-        format!("more than the diameter of its opening, {opening} mm"),
-        "the funnel is no wider at the top than at its opening",
-    );
+    let allowed = format!("more than the diameter of its opening, {opening} mm");
+    let why = "the funnel is no wider at the top than at its opening";
+    faults.add_if(top <= opening, "top_diameter_mm", top, allowed, why);
     if let Some(coarsest) = parts.coarsest_mm() {
-        faults.add_if(
-            opening <= coarsest,
-            "opening_diameter_mm",
-            opening,
-            format!("more than {coarsest} mm, and 7 to 8 grains wide against jams"),
-            "no grain of the coarsest fraction can leave the funnel",
-        );
+        let allowed = format!("more than {coarsest} mm, and 7 to 8 grains wide against jams");
+        let why = "no grain of the coarsest fraction can leave the funnel";
+        faults.add_if(opening <= coarsest, "opening_diameter_mm", opening, allowed, why);
         let longest = LONGEST_GRAIN * coarsest;
-        faults.add_if(
-            top > opening && top < longest,
-            "top_diameter_mm",
-            top,
-            format!("at least {} mm, the length of the longest grains", short(longest)),
-            "the funnel is narrower than a grain",
-        );
+        let (wrong, why) = (top > opening && top < longest, "the funnel is narrower than a grain");
+        faults.add_if(wrong, "top_diameter_mm", top, as_longest(longest), why);
     }
     let Some(cylinder) = &parts.cylinder else { return };
-    faults.add_if(
-        opening > cylinder.inner_diameter_mm && parts.has_stage("pour"),
-        "opening_diameter_mm",
-        opening,
-        format!("at most the cylinder's inner diameter, {} mm", cylinder.inner_diameter_mm),
-        "the funnel's opening is wider than the cylinder: grains would fall beside it",
-    );
+    let inner = cylinder.inner_diameter_mm;
+    let wrong = opening > inner && parts.has_stage("pour");
+    let allowed = format!("at most the cylinder's inner diameter, {inner} mm");
+    let why = "the funnel's opening is wider than the cylinder: grains would fall beside it";
+    faults.add_if(wrong, "opening_diameter_mm", opening, allowed, why);
 }
 
 /// Distance from the axis to the flats of a regular polygon with the area of a
@@ -96,11 +78,7 @@ fn check_plate(parts: &Parts, faults: &mut Faults) {
     }
     let corner = flat(plate.sides) / (PI / f64::from(plate.sides)).cos();
     let widest = cylinder.inner_diameter_mm * flat(cylinder.wall_pieces) / corner;
-    faults.add_if(
-        plate.diameter_mm >= widest,
-        "diameter_mm",
-        plate.diameter_mm,
-        format!("less than {} mm, at which its corners touch the wall", short(widest)),
-        "the top plate does not fit into the cylinder",
-    );
+    let allowed = format!("less than {} mm, at which its corners touch the wall", short(widest));
+    let (across, why) = (plate.diameter_mm, "the top plate does not fit into the cylinder");
+    faults.add_if(across >= widest, "diameter_mm", across, allowed, why);
 }

@@ -18,12 +18,9 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     let as_json = |s: &StockSettings| serde_json::to_value(s).unwrap_or(Value::Null);
     let (asked, default) = (as_json(&engine.stock), as_json(&StockSettings::default()));
     for (field, value) in asked.as_object().into_iter().flatten() {
-        faults.at("engine.stock").add_if(
-            *value != default[field],
-            field,
-            value,
-            format!("{}, or \"contact_solver\": \"stock\" on Bullet", default[field]),
-            format!("a setting of stock Bullet contacts, which is not for {who}"),
-        );
+        let default = &default[field];
+        let allowed = format!("{default}, or \"contact_solver\": \"stock\" on Bullet");
+        let why = format!("a setting of stock Bullet contacts, which is not for {who}");
+        faults.add_if(value != default, &format!("engine.stock.{field}"), value, allowed, why);
     }
 }

@@ -16,21 +16,15 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
         check_meshes(meshes, &mut faults);
     }
     let Some(sieved) = &parts.sieved else { return };
-    faults.add_if(
-        sieved.shape == SievedShape::Spheres && sieved.cells != CellShape::default(),
-        "cells",
-        "",
-        "this field, or `shape` \"spheres\"",
-        "spheres are cut from no cells, so there is nothing to relax or stretch",
-    );
+    let wrong = sieved.shape == SievedShape::Spheres && sieved.cells != CellShape::default();
+    let allowed = "this field, or `shape` \"spheres\"";
+    let why = "spheres are cut from no cells, so there is nothing to relax or stretch";
+    faults.add_if(wrong, "cells", "", allowed, why);
     let rounding = sieved.cells.rounding;
-    faults.add_if(
-        rounding > 0.0 && rounding < LEAST_ROUNDING,
-        "cells.rounding",
-        rounding,
-        format!("0, or {LEAST_ROUNDING} to 0.9"),
-        "corners with so small a radius are neither sharp nor round in a contact",
-    );
+    let wrong = rounding > 0.0 && rounding < LEAST_ROUNDING;
+    let allowed = format!("0, or {LEAST_ROUNDING} to 0.9");
+    let why = "corners with so small a radius are neither sharp nor round in a contact";
+    faults.add_if(wrong, "cells.rounding", rounding, allowed, why);
     let table = &sieved.sieve_table;
     check_order(table, &mut faults);
     check_sum(table, &mut faults);
@@ -50,94 +44,71 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
             least = least.max(1.0 / fraction.grain_count(1.0, density));
             continue;
         }
-        faults.at(format!("sieve_table[{i}]")).add_if(
-            count < 1.0,
-            "mass_percent",
-            fraction.mass_percent,
-            format!("at least {} %", short(enough)),
-            format!(
-                "the fraction {} to {} mm is lighter than one grain of its mean size",
-                fraction.passing_mm, fraction.retained_mm
-            ),
+        let SieveFraction { passing_mm, retained_mm, mass_percent } = fraction;
+        let field = format!("sieve_table[{i}].mass_percent");
+        let why = format!(
+            "the fraction {passing_mm} to {retained_mm} mm is lighter than one grain of its mean \
+             size"
         );
+        let allowed = format!("at least {} %", short(enough));
+        faults.add_if(count < 1.0, &field, mass_percent, allowed, why);
     }
-    faults.add_if(
-        least > 0.0,
-        "total_mass_g",
-        mass,
-        format!("at least {} g with this sieve table", short(least)),
-        "not every fraction has the mass of one grain of its mean size",
-    );
-    faults.add_if(
-        total > MOST_GRAINS,
-        "total_mass_g",
-        mass,
-        format!("at most {} g of this gravel", short(mass * MOST_GRAINS / total)),
-        format!("this makes {total:.0} grains, more than {MOST_GRAINS:.0}"),
-    );
+    let allowed = format!("at least {} g with this sieve table", short(least));
+    let why = "not every fraction has the mass of one grain of its mean size";
+    faults.add_if(least > 0.0, "total_mass_g", mass, allowed, why);
+    let allowed = format!("at most {} g of this gravel", short(mass * MOST_GRAINS / total));
+    let why = format!("this makes {total:.0} grains, more than {MOST_GRAINS:.0}");
+    faults.add_if(total > MOST_GRAINS, "total_mass_g", mass, allowed, why);
 }
 
 /// A sieve table needs a mass to share out, and leaves nothing else to choose.
 fn check_meshes(meshes: &MeshGrains, faults: &mut Faults) {
-    let sieved = !meshes.sieve_table.is_empty();
-    match (sieved, meshes.total_mass_g) {
-        (true, None) => faults.add(
-            "total_mass_g",
-            "",
-            "a number above 0",
-            "the field is missing: the mass that `sieve_table` shares out",
-        ),
-        (false, Some(mass)) => faults.add(
-            "total_mass_g",
-            mass,
-            "this field together with `sieve_table`, or neither",
-            "without a sieve table the grains keep their own mass",
-        ),
-        _ => {}
+    if meshes.sieve_table.is_empty() {
+        if let Some(mass) = meshes.total_mass_g {
+            let allowed = "this field together with `sieve_table`, or neither";
+            let why = "without a sieve table the grains keep their own mass";
+            faults.add("total_mass_g", mass, allowed, why);
+        }
+        return;
     }
-    if let (true, Some(count)) = (sieved, meshes.count) {
-        let message = "the number of grains follows from the sieve table and the total mass";
-        faults.add("count", count, "this field or `sieve_table`, not both", message);
+    let missing = meshes.total_mass_g.is_none();
+    let why = "the field is missing: the mass that `sieve_table` shares out";
+    faults.add_if(missing, "total_mass_g", "", "a number above 0", why);
+    if let Some(count) = meshes.count {
+        let why = "the number of grains follows from the sieve table and the total mass";
+        faults.add("count", count, "this field or `sieve_table`, not both", why);
     }
 }
 
 fn check_order(table: &[SieveFraction], faults: &mut Faults) {
-    for (i, fraction) in table.iter().enumerate() {
-        faults.at(format!("sieve_table[{i}]")).add_if(
-            fraction.passing_mm <= fraction.retained_mm,
-            "retained_mm",
-            fraction.retained_mm,
-            format!("less than passing_mm, {}", fraction.passing_mm),
-            "grains that pass a sieve are retained by a finer one",
-        );
+    for (i, SieveFraction { passing_mm, retained_mm, .. }) in table.iter().enumerate() {
+        let (wrong, field) = (passing_mm <= retained_mm, format!("sieve_table[{i}].retained_mm"));
+        let allowed = format!("less than passing_mm, {passing_mm}");
+        let why = "grains that pass a sieve are retained by a finer one";
+        faults.add_if(wrong, &field, retained_mm, allowed, why);
     }
     for (i, pair) in table.windows(2).enumerate() {
         let (above, below) = (&pair[0], &pair[1]);
-        let message = if below.passing_mm > above.passing_mm {
+        let why = if below.passing_mm > above.passing_mm {
             "the sieve table is out of order: it goes from coarse to fine"
         } else if below.passing_mm > above.retained_mm {
             "two fractions of the sieve table overlap"
         } else {
             "the sieve table has a gap: a fraction begins where the one before it ends"
         };
-        faults.at(format!("sieve_table[{}]", i + 1)).add_if(
-            below.passing_mm != above.retained_mm,
-            "passing_mm",
-            below.passing_mm,
-            format!("{}, the retained_mm of the fraction before", above.retained_mm),
-            message,
-        );
+        let wrong = below.passing_mm != above.retained_mm;
+        let field = format!("sieve_table[{}].passing_mm", i + 1);
+        let allowed = format!("{}, the retained_mm of the fraction before", above.retained_mm);
+        faults.add_if(wrong, &field, below.passing_mm, allowed, why);
     }
 }
 
 fn check_sum(table: &[SieveFraction], faults: &mut Faults) {
     let sum: f64 = table.iter().map(|f| f.mass_percent).sum();
-    faults.add_if(
-        // The margin keeps a sum of decimals that is off by the tolerance itself inside.
-        !((sum - 100.0).abs() <= PERCENT_TOLERANCE + 1e-9),
-        "sieve_table",
-        format!("a sum of {} %", short(sum)),
-        format!("100 ± {PERCENT_TOLERANCE} %"),
-        "the mass percentages of the fractions do not add up",
-    );
+    // The margin keeps a sum of decimals that is off by the tolerance itself inside.
+    let wrong = !((sum - 100.0).abs() <= PERCENT_TOLERANCE + 1e-9);
+    let (found, allowed) =
+        (format!("a sum of {} %", short(sum)), format!("100 ± {PERCENT_TOLERANCE} %"));
+    let why = "the mass percentages of the fractions do not add up";
+    faults.add_if(wrong, "sieve_table", found, allowed, why);
 }

@@ -34,13 +34,9 @@ pub(super) fn check_release(parts: &Parts, names: &[String], faults: &mut Faults
         faults.add_if(crosses, &field, &shown, "a piece without `may_cross`", message);
     }
     let all = parts.pieces().all(|(_, piece)| names.contains(&piece.name));
-    faults.add_if(
-        all && parts.has_pieces(),
-        "pieces",
-        names.join(", "),
-        "fewer than all pieces",
-        "nothing is left that could carry what moves freely",
-    );
+    let (wrong, names) = (all && parts.has_pieces(), names.join(", "));
+    let why = "nothing is left that could carry what moves freely";
+    faults.add_if(wrong, "pieces", names, "fewer than all pieces", why);
 }
 
 /// Checks the loads of a stage; whether their pieces stand is checked with all others.
@@ -73,12 +69,8 @@ pub(super) fn check(parts: &Parts, loads: &[LoadSpec], faults: &mut Faults) {
             ("locked", load.locked),
         ];
         let given: Vec<&str> = given.iter().filter(|(_, is)| *is).map(|(name, _)| *name).collect();
-        faults.add_if(
-            given.len() != 1,
-            "force_n",
-            given.join(", "),
-            "one of `force_n`, `stress_kpa`, `moment_n_m` and `locked`",
-            "a load is a force, a stress, a moment or a lock",
-        );
+        let allowed = "one of `force_n`, `stress_kpa`, `moment_n_m` and `locked`";
+        let why = "a load is a force, a stress, a moment or a lock";
+        faults.add_if(given.len() != 1, "force_n", given.join(", "), allowed, why);
     }
 }

@@ -83,13 +83,9 @@ fn check_region(parts: &Parts, keep: &KeepMeanStressSpec, faults: &mut Faults) {
         true => "one of `measures.regions`, which has none".to_owned(),
         false => known.join(", "),
     };
-    faults.add_if(
-        !known.contains(&keep.region.as_str()),
-        "region",
-        Value::from(keep.region.as_str()),
-        allowed,
-        "there is no such region",
-    );
+    let region = keep.region.as_str();
+    let wrong = !known.contains(&region);
+    faults.add_if(wrong, "region", Value::from(region), allowed, "there is no such region");
 }
 
 /// The pieces: there, each once, pressed by a force, and not moved at the same time.

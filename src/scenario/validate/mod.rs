@@ -217,23 +217,14 @@ fn check_name(parts: &Parts, faults: &mut Faults) {
     let misleading: BTreeSet<char> = name.chars().filter(|c| misleads(*c)).collect();
     let points: Vec<String> =
         misleading.into_iter().map(|c| format!("U+{:04X}", u32::from(c))).collect();
-    faults.add_if(
-        !points.is_empty(),
-        "name",
-        &shown,
-        "letters, digits and signs that are seen, and spaces",
-        format!(
-            "the name holds what is not seen but changes how it is read: {}",
-            points.join(", ")
-        ),
-    );
-    faults.add_if(
-        name.contains(['/', '\\']) || name.starts_with('.') || name.trim() != name,
-        "name",
-        shown,
-        "a text without / and \\, that begins with no dot and begins and ends with no space",
-        "the name cannot be that of a folder",
-    );
+    let allowed = "letters, digits and signs that are seen, and spaces";
+    let points = points.join(", ");
+    let why = format!("the name holds what is not seen but changes how it is read: {points}");
+    faults.add_if(!points.is_empty(), "name", &shown, allowed, why);
+    let wrong = name.contains(['/', '\\']) || name.starts_with('.') || name.trim() != name;
+    let allowed =
+        "a text without / and \\, that begins with no dot and begins and ends with no space";
+    faults.add_if(wrong, "name", shown, allowed, "the name cannot be that of a folder");
 }
 
 #[cfg(test)]

@@ -116,26 +116,18 @@ fn check_cycles(spec: &StageSpec, motion: &TableMotion, faults: &mut Faults) {
     if motion.frequency > 0.0 {
         let (broken, whole) = cycles(motion.frequency);
         let (cycle, period) = (short(1.0 / motion.frequency), short(whole / motion.frequency));
-        faults.add_if(
-            broken,
-            "duration_s",
-            motion.duration,
-            format!("a whole number of cycles of {cycle} s, as {period}"),
-            "a period of vibration must end where it began, in the middle of the stroke",
-        );
+        let allowed = format!("a whole number of cycles of {cycle} s, as {period}");
+        let why = "a period of vibration must end where it began, in the middle of the stroke";
+        faults.add_if(broken, "duration_s", motion.duration, allowed, why);
     }
     if let StageSpec::Vibrate { vertical: Some(v), .. } = spec
         && let Some(frequency) = v.frequency_hz
     {
         let (broken, whole) = cycles(frequency);
         let (period, near) = (short(motion.duration), short(whole / motion.duration));
-        faults.add_if(
-            broken,
-            "vertical.frequency_hz",
-            frequency,
-            format!("a whole number of cycles in {period} s, as {near} Hz"),
-            "a period of vibration must end where it began, also along z",
-        );
+        let allowed = format!("a whole number of cycles in {period} s, as {near} Hz");
+        let why = "a period of vibration must end where it began, also along z";
+        faults.add_if(broken, "vertical.frequency_hz", frequency, allowed, why);
     }
 }
 
@@ -149,12 +141,8 @@ fn check_ramp(motion: &TableMotion, faults: &mut Faults) {
     } else {
         "0: the period is too short for a ramp of one cycle at either end".to_owned()
     };
-    faults.add_if(
-        motion.ramp > 0.0 && !(cycle..=longest).contains(&motion.ramp),
-        "ramp_s",
-        motion.ramp,
-        allowed,
-        "the amplitude can neither grow within a part of a cycle, nor still grow when it begins \
-        to die away",
-    );
+    let wrong = motion.ramp > 0.0 && !(cycle..=longest).contains(&motion.ramp);
+    let why = "the amplitude can neither grow within a part of a cycle, nor still grow when it \
+               begins to die away";
+    faults.add_if(wrong, "ramp_s", motion.ramp, allowed, why);
 }

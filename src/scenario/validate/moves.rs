@@ -56,14 +56,8 @@ fn check_move(spec: &StageSpec, faults: &mut Faults) {
         }
         let rows = motion_rows.as_deref().unwrap_or_default();
         let still = rows.len() > 1 && rows.iter().all(|row| row[1..] == rows[0][1..]);
-        let found = "no displacement";
-        return faults.add_if(
-            still,
-            "motion_rows",
-            found,
-            "rows that differ",
-            "nothing would move",
-        );
+        let (found, allowed) = ("no displacement", "rows that differ");
+        return faults.add_if(still, "motion_rows", found, allowed, "nothing would move");
     }
     let how = interpolation.map(|how| format!("{how:?}").to_lowercase());
     faults.idle("interpolation", how, "only a `motion_file` has rows to join");
@@ -113,12 +107,9 @@ fn check_move(spec: &StageSpec, faults: &mut Faults) {
         faults.add("ramp_s", ramp_s, allowed, why);
     } else if let Some(sine) = sine {
         let cycles = sine.frequency_hz * duration;
-        faults.add_if(
-            ramp_s == 0.0 && (cycles.round() - cycles).abs() > 1e-6,
-            length,
-            duration,
-            "a whole number of cycles, or `ramp_s` above 0",
-            "the sine would stop abruptly, away from its place",
-        );
+        let wrong = ramp_s == 0.0 && (cycles.round() - cycles).abs() > 1e-6;
+        let allowed = "a whole number of cycles, or `ramp_s` above 0";
+        let why = "the sine would stop abruptly, away from its place";
+        faults.add_if(wrong, length, duration, allowed, why);
     }
 }

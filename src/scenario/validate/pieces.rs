@@ -24,13 +24,10 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
             StageSpec::Deposit { .. } => check_deposit(parts, spec, &mut faults),
             StageSpec::Press { loads, ramp_s, time_limit_s, until, .. } => {
                 loads::check(parts, loads, &mut faults);
-                faults.add_if(
-                    until.is_none() && ramp_s > time_limit_s,
-                    "ramp_s",
-                    ramp_s,
-                    format!("at most {} s, `time_limit_s`", short(*time_limit_s)),
-                    "the stage would end before the load is whole",
-                );
+                let wrong = until.is_none() && ramp_s > time_limit_s;
+                let allowed = format!("at most {} s, `time_limit_s`", short(*time_limit_s));
+                let why = "the stage would end before the load is whole";
+                faults.add_if(wrong, "ramp_s", ramp_s, allowed, why);
             }
             StageSpec::Release { pieces, .. } => loads::check_release(parts, pieces, &mut faults),
             _ => {}
@@ -69,40 +66,28 @@ fn check_pieces(parts: &Parts, faults: &mut Faults) {
 
 fn check_shape(shape: &ShapeSpec, faults: &mut Faults) {
     let given = shape.kinds();
-    faults.add_if(
-        given != 1,
-        "shape",
-        format!("{given} shapes"),
-        "one of `box`, `cylinder`, `plate`, `disc`, `hopper`, `wedge`, `drum`, `mesh` and `vane`",
-        "a piece has one shape",
-    );
+    let allowed =
+        "one of `box`, `cylinder`, `plate`, `disc`, `hopper`, `wedge`, `drum`, `mesh` and `vane`";
+    let found = format!("{given} shapes");
+    faults.add_if(given != 1, "shape", found, allowed, "a piece has one shape");
     if let Some(hopper) = &shape.hopper {
-        faults.add_if(
-            hopper.top_diameter_mm <= hopper.opening_diameter_mm,
-            "shape.hopper.top_diameter_mm",
-            hopper.top_diameter_mm,
-            format!("more than the diameter of its opening, {} mm", hopper.opening_diameter_mm),
-            "the hopper is no wider at the top than at its opening",
-        );
+        let (opening, top) = (hopper.opening_diameter_mm, hopper.top_diameter_mm);
+        let allowed = format!("more than the diameter of its opening, {opening} mm");
+        let why = "the hopper is no wider at the top than at its opening";
+        faults.add_if(top <= opening, "shape.hopper.top_diameter_mm", top, allowed, why);
     }
     if let Some(drum) = &shape.drum {
-        let radius = drum.inner_diameter_mm / 2.0;
-        faults.add_if(
-            drum.lifters > 0 && drum.lifter_mm >= radius,
-            "shape.drum.lifter_mm",
-            drum.lifter_mm,
-            format!("less than {radius} mm, the inner radius"),
-            "the bars reach the axis of the drum",
-        );
+        let (radius, high) = (drum.inner_diameter_mm / 2.0, drum.lifter_mm);
+        let wrong = drum.lifters > 0 && high >= radius;
+        let allowed = format!("less than {radius} mm, the inner radius");
+        let why = "the bars reach the axis of the drum";
+        faults.add_if(wrong, "shape.drum.lifter_mm", high, allowed, why);
     }
     if let Some(vane) = &shape.vane {
-        faults.add_if(
-            vane.diameter_mm / 2.0 <= vane.core_mm(),
-            "shape.vane.blade_mm",
-            vane.blade_mm,
-            "blades thinner than they are long",
-            "nothing is left between the blades",
-        );
+        let wrong = vane.diameter_mm / 2.0 <= vane.core_mm();
+        let allowed = "blades thinner than they are long";
+        let why = "nothing is left between the blades";
+        faults.add_if(wrong, "shape.vane.blade_mm", vane.blade_mm, allowed, why);
     }
     if let Some(mesh) = &shape.mesh {
         check_mesh(mesh, &mut faults.at("shape.mesh"));
@@ -132,32 +117,22 @@ fn check_names_of_stages(parts: &Parts, faults: &mut Faults) {
     for (i, stage) in parts.stages.iter().enumerate() {
         let Some(name) = stage.name.as_deref() else { continue };
         let mut faults = faults.at(format!("stages[{i}]"));
-        faults.add_if(
-            own && BUILT_IN.contains(&name),
-            "stage",
-            Value::from(name),
-            "`deposit`, `move`, `press`, `release`, `remove` and `rest`",
-            format!(
-                "`{name}` is done with the built-in apparatus, in whose place `pieces` \
-            stand"
+        let (allowed, why) = match own {
+            true if BUILT_IN.contains(&name) => (
+                "`deposit`, `move`, `press`, `release`, `remove` and `rest`",
+                "is done with the built-in apparatus, in whose place `pieces` stand",
             ),
-        );
-        faults.add_if(
-            !own && OF_PIECES.contains(&name),
-            "stage",
-            Value::from(name),
-            "it in a scenario with `pieces`",
-            format!("`{name}` is done with pieces, and there are none"),
-        );
+            false if OF_PIECES.contains(&name) => {
+                ("it in a scenario with `pieces`", "is done with pieces, and there are none")
+            }
+            _ => continue,
+        };
+        faults.add("stage", Value::from(name), allowed, format!("`{name}` {why}"));
     }
     let filled = parts.has_stage("deposit") || parts.begun_after.is_some();
-    faults.add_if(
-        own && !filled && parts.stages.iter().all(|s| s.name.is_some()),
-        "stages",
-        "no `deposit`",
-        "at least one",
-        "no grain would get into the laboratory",
-    );
+    let wrong = own && !filled && parts.stages.iter().all(|s| s.name.is_some());
+    let why = "no grain would get into the laboratory";
+    faults.add_if(wrong, "stages", "no `deposit`", "at least one", why);
 }
 
 fn check_deposit(parts: &Parts, spec: &StageSpec, faults: &mut Faults) {
@@ -191,13 +166,10 @@ fn check_deposit(parts: &Parts, spec: &StageSpec, faults: &mut Faults) {
     let all_g = parts.grading.filter(|_| alone).map(|all| to_g(all.solids * all.density));
     let mass = mass_g.map_or(all_g, |own| all_g.map_or(Some(own), |all| Some(own.min(all))));
     if let Some((mass, rate)) = mass.zip(rate_g_per_s.filter(|_| is_rain)) {
-        faults.add_if(
-            mass / rate > time_limit_s,
-            "time_limit_s",
-            time_limit_s,
-            format!("more than {} s", short(mass / rate)),
-            format!("{} g at {} g/s take longer", short(mass), short(rate)),
-        );
+        let wrong = mass / rate > time_limit_s;
+        let allowed = format!("more than {} s", short(mass / rate));
+        let why = format!("{} g at {} g/s take longer", short(mass), short(rate));
+        faults.add_if(wrong, "time_limit_s", time_limit_s, allowed, why);
     }
     let Some([low, high]) = sizes_mm else { return };
     let (found, why) = (format!("[{low}, {high}]"), "no grain is of that size");
@@ -252,27 +224,22 @@ fn check_who_stands(parts: &Parts, faults: &mut Faults) {
 }
 
 fn check_measures(parts: &Parts, measures: &MeasuresSpec, faults: &mut Faults) {
-    faults.add_if(
-        !measures.is_empty() && !parts.has_pieces(),
-        "measures",
-        "regions, openings or groups",
-        "the field left out",
-        "these are measured in a laboratory of `pieces`",
-    );
+    let wrong = !measures.is_empty() && !parts.has_pieces();
+    let found = "regions, openings or groups";
+    let why = "these are measured in a laboratory of `pieces`";
+    faults.add_if(wrong, "measures", found, "the field left out", why);
     let mut faults = faults.at("measures");
     for (i, region) in measures.regions.iter().enumerate() {
-        faults.at(format!("regions[{i}]")).add_if(
-            !region.low_mm.iter().zip(&region.high_mm).all(|(low, high)| low < high),
-            "high_mm",
-            format!("{:?}", region.high_mm),
-            "a corner above and beyond `low_mm` in every direction",
-            "the region holds nothing",
-        );
+        let (low, high) = (&region.low_mm, &region.high_mm);
+        let (wrong, found) = (!low.iter().zip(high).all(|(l, h)| l < h), format!("{high:?}"));
+        let allowed = "a corner above and beyond `low_mm` in every direction";
+        let why = "the region holds nothing";
+        faults.add_if(wrong, &format!("regions[{i}].high_mm"), found, allowed, why);
     }
     check_groups(parts, measures, &mut faults);
     for (i, opening) in measures.openings.iter().enumerate() {
-        let mut faults = faults.at(format!("openings[{i}]"));
-        faults.not_zero("direction", opening.direction, "the opening has no direction");
+        let field = format!("openings[{i}].direction");
+        faults.not_zero(&field, opening.direction, "the opening has no direction");
     }
     let regions = measures.regions.iter().map(|r| ("regions", &r.name));
     let openings = measures.openings.iter().map(|o| ("openings", &o.name));
@@ -282,13 +249,9 @@ fn check_measures(parts: &Parts, measures: &MeasuresSpec, faults: &mut Faults) {
     let pieces: HashSet<&String> = parts.pieces().map(|(_, piece)| &piece.name).collect();
     for (list, name) in regions.chain(openings).chain(groups) {
         let is_new = known.insert(name) && !(list == "groups" && pieces.contains(name));
-        faults.add_if(
-            !is_new || !is_plain(name),
-            list,
-            Value::from(name.as_str()),
-            "unique names of letters, digits, `-` and `_`",
-            "results would have ambiguous names",
-        );
+        let (wrong, shown) = (!is_new || !is_plain(name), Value::from(name.as_str()));
+        let allowed = "unique names of letters, digits, `-` and `_`";
+        faults.add_if(wrong, list, shown, allowed, "results would have ambiguous names");
     }
 }
 

@@ -35,13 +35,11 @@ fn check_placements(parts: &Parts, faults: &mut Faults) {
         let (Some(cylinder), Some(plate)) = (&parts.cylinder, &parts.top_plate) else { continue };
         let clearance = (cylinder.inner_diameter_mm - plate.diameter_mm) / 2.0;
         let Some(offset) = offset_mm else { continue };
-        faults.add_if(
-            offset > clearance && clearance > 0.0,
-            "offset_mm",
-            offset,
-            format!("at most the clearance between plate and cylinder, {} mm", short(clearance)),
-            "the plate would be laid into the wall",
-        );
+        let wrong = offset > clearance && clearance > 0.0;
+        let room = short(clearance);
+        let allowed = format!("at most the clearance between plate and cylinder, {room} mm");
+        let why = "the plate would be laid into the wall";
+        faults.add_if(wrong, "offset_mm", offset, allowed, why);
     }
 }
 
@@ -59,36 +57,29 @@ fn check_pile(parts: &Parts, spec: &StageSpec, faults: &mut Faults) {
         return;
     };
     match (base.kind, base.friction) {
-        (BaseKind::Plane, None) => faults.add(
-            "base.friction",
-            "",
-            "a number of at least 0 and at most 10",
-            "a plane needs its friction with the grains",
-        ),
-        (BaseKind::FixedGrains, Some(friction)) => faults.add(
-            "base.friction",
-            friction,
-            "the field left out; contact.grain_grain_friction is that of fixed grains, too",
-            "fixed grains have the friction between grains",
-        ),
+        (BaseKind::Plane, None) => {
+            let allowed = "a number of at least 0 and at most 10";
+            let why = "a plane needs its friction with the grains";
+            faults.add("base.friction", "", allowed, why);
+        }
+        (BaseKind::FixedGrains, Some(friction)) => {
+            let allowed =
+                "the field left out; contact.grain_grain_friction is that of fixed grains, too";
+            let why = "fixed grains have the friction between grains";
+            faults.add("base.friction", friction, allowed, why);
+        }
         _ => {}
     }
-    faults.add_if(
-        spout_diameter_mm >= base_diameter_mm,
-        "base_diameter_mm",
-        base_diameter_mm,
-        format!("more than the spout's diameter, {spout_diameter_mm} mm"),
-        "grains would be released outside the base",
-    );
+    let wrong = spout_diameter_mm >= base_diameter_mm;
+    let allowed = format!("more than the spout's diameter, {spout_diameter_mm} mm");
+    let why = "grains would be released outside the base";
+    faults.add_if(wrong, "base_diameter_mm", base_diameter_mm, allowed, why);
     let Some(grading) = &parts.grading else { return };
     let feeding = grading.count / feed_rate_grains_per_s;
-    faults.add_if(
-        feeding.is_finite() && *time_limit_s <= feeding,
-        "time_limit_s",
-        time_limit_s,
-        format!("more than {} s", short(feeding)),
-        "the stage ends before all grains have been fed",
-    );
+    let wrong = feeding.is_finite() && *time_limit_s <= feeding;
+    let allowed = format!("more than {} s", short(feeding));
+    let why = "the stage ends before all grains have been fed";
+    faults.add_if(wrong, "time_limit_s", time_limit_s, allowed, why);
 }
 
 fn check_order(parts: &Parts, faults: &mut Faults) {
@@ -170,22 +161,15 @@ fn check_time(parts: &Parts, faults: &mut Faults) {
             if matches!(spec, StageSpec::Move { .. }) && limit <= 0.0 {
                 continue;
             }
-            faults.at(format!("stages[{i}]")).add_if(
-                limit <= settle.hold_s,
-                field,
-                limit,
-                format!("more than settle.hold_s, {} s", settle.hold_s),
-                "the stage ends before anything can count as settled",
-            );
+            let (wrong, field) = (limit <= settle.hold_s, format!("stages[{i}].{field}"));
+            let allowed = format!("more than settle.hold_s, {} s", settle.hold_s);
+            let why = "the stage ends before anything can count as settled";
+            faults.add_if(wrong, &field, limit, allowed, why);
         }
     }
     let stages: f64 = parts.specs().map(|(_, spec)| spec.longest()).sum();
     let total = stages + parts.rest_test_s.unwrap_or(0.0);
-    faults.add_if(
-        total > LONGEST,
-        "stages",
-        format!("{} s", short(total)),
-        format!("at most {LONGEST} s"),
-        "stages and rest test together take too long",
-    );
+    let (found, allowed) = (format!("{} s", short(total)), format!("at most {LONGEST} s"));
+    let why = "stages and rest test together take too long";
+    faults.add_if(total > LONGEST, "stages", found, allowed, why);
 }

@@ -98,21 +98,14 @@ fn find_coarse_steps(parts: &Parts, faults: &mut Faults) {
     }
     // What is past the middle of a wall at the end of a step is pushed outwards.
     for (path, thickness) in walls(parts) {
-        let way = short(to_mm(step));
-        faults.add_if(
-            step > from_mm(thickness) / 2.0,
-            &path,
-            thickness,
-            format!(
-                "at least {} mm, or {RATE} of at least {} Hz",
-                short(2.0 * to_mm(step)),
-                (2.0 * speed / from_mm(thickness)).ceil()
-            ),
-            format!(
-                "a wall through which grains can pass: {what} moves {way} mm in a step, more \
-            than half of its thickness"
-            ),
+        let (way, least) = (short(to_mm(step)), short(2.0 * to_mm(step)));
+        let least_rate = (2.0 * speed / from_mm(thickness)).ceil();
+        let allowed = format!("at least {least} mm, or {RATE} of at least {least_rate} Hz");
+        let why = format!(
+            "a wall through which grains can pass: {what} moves {way} mm in a step, more than \
+             half of its thickness"
         );
+        faults.add_if(step > from_mm(thickness) / 2.0, &path, thickness, allowed, why);
     }
 }
 
@@ -137,17 +130,15 @@ fn find_coarse_frames(parts: &Parts, faults: &mut Faults) {
         let Some(motion) = spec.motion() else { continue };
         let Some(rate) = motion.frames_per_s else { continue };
         let way = motion.peak_speed() / rate;
-        faults.at(format!("stages[{i}]")).add_if(
-            way > from_mm(size),
-            "video_frames.frames_per_s",
-            rate,
-            format!("at least {} frames a second", (motion.peak_speed() / from_mm(size)).ceil()),
-            format!(
-                "frames that cannot resolve the motion: the shaking table is set by up to {} \
-            mm in one step, more than the smallest grain's size, {size} mm",
-                short(to_mm(way))
-            ),
+        let least = (motion.peak_speed() / from_mm(size)).ceil();
+        let why = format!(
+            "frames that cannot resolve the motion: the shaking table is set by up to {} mm in one \
+             step, more than the smallest grain's size, {size} mm",
+            short(to_mm(way))
         );
+        let field = format!("stages[{i}].video_frames.frames_per_s");
+        let allowed = format!("at least {least} frames a second");
+        faults.add_if(way > from_mm(size), &field, rate, allowed, why);
     }
 }
 
@@ -159,15 +150,10 @@ fn walls(parts: &Parts) -> Vec<(String, f64)> {
         };
         return parts.pieces().filter_map(of_piece).collect();
     }
-    let cylinder = parts.cylinder.as_ref().map(|c| c.wall_thickness_mm);
-    let funnel = parts.funnel.as_ref().map(|f| f.wall_thickness_mm);
-    [
-        ("apparatus.cylinder.wall_thickness_mm", cylinder),
-        ("apparatus.funnel.wall_thickness_mm", funnel),
-    ]
-    .into_iter()
-    .filter_map(|(path, thickness)| Some((path.to_owned(), thickness.filter(|t| *t > 0.0)?)))
-    .collect()
+    let cylinder = parts.cylinder.as_ref().map(|c| ("cylinder", c.wall_thickness_mm));
+    let funnel = parts.funnel.as_ref().map(|f| ("funnel", f.wall_thickness_mm));
+    let walls = cylinder.into_iter().chain(funnel).filter(|(_, thickness)| *thickness > 0.0);
+    walls.map(|(of, mm)| (format!("apparatus.{of}.wall_thickness_mm"), mm)).collect()
 }
 
 /// A fast motion.
@@ -192,11 +178,8 @@ fn motions(parts: &Parts) -> Vec<Fast> {
         StageSpec::FillFunnel { .. } => {
             let funnel = parts.funnel.as_ref()?;
             let radii = (funnel.top_diameter_mm - funnel.opening_diameter_mm) / 2.0;
-            fall(
-                i,
-                radii / from_deg(funnel.half_angle_deg).tan(),
-                "from the funnel's top to its lid",
-            )
+            let height = radii / from_deg(funnel.half_angle_deg).tan();
+            fall(i, height, "from the funnel's top to its lid")
         }
         StageSpec::SlowPluviation { drop_height_mm, .. } => {
             fall(i, *drop_height_mm, "from the spout to the pile")
@@ -247,11 +230,8 @@ fn motions(parts: &Parts) -> Vec<Fast> {
 fn check_threshold(parts: &Parts, faults: &mut Faults) {
     let (Some(engine), Some(finest)) = (&parts.engine, parts.finest_mm()) else { return };
     let threshold = engine.contact_threshold_mm;
-    faults.add_if(
-        engine.stock.relative_contact_threshold == 0.0 && threshold >= finest,
-        "engine.contact_threshold_mm",
-        threshold,
-        format!("less than the smallest grain's size, {finest} mm"),
-        "contacts would be kept over a distance longer than a grain",
-    );
+    let wrong = engine.stock.relative_contact_threshold == 0.0 && threshold >= finest;
+    let allowed = format!("less than the smallest grain's size, {finest} mm");
+    let why = "contacts would be kept over a distance longer than a grain";
+    faults.add_if(wrong, "engine.contact_threshold_mm", threshold, allowed, why);
 }

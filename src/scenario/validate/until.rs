@@ -118,13 +118,10 @@ fn check_way(
     let gives_way = |name: &String| holds.get(name.as_str()).is_some_and(|hold| hold.gives_way());
     let moves = |name: &String| driven(name) || gives_way(name);
     let there = |name: &String| parts.pieces().any(|(_, piece)| piece.name == *name);
-    faults.add_if(
-        names.iter().all(there) && !names.iter().any(moves),
-        "piece",
-        Value::from(name.as_str()),
-        "a piece that is pressed or free, or moved by this stage",
-        "the piece does not move",
-    );
+    let wrong = names.iter().all(there) && !names.iter().any(moves);
+    let allowed = "a piece that is pressed or free, or moved by this stage";
+    let name = Value::from(name.as_str());
+    faults.add_if(wrong, "piece", name, allowed, "the piece does not move");
 }
 
 /// How far a motion carries the pieces that it moves until its limit, at full speed but for the
@@ -158,11 +155,7 @@ fn check_reach(spec: &StageSpec, until: &ConditionSpec, faults: &mut Faults) {
         _ => return,
     };
     let reach = speed * (limit - ramp_s);
-    faults.add_if(
-        wanted > reach * (1.0 + 1e-9),
-        field,
-        wanted,
-        format!("at most {} {unit}, or a longer `time_limit_s`", short(reach.max(0.0))),
-        "the motion does not carry the piece so far",
-    );
+    let (wrong, most) = (wanted > reach * (1.0 + 1e-9), short(reach.max(0.0)));
+    let allowed = format!("at most {most} {unit}, or a longer `time_limit_s`");
+    faults.add_if(wrong, field, wanted, allowed, "the motion does not carry the piece so far");
 }
