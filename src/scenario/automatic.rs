@@ -8,6 +8,7 @@
 use serde_json::Number;
 
 use super::accessors::field;
+use super::pieces::window;
 use super::stages::{
     approach, deposit_limit, drop_height, feed_rate, fill_limit, place_limit, pour_limit,
     press_ramp, settle_limit, slow_limit, spout_diameter,
@@ -181,7 +182,7 @@ pub(super) fn fields_of_stages() -> [(&'static str, &'static str, Law, f64); 15]
         ("slow_pluviation", "spout_diameter_mm", Coarse, spout_diameter()),
         ("vibrate", "settle_limit_s", Time, settle_limit()),
         ("deposit", "time_limit_s", Time, deposit_limit()),
-        ("move", "keep_mean_stress.window_s", Time, mean_stress::window()),
+        ("move", "keep_mean_stress.window_s", Time, window()),
         ("press", "time_limit_s", Time, deposit_limit()),
         ("press", "ramp_s", Time, press_ramp()),
         ("press", "approach_mm_per_s", Speed, approach()),

@@ -77,22 +77,18 @@ pub(super) fn read(document: &mut Document) -> (Option<Map<String, Value>>, Vec<
             if spec.taken_over.is_empty() {
                 spec.taken_over = begun::taken_over(&scenario, &document.value);
             }
-            let faults = found.into_iter().map(|fault| {
-                let origin = document.origin(&fault.path);
-                fault.of(origin)
-            });
-            let faults = faults.collect();
+            let faults = found.into_iter().map(|fault| document.with_origin(fault)).collect();
             take_over(document, scenario.clone(), &spec);
             (Some(scenario), faults)
         }
         Err(fault) => {
-            let origin = document.origin(&fault.path);
+            let fault = document.with_origin(fault);
             // A scenario without grains is no second fault.
             let from_nowhere = json!({ "file": "grains.json" });
             if let Value::Object(fields) = &mut document.value {
                 fields.entry("grains").or_insert(from_nowhere);
             }
-            (None, vec![fault.of(origin)])
+            (None, vec![fault])
         }
     }
 }
@@ -172,14 +168,8 @@ fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>
     let earlier = scenario.get("begin").and_then(|begin| begin["after"].as_array());
     let earlier = earlier.into_iter().flatten().filter_map(Value::as_str).map(str::to_owned);
     spec.after = earlier.chain(after).collect();
-    for (field, own, typed) in [
-        ("key", key(entry), &mut spec.key),
-        (
-            "specimen_sha256",
-            entry["specimen_sha256"].as_str().unwrap_or_default().to_owned(),
-            &mut spec.specimen_sha256,
-        ),
-    ] {
+    for (field, typed) in [("key", &mut spec.key), ("specimen_sha256", &mut spec.specimen_sha256)] {
+        let own = entry[field].as_str().unwrap_or_default().to_owned();
         if let Some(typed) = typed.as_ref().filter(|typed| **typed != own) {
             let message = "the run holds another specimen by now".to_owned();
             return Err(fault(field, typed, &format!("{own}, or the field left out"), message));

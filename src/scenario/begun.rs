@@ -10,21 +10,15 @@ pub(super) fn contradictions(run: &Map<String, Value>, own: &Value) -> Vec<Fault
     let fault = |(path, found, allowed): (String, Value, String), why: &str| {
         Fault::new(format!("{why}: leave the field out"), found, allowed).at(path)
     };
-    let grains = own.get("grains").and_then(|own| difference("grains", &run["grains"], own));
-    let mut faults: Vec<Fault> = grains
-        .map(|d| fault(d, "a specimen that is begun with has its grains"))
-        .into_iter()
-        .collect();
-    let is_file = |grains: Option<&Value>| grains.is_some_and(|grains| !grains["file"].is_null());
-    let has_sieves = run.get("grains").is_some_and(|grains| !grains["sieve_table"].is_null());
-    if faults.is_empty()
-        && is_file(own.get("grains"))
-        && has_sieves
-        && run["grains"]["meshes"].is_null()
-    {
-        let found = ("grains.file".to_owned(), own["grains"]["file"].clone(), "nothing".to_owned());
-        faults.push(fault(found, "a specimen that is begun with has its grains"));
-    }
+    let grains = own.get("grains").and_then(|own| {
+        let run = &run["grains"];
+        let is_file_of_sieved =
+            !own["file"].is_null() && !run["sieve_table"].is_null() && run["meshes"].is_null();
+        let of_file = || ("grains.file".to_owned(), own["file"].clone(), "nothing".to_owned());
+        difference("grains", run, own).or(is_file_of_sieved.then(of_file))
+    });
+    let grains = grains.map(|d| fault(d, "a specimen that is begun with has its grains"));
+    let mut faults: Vec<Fault> = grains.into_iter().collect();
     let none = Vec::new();
     let there = run.get("pieces").and_then(Value::as_array).unwrap_or(&none);
     let Some(pieces) = own.get("pieces").and_then(Value::as_array) else { return faults };

@@ -39,14 +39,8 @@ impl Fault {
         found: impl ToString,
         allowed: impl Into<String>,
     ) -> Self {
-        let (file, path) = Default::default();
-        Self {
-            file,
-            path,
-            found: found.to_string(),
-            allowed: allowed.into(),
-            message: message.into(),
-        }
+        let (found, allowed, message) = (found.to_string(), allowed.into(), message.into());
+        Self { found, allowed, message, ..Self::default() }
     }
 
     /// The same at a path.

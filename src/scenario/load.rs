@@ -102,14 +102,13 @@ fn load_document_with(
         }
         None => faulty_grains::fill_by_sizes(&mut document.value),
     };
-    let (scenario, found) = match check_value(&document.value, grading.as_ref(), is_filled) {
-        Ok(scenario) => (Some(scenario), Vec::new()),
-        Err(found) => (None, found),
+    let scenario = match check_value(&document.value, grading.as_ref(), is_filled) {
+        Ok(scenario) => Some(scenario),
+        Err(found) => {
+            faults.extend(found.into_iter().map(|fault| document.with_origin(fault)));
+            None
+        }
     };
-    faults.extend(found.into_iter().map(|fault| {
-        let origin = document.origin(&fault.path);
-        fault.of(origin)
-    }));
     faults.extend(unread);
     let Some(mut scenario) = scenario.filter(|_| faults.is_empty()) else {
         return Err(ScenarioErrors::Faults(faults));
@@ -178,14 +177,11 @@ fn check_value(
     let structure::Checked { mut faults, cleaned } = structure::check(value);
     let sound = faults.is_empty();
     // A value that has a fault already needs no second one about its meaning.
-    let meaning = match is_filled {
+    let mut meaning = match is_filled {
         true => validate::faults(&cleaned, grading),
         false => faulty_grains::faults(&cleaned),
     };
-    let meaning = meaning
-        .into_iter()
-        .filter(|fault| !faults.iter().any(|known| known.path == fault.path))
-        .collect::<Vec<_>>();
+    meaning.retain(|fault| !faults.iter().any(|known| known.path == fault.path));
     faults.extend(meaning);
     if sound {
         match serde_path_to_error::deserialize::<_, Scenario>(value) {

@@ -94,7 +94,7 @@ pub(super) fn read(document: &mut Document, parts_of: PartsOf) -> Vec<Fault> {
                     false => format!("{}, {}", file.display(), fault.path),
                 };
                 let message = format!("{of}: {}", fault.message);
-                Fault { message, ..fault }.at(&path).of(document.origin(&path))
+                document.with_origin(Fault { message, ..fault }.at(&path))
             })),
         }
     }

@@ -34,8 +34,7 @@ pub(super) fn read(document: &mut Document) -> Vec<Fault> {
                 }
             }
             Err(found) => {
-                let origin = document.origin(&path);
-                faults.extend(found.into_iter().map(|fault| fault.at(&path).of(&origin)));
+                faults.extend(found.into_iter().map(|f| document.with_origin(f.at(&path))));
             }
         }
     }

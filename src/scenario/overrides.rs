@@ -100,8 +100,7 @@ impl Override {
     /// nothing does.
     pub fn value_before<'a>(&self, scenario: &'a Value) -> Option<&'a Value> {
         self.path.iter().try_fold(scenario, |at, step| match (at, step) {
-            (Value::Array(items), Step::Index(index)) => items.get(*index),
-            (Value::Array(items), Step::Name(name)) => items.get(name.parse::<usize>().ok()?),
+            (Value::Array(items), step) => items.get(step.index()?),
             (other, Step::Name(name)) => other.get(name),
             (_, Step::Index(_)) => None,
         })
@@ -148,19 +147,15 @@ impl Override {
                     return Err(nowhere(&path, &Value::from(*index), "the name of a field"));
                 }
                 (Value::Array(items), step) => {
-                    let count = items.len();
-                    let index = match step {
-                        Step::Index(index) => Ok(*index),
-                        Step::Name(name) => name.parse().map_err(|_| Value::from(name.as_str())),
-                    };
-                    let index = match index {
-                        Ok(index) if index < count => index,
-                        other => {
-                            let found = other.map_or_else(|name| name, Value::from);
-                            let last = count.max(1) - 1;
-                            let allowed = format!("0 to {last}, the elements of the list");
-                            return Err(nowhere(&path, &found, &allowed));
-                        }
+                    let index = step.index();
+                    let Some(index) = index.filter(|index| *index < items.len()) else {
+                        let found = match (index, step) {
+                            (None, Step::Name(name)) => Value::from(name.as_str()),
+                            _ => Value::from(index),
+                        };
+                        let last = items.len().max(1) - 1;
+                        let allowed = format!("0 to {last}, the elements of the list");
+                        return Err(nowhere(&path, &found, &allowed));
                     };
                     path = format!("{path}[{index}]");
                     &mut items[index]

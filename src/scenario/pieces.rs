@@ -227,6 +227,17 @@ pub struct LoadSpec {
     pub locked: bool, skip "std::ops::Not::not";
 }
 
+/// Which pieces keep the mean stress in which region.
+pub struct KeepMeanStressSpec {
+    /// Name of a region of `measures.regions`. The mean stress of its contacts, a third of the
+    /// trace, is to stay what it was when the stage began.
+    pub region: String, length 1 to 40;
+    /// Names of pieces that forces press: all these forces are multiplied by the same factor.
+    pub pieces: Vec<String>, length 1 to 100;
+    /// Time in s over which the mean stress is smoothed, and within which the factor follows it.
+    pub window_s: f64, else "window", above 0.0 to 60.0;
+}
+
 /// What is measured of a laboratory beside the forces on its pieces.
 #[derive(Default)]
 #[serde(default)]
@@ -281,6 +292,7 @@ impl MeasuresSpec {
 }
 
 defaults! {
+    pub(super) window: f64 = 0.1;
     wall: f64 = 10.0;
     four: u32 = 4;
     blade: f64 = 2.0;

@@ -13,39 +13,31 @@ use super::*;
 /// one gives.
 pub fn schema() -> Value {
     let mut schema = typed();
-    let Some(root) = schema.as_object_mut() else { return schema };
-    let required = root.remove("required");
-    if let Some(defs) = root.get_mut("$defs").and_then(Value::as_object_mut) {
-        let mut properties = Map::new();
-        for variant in ["MeshGrains", "SievedGrains", "GrainsFile"] {
-            if let Some(Value::Object(fields)) = defs.get(variant).map(|d| &d["properties"]) {
-                properties.extend(fields.clone());
-            }
-        }
-        let change = json!({
-            "description": "What differs from the grains of the scenario that is extended.",
-            "type": "object",
-            "properties": properties,
-            "additionalProperties": false,
-        });
-        defs.insert("GrainsChange".into(), change);
+    let required = schema.as_object_mut().and_then(|root| root.remove("required"));
+    let mut of_grains = Map::new();
+    for kind in ["MeshGrains", "SievedGrains", "GrainsFile"] {
+        let fields = schema["$defs"][kind]["properties"].as_object();
+        of_grains.extend(fields.cloned().unwrap_or_default());
     }
-    if let Some(properties) = root.get_mut("properties").and_then(Value::as_object_mut) {
-        let grains = "#/$defs/GrainsChange";
-        properties.insert("grains".into(), json!({ "$ref": grains }));
-        properties.insert("$schema".into(), schema_field());
-        let extends = json!({
-            "description": "Path, relative to this file, of a scenario from which everything not \
-                            given here is taken. Objects are merged field by field, lists replaced.",
-            "type": "string",
-        });
-        properties.insert("extends".into(), extends);
-    }
-    root.insert("if".into(), json!({ "not": { "required": ["extends"] } }));
+    schema["$defs"]["GrainsChange"] = json!({
+        "description": "What differs from the grains of the scenario that is extended.",
+        "type": "object",
+        "properties": of_grains,
+        "additionalProperties": false,
+    });
+    let properties = &mut schema["properties"];
+    properties["grains"] = json!({ "$ref": "#/$defs/GrainsChange" });
+    properties["$schema"] = schema_field();
+    properties["extends"] = json!({
+        "description": "Path, relative to this file, of a scenario from which everything not \
+                        given here is taken. Objects are merged field by field, lists replaced.",
+        "type": "string",
+    });
+    schema["if"] = json!({ "not": { "required": ["extends"] } });
     // What begins with another run's specimen has its grains.
     let begun: Vec<&Value> =
         required.iter().filter_map(Value::as_array).flatten().filter(|r| *r != "grains").collect();
-    let complete = json!({
+    schema["then"] = json!({
         "if": { "required": ["begin"] },
         "then": { "required": begun },
         "else": {
@@ -53,7 +45,6 @@ pub fn schema() -> Value {
             "properties": { "grains": { "$ref": "#/$defs/GrainsSpec" } },
         },
     });
-    root.insert("then".into(), complete);
     schema
 }
 

@@ -60,6 +60,12 @@ impl Document {
         }
     }
 
+    /// A fault with where its value was given.
+    pub fn with_origin(&self, fault: Fault) -> Fault {
+        let origin = self.origin(&fault.path);
+        fault.of(origin)
+    }
+
     /// The folder in which the value at a path names files: that of the file that gives it, of an
     /// override the working directory.
     pub fn folder(&self, path: &str) -> PathBuf {
@@ -271,11 +277,8 @@ fn parse(file: &Path, text: &[u8], faults: &mut Vec<Fault>) -> Result<Value, Sce
     // Some editors put a byte order mark before the text.
     let text = text.strip_prefix("\u{feff}".as_bytes()).unwrap_or(text);
     let text = &*without_comments(text);
-    let found = RefCell::new(Vec::new());
-    let mut parser = serde_json::Deserializer::from_slice(text);
-    let node = Node { path: String::new(), file: &label, faults: &found };
-    let parsed = node.deserialize(&mut parser).and_then(|value| parser.end().map(|()| value));
-    faults.append(&mut found.into_inner());
+    let (parsed, found) = read_value("", &label, text);
+    faults.extend(found);
     parsed.map_err(|error| {
         let message = error.to_string();
         let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(m, _)| m);
@@ -291,16 +294,22 @@ fn parse(file: &Path, text: &[u8], faults: &mut Vec<Fault>) -> Result<Value, Sce
 /// # Errors
 /// The first key that is given twice.
 pub(super) fn parse_value(path: &str, text: &str) -> Result<Option<Value>, Fault> {
-    let found = RefCell::new(Vec::new());
-    let mut parser = serde_json::Deserializer::from_str(text);
-    let node = Node { path: path.to_owned(), file: "", faults: &found };
-    let parsed = node.deserialize(&mut parser).and_then(|value| parser.end().map(|()| value));
+    let (parsed, found) = read_value(path, "", text.as_bytes());
     // A key given twice in what is no JSON is part of a text.
     let Ok(value) = parsed else { return Ok(None) };
-    match found.into_inner().into_iter().next() {
+    match found.into_iter().next() {
         Some(twice) => Err(twice),
         None => Ok(Some(value)),
     }
+}
+
+/// The value of a text that stands at a path of a file, and its keys that are given twice.
+fn read_value(path: &str, file: &str, text: &[u8]) -> (serde_json::Result<Value>, Vec<Fault>) {
+    let faults = RefCell::new(Vec::new());
+    let mut parser = serde_json::Deserializer::from_slice(text);
+    let node = Node { path: path.to_owned(), file, faults: &faults };
+    let value = node.deserialize(&mut parser).and_then(|value| parser.end().map(|()| value));
+    (value, faults.into_inner())
 }
 
 /// Builds the value at a path and notes keys given twice.

@@ -19,12 +19,16 @@ pub(super) fn largest_stress(value: &Value, grading: &Grading, gravity: f64) -> 
 /// The largest acceleration in m/s² of the table along z, A (2πf)²; 0 where nothing shakes it so.
 /// That of a recorded motion is not read.
 fn upward_acceleration(value: &Value) -> f64 {
-    let stages = list(value, "stages").filter(|stage| stage["stage"] == "vibrate");
-    largest(stages.filter_map(|stage| {
+    largest(stages(value, "vibrate").filter_map(|stage| {
         let up: VerticalSpec = read(&stage["vertical"])?;
         let frequency = up.frequency_hz.or_else(|| stage["frequency_hz"].as_f64())?;
         Some(from_mm(up.amplitude_mm) * (2.0 * PI * frequency).powi(2))
     }))
+}
+
+/// The stages of a name.
+fn stages<'a>(value: &'a Value, name: &'static str) -> impl Iterator<Item = &'a Value> {
+    list(value, "stages").filter(move |stage| stage["stage"] == name)
 }
 
 /// The elements of a list; none of what is no list.
@@ -35,11 +39,6 @@ fn list<'a>(value: &'a Value, name: &str) -> impl Iterator<Item = &'a Value> {
 /// The piece of a name.
 fn piece(value: &Value, name: &str) -> Option<PieceSpec> {
     list(value, "pieces").filter_map(read::<PieceSpec>).find(|piece| piece.name == name)
-}
-
-/// Moment in N m by which a piece of a name resists being turned under a pressure of 1 Pa.
-fn turned(value: &Value, name: &str) -> Option<f64> {
-    Some(piece(value, name)?.shape.turned_mm3()? * 1e-9)
 }
 
 /// Area in m² that a piece of a name, as it was put up, shows along a direction.
@@ -59,8 +58,7 @@ fn largest(stresses: impl Iterator<Item = f64>) -> f64 {
 /// The largest stress in Pa of the weight of a piece that is let go, lying as it was put up, of
 /// those whose mass is given; 0 without any.
 fn free_stress(value: &Value, gravity: f64) -> f64 {
-    let stages = list(value, "stages").filter(|stage| stage["stage"] == "release");
-    largest(stages.flat_map(|stage| {
+    largest(stages(value, "release").flat_map(|stage| {
         let weight = stage["mass_g"].as_f64().map_or(0.0, from_g) * gravity;
         let areas =
             list(stage, "pieces").filter_map(|name| shown_area(value, name.as_str()?, Vector::z()));
@@ -70,14 +68,14 @@ fn free_stress(value: &Value, gravity: f64) -> f64 {
 
 /// The largest stress in Pa of a piece that is pressed; 0 without any.
 fn pressed_stress(value: &Value) -> f64 {
-    let stages = list(value, "stages").filter(|stage| stage["stage"] == "press");
-    let loads = stages.flat_map(|stage| list(stage, "loads")).filter_map(read::<LoadSpec>);
-    largest(loads.filter_map(|load| {
+    let loads = stages(value, "press").flat_map(|stage| list(stage, "loads"));
+    largest(loads.filter_map(read::<LoadSpec>).filter_map(|load| {
         if let Some(stress) = load.stress_kpa {
             return Some(from_kpa(stress));
         }
         if let Some(moment) = load.moment_n_m {
-            return Some(moment / turned(value, &load.piece)?);
+            // By this moment in N m it resists being turned under a pressure of 1 Pa.
+            return Some(moment / (piece(value, &load.piece)?.shape.turned_mm3()? * 1e-9));
         }
         Some(load.force_n? / shown_area(value, &load.piece, load.direction.into())?)
     }))
@@ -85,7 +83,7 @@ fn pressed_stress(value: &Value) -> f64 {
 
 /// The largest stress in Pa of a load that seats the top plate; 0 without any.
 fn seating_stress(value: &Value) -> f64 {
-    let stages = list(value, "stages").filter(|stage| stage["stage"] == "place_top_plate");
+    let stages = stages(value, "place_top_plate");
     let loads = stages.filter_map(|stage| stage["seating_load_n"].as_f64());
     largest(loads.map(|load| load / plate_area(value)))
 }
@@ -103,14 +101,11 @@ fn area(diameter_mm: f64) -> f64 {
 
 fn weight_stress(value: &Value, grading: &Grading, gravity: f64) -> f64 {
     let number = |path: &str, default: f64| number_at(value, path).unwrap_or(default);
-    let stages = || value["stages"].as_array().into_iter().flatten();
-    let base = stages()
-        .filter(|s| s["stage"] == "slow_pluviation")
-        .find_map(|s| s["base_diameter_mm"].as_f64());
+    let base = stages(value, "slow_pluviation").find_map(|s| s["base_diameter_mm"].as_f64());
     let cylinder =
         number("apparatus.cylinder.inner_diameter_mm", CylinderSpec::default().inner_diameter_mm);
     let weight = grading.density * grading.solids * gravity / area(base.unwrap_or(cylinder));
-    if !stages().any(|s| s["stage"] == "place_top_plate") {
+    if stages(value, "place_top_plate").next().is_none() {
         return weight;
     }
     let mass = from_g(number("apparatus.top_plate.mass_g", TopPlateSpec::default().mass_g));

@@ -215,15 +215,12 @@ impl Part {
                 ValidationErrorKind::AdditionalProperties { unexpected } => {
                     let known = fields(schema);
                     for name in unexpected {
-                        let message = match (
-                            renamed::field(&here, name),
-                            nearest(name, known.iter().copied()),
-                        ) {
-                            (Some(new), _) => format!("this field is now called `{new}`"),
-                            (None, Some(near)) => {
-                                format!("there is no such field, did you mean `{near}`?")
+                        let message = match renamed::field(&here, name) {
+                            Some(new) => format!("this field is now called `{new}`"),
+                            None => {
+                                let near = did_you_mean(name, known.iter().copied(), '`');
+                                format!("there is no such field{near}")
                             }
-                            (None, None) => "there is no such field".into(),
                         };
                         let found = error.instance().get(name).map(shown).unwrap_or_default();
                         add(field_path(&here, name), found, listed(&known), message);
@@ -248,23 +245,15 @@ impl Part {
                         too_long.push(format!("{here}["));
                     }
                     let message = in_words(kind).map_or_else(|| error.to_string(), str::to_owned);
-                    let near = match (kind, error.instance().as_str()) {
-                        (ValidationErrorKind::Enum { options }, Some(word)) => {
-                            let known: Vec<&str> = options
-                                .as_array()
-                                .into_iter()
-                                .flatten()
-                                .flat_map(Value::as_str)
-                                .collect();
-                            nearest(word, known.iter().copied())
-                                .map(|near| format!(", did you mean \"{near}\"?"))
+                    let word = error.instance().as_str();
+                    let now = word.and_then(|word| renamed::choice(&here, word));
+                    let message = match (now, kind, word) {
+                        (Some(new), ..) => format!("this choice is now called \"{new}\""),
+                        (None, ValidationErrorKind::Enum { options }, Some(word)) => {
+                            let known = options.as_array().into_iter().flatten();
+                            message + &did_you_mean(word, known.filter_map(Value::as_str), '"')
                         }
-                        _ => None,
-                    };
-                    let now = error.instance().as_str().and_then(|w| renamed::choice(&here, w));
-                    let message = match now {
-                        Some(new) => format!("this choice is now called \"{new}\""),
-                        None => message + &near.unwrap_or_default(),
+                        _ => message,
                     };
                     add(here, shown(error.instance()), describe(schema), message);
                 }
@@ -307,6 +296,12 @@ fn dotted(path: &str, value: &Value, steps: &[String]) -> String {
         };
     }
     path
+}
+
+/// A question for the nearest of the words that are known, between marks; empty where none is near.
+fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a str>, mark: char) -> String {
+    let near = nearest(word, known).map(|near| format!(", did you mean {mark}{near}{mark}?"));
+    near.unwrap_or_default()
 }
 
 fn in_words(kind: &ValidationErrorKind) -> Option<&'static str> {

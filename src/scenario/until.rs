@@ -62,16 +62,13 @@ const WINDOW: f64 = 0.2;
 
 impl UntilSpec {
     /// Its conditions, each with where it stands below `until`.
-    pub(super) fn placed(&self) -> Vec<(String, &ConditionSpec)> {
-        let numbered = |prefix: &str, of: &'_ [ConditionSpec]| -> Vec<String> {
-            (0..of.len()).map(|k| format!("{prefix}[{k}]")).collect()
+    pub(super) fn placed(&self) -> impl Iterator<Item = (String, &ConditionSpec)> {
+        let place = move |k: usize| match self {
+            Self::One(_) => String::new(),
+            Self::Any(_) => format!("[{k}]"),
+            Self::All(_) => format!(".all_of[{k}]"),
         };
-        let (places, of) = match self {
-            Self::One(one) => return vec![(String::new(), one)],
-            Self::Any(any) => (numbered("", any), any),
-            Self::All(AllOfSpec { all_of }) => (numbered(".all_of", all_of), all_of),
-        };
-        places.into_iter().zip(of).collect()
+        self.conditions().iter().enumerate().map(move |(k, condition)| (place(k), condition))
     }
 
     /// Its conditions.
