@@ -17,11 +17,9 @@ pub struct MeshGrains {
     pub density_kg_per_m3: f64, above 0.0 to 30000.0;
     /// Take the convex hull of grains that are not convex. Without it only those
     /// whose volume is at least 99 % of their hull's are taken as their hulls.
-    #[serde(default)]
-    pub hull: bool;
+    pub hull: bool, or default;
     /// Separate closed surfaces in one object are grains of their own.
-    #[serde(default)]
-    pub split_surfaces: bool;
+    pub split_surfaces: bool, or default;
     /// Most vertices a grain may have; the hull of one that has more is
     /// simplified, farthest vertices kept first.
     pub largest_vertex_count: u32, else "default_vertices", from 8 to 1000;

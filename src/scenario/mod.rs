@@ -14,10 +14,10 @@ macro_rules! defaults {
     };
 }
 
-/// Parts of the scenario file. What a field may be stands once, behind its type: `= v`, its default;
-/// `else "f"`, f() where it is left out; `skip "f"`, left out, and not written where f of it
-/// holds; a number `above a to b`, without a, or `from a to b`, with it; `length a to b` of a
-/// text or a list.
+/// Parts of the scenario file. What a field may be stands once, behind its type: `= v`, its
+/// default; `or default`, that of its type where it is left out; `else "f"`, f() there; `skip "f"`,
+/// left out, and not written where f of it holds; a number `above a to b`, without a, or
+/// `from a to b`, with it; `length a to b` of a text or a list.
 macro_rules! parts {
     ($(
         $(#[$of:meta])*
@@ -25,6 +25,7 @@ macro_rules! parts {
             $(#[$about:meta])*
             pub $field:ident: $type:ty
                 $(= $value:expr)?
+                $(, or $zero:tt)?
                 $(, else $default:tt)?
                 $(, skip $skip:tt)?
                 $(, above $over:tt to $top:tt)?
@@ -37,6 +38,7 @@ macro_rules! parts {
         $(#[$of])*
         pub struct $name {$(
             $(#[$about])*
+            $(#[serde($zero)])?
             $(#[serde(default = $default)])?
             $(#[serde(default, skip_serializing_if = $skip)])?
             $(#[schemars(extend("exclusiveMinimum" = $over, "maximum" = $top))])?
@@ -54,6 +56,7 @@ macro_rules! parts {
             $kind:ident {$(
                 $(#[$said:meta])*
                 $field:ident: $type:ty
+                    $(, or $zero:tt)?
                     $(, else $default:tt)?
                     $(, skip $skip:tt)?
                     $(, above $over:tt to $top:tt)?
@@ -67,6 +70,7 @@ macro_rules! parts {
             $(#[$about])*
             $kind {$(
                 $(#[$said])*
+                $(#[serde($zero)])?
                 $(#[serde(default = $default)])?
                 $(#[serde(default, skip_serializing_if = $skip)])?
                 $(#[schemars(extend("exclusiveMinimum" = $over, "maximum" = $top))])?
@@ -166,19 +170,16 @@ pub struct Scenario {
     /// Name of the scenario; run folders and results carry it.
     pub name: String, length 1 to 100;
     /// What the scenario is for, in a sentence or two.
-    #[serde(default)]
-    pub description: String;
+    pub description: String, or default;
     /// Why values that the source does not give were chosen; for the reader, shown in the report.
-    #[serde(default)]
-    pub notes: Vec<String>;
+    pub notes: Vec<String>, or default;
     /// A specimen of another run that the stages begin with. Everything but name, description,
     /// notes and stages may be left out then, and is as in that run.
     pub begin: Option<BeginSpec>, skip "Option::is_none";
     /// The grains.
     pub grains: GrainsSpec;
     /// Funnel, cylinder, top plate.
-    #[serde(default)]
-    pub apparatus: ApparatusSpec;
+    pub apparatus: ApparatusSpec, or default;
     /// Pieces of a user-defined apparatus, in place of funnel, cylinder and top plate.
     #[schemars(length(max = 100))]
     pub pieces: Vec<PieceSpec>, skip "Vec::is_empty";
@@ -187,14 +188,11 @@ pub struct Scenario {
     /// Loosest and densest state of the grains; with them the summary gives relative densities.
     pub index_densities: Option<IndexDensitiesSpec>, skip "Option::is_none";
     /// Friction and restitution of each pair of surfaces.
-    #[serde(default)]
-    pub contact: ContactSpec;
+    pub contact: ContactSpec, or default;
     /// Physics engine and its settings.
-    #[serde(default)]
-    pub engine: EngineSettings;
+    pub engine: EngineSettings, or default;
     /// When a specimen counts as settled.
-    #[serde(default)]
-    pub settle: SettleSpec;
+    pub settle: SettleSpec, or default;
     /// Gravitational acceleration in m/s², acting along -z.
     pub gravity_m_per_s2: f64, else "default_gravity", above 0.0 to 100.0;
     /// Seed of every random stream (grain shapes, arrangement).
@@ -250,8 +248,7 @@ pub struct SievedGrains {
     /// What the grains are; left out, cells.
     pub shape: SievedShape, skip "SievedShape::is_default";
     /// Shape of the cells that the grains are cut into; not of spheres.
-    #[serde(default)]
-    pub cells: CellShape;
+    pub cells: CellShape, or default;
 }
 
 /// What passes one sieve and stays on the next.

@@ -41,11 +41,9 @@ pub struct PieceSpec {
     /// Its shape: one field, named by the kind.
     pub shape: ShapeSpec;
     /// Where the origin of its shape is, in mm.
-    #[serde(default)]
-    pub at_mm: [f64; 3];
+    pub at_mm: [f64; 3], or default;
     /// Turns about the fixed axes x, then y, then z, in degrees.
-    #[serde(default)]
-    pub rotation_deg: [f64; 3];
+    pub rotation_deg: [f64; 3], or default;
     /// Friction coefficient between grains, or a piece that moves freely, and this piece; left
     /// out, `contact.grain_wall_friction`.
     pub friction: Option<f64>, skip "Option::is_none", from 0.0 to 10.0;
@@ -104,8 +102,7 @@ pub struct CylinderPieceSpec {
     /// Whether it has no lid.
     pub open_top: bool, else "yes";
     /// Whether it has no floor.
-    #[serde(default)]
-    pub open_bottom: bool;
+    pub open_bottom: bool, or default;
 }
 
 /// A solid plate or block.
@@ -134,8 +131,7 @@ pub struct HopperSpec {
     /// Angle of the wall from the vertical, in degrees.
     pub half_angle_deg: f64, from 1.0 to 89.0;
     /// Height of an upright collar on top of it in mm.
-    #[serde(default)]
-    pub collar_mm: f64, from 0.0 to 10000.0;
+    pub collar_mm: f64, or default, from 0.0 to 10000.0;
     /// Thickness of the walls in mm.
     pub wall_mm: f64, else "wall", from 0.001 to 10000.0;
     /// Number of flat sides; 4 make a pyramid.
@@ -160,9 +156,8 @@ pub struct DrumSpec {
     /// Number of flat parts of the round wall.
     pub sides: u32, else "sides", from 8 to 256;
     /// Number of bars along the inside of the wall; each is as thick as it is high.
-    #[serde(default)]
     #[schemars(range(max = 64))]
-    pub lifters: u32;
+    pub lifters: u32, or default;
     /// Height of these bars in mm.
     pub lifter_mm: f64, else "wall", above 0.0 to 1000.0;
 }
@@ -185,8 +180,7 @@ pub struct RotationSpec {
     /// Direction of the axis; its length does not matter.
     pub axis: [f64; 3];
     /// A point of the axis in mm.
-    #[serde(default)]
-    pub about_mm: [f64; 3];
+    pub about_mm: [f64; 3], or default;
     /// Speed in degrees per second, right-handed about the axis.
     #[schemars(range(min = -36000.0, max = 36000.0))]
     pub deg_per_s: f64;

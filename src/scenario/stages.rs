@@ -49,9 +49,8 @@ pub struct VerticalSpec {
     /// whole number of its cycles.
     pub frequency_hz: Option<f64>, skip "Option::is_none", above 0.0 to 1000.0;
     /// Phase φ in degrees.
-    #[serde(default)]
     #[schemars(range(min = -360.0, max = 360.0))]
-    pub phase_deg: f64;
+    pub phase_deg: f64, or default;
 }
 
 /// A table that is set from pose to pose, each in one engine step, in which it has the speed
@@ -100,8 +99,7 @@ pub enum StageSpec {
         /// of grains are let go.
         spout_diameter_mm: f64, else "spout_diameter", from 0.0 to 10000.0;
         /// What the pile stands on.
-        #[serde(default)]
-        base: BaseSpec;
+        base: BaseSpec, or default;
         /// Diameter of the base in mm. Grains that roll over its edge fall off,
         /// are taken away and counted.
         base_diameter_mm: f64, above 0.0 to 10000.0;
@@ -124,9 +122,8 @@ pub enum StageSpec {
         /// Which placement of the plate: 0 lays it on the axis, unturned; every other number
         /// draws a horizontal offset and a rotation about the vertical of its own, from a random
         /// stream of the seed, the configuration and this number.
-        #[serde(default)]
         #[schemars(range(max = 1_000_000))]
-        placement: u32;
+        placement: u32, or default;
         /// Largest offset in mm that is drawn, uniformly on a disc; left out, 0.8 of the
         /// clearance between plate and cylinder. Not with placement 0.
         offset_mm: Option<f64>, skip "Option::is_none", from 0.0 to 10000.0;
@@ -135,17 +132,14 @@ pub enum StageSpec {
         /// Load in N with which the plate is seated: once it has settled, a weight of so much is
         /// laid on it, everything settles, the weight is taken off, and everything settles
         /// again. 0: the plate is only laid.
-        #[serde(default)]
-        seating_load_n: f64, from 0.0 to 10000.0;
+        seating_load_n: f64, or default, from 0.0 to 10000.0;
     }
     /// Shake the table, then let everything come to rest.
     Vibrate {
         /// How the table moves along x within a period.
-        #[serde(default)]
-        waveform: WaveformKind;
+        waveform: WaveformKind, or default;
         /// Where a sine or a slider-crank begins.
-        #[serde(default)]
-        start: Start;
+        start: Start, or default;
         /// Frequency in Hz; must be given but for a recorded motion.
         frequency_hz: Option<f64>, skip "Option::is_none", above 0.0 to 1000.0;
         /// Amplitude in mm; must be given but for a recorded motion.
@@ -157,13 +151,11 @@ pub enum StageSpec {
         /// Number of periods of vibration.
         periods: u32, else "one", from 1 to 1000;
         /// Rest after each period but the last of several, in s.
-        #[serde(default)]
-        rest_s: f64, from 0.0 to 3600.0;
+        rest_s: f64, or default, from 0.0 to 3600.0;
         /// Time in which the amplitude grows from nothing at the beginning of each period, along
         /// half a cosine, and dies away at its end, in s; 0: the table starts and stops as the
         /// waveform does.
-        #[serde(default)]
-        ramp_s: f64, from 0.0 to 1800.0;
+        ramp_s: f64, or default, from 0.0 to 1800.0;
         /// Radius of the crank over the length of the rod, of a `slider_crank`.
         crank_to_rod: Option<f64>, skip "Option::is_none", above 0.0 to 0.5;
         /// Path of a recorded motion, relative to the scenario file that names it: a CSV with the
@@ -188,8 +180,7 @@ pub enum StageSpec {
     /// asked for, from above an area. It may be done again and again, in layers.
     Deposit {
         /// Whether they rain at a rate, or begin at rest on a lattice.
-        #[serde(default)]
-        how: DepositKind;
+        how: DepositKind, or default;
         /// Middle of the area in mm. Grains begin at its height, those of a lattice from
         /// there upwards.
         at_mm: [f64; 3];
@@ -240,12 +231,10 @@ pub enum StageSpec {
         time_limit_s: Option<f64>, skip "Option::is_none", above 0.0 to 3600.0;
         /// Time in s in which the motion grows from nothing along half a cosine, and dies
         /// away at its end; 0: it starts and stops abruptly.
-        #[serde(default)]
-        ramp_s: f64, from 0.0 to 1800.0;
+        ramp_s: f64, or default, from 0.0 to 1800.0;
         /// Longest time in s in which everything comes to rest afterwards; 0: the stage ends
         /// with the motion.
-        #[serde(default)]
-        settle_limit_s: f64, from 0.0 to 600.0;
+        settle_limit_s: f64, or default, from 0.0 to 600.0;
         /// Changes the forces on pressed pieces all the time, so that the mean stress in a region
         /// stays what it was when the stage began; left out, they keep their forces. Native
         /// contacts of Bullet alone can do this.
