@@ -4,7 +4,6 @@
 //! known to be as it was.
 
 use std::{
-    fmt,
     fs::{self, File},
     io::{self, Read},
     path::Path,
@@ -24,21 +23,14 @@ pub const LARGEST_MESH: u64 = 512 << 20;
 pub const LARGEST_OF_RUN: u64 = 16 << 30;
 
 /// Why a file is not read that could be: because of what it is.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("it {found}; {allowed}")]
 pub struct Refusal {
     /// What it is.
     pub found: String,
     /// What is read.
     pub allowed: String,
 }
-
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "it {}; {}", self.found, self.allowed)
-    }
-}
-
-impl std::error::Error for Refusal {}
 
 impl Refusal {
     fn of(found: &str, allowed: &str) -> io::Error {

@@ -1,7 +1,5 @@
 //! Sizes of cylinder, funnel and plate against each other and the grains.
 
-use std::f64::consts::PI;
-
 use super::*;
 
 /// Length of the longest grain over the opening of the coarsest sieve. Voronoi

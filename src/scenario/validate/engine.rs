@@ -1,7 +1,6 @@
 //! Engine settings that do not go together.
 
 use super::*;
-use crate::scenario::StockSettings;
 
 /// stock Bullet contacts alone have a margin, inertia by boxes, a least mass
 /// and sleep; elsewhere these fields would be without effect, which nobody who

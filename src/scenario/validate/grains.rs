@@ -1,7 +1,6 @@
 //! The sieve table, and how many grains it makes.
 
 use super::*;
-use crate::scenario::{CellShape, LEAST_ROUNDING, SieveFraction, SievedShape};
 
 /// Allowed error of the sum of the mass percentages.
 const PERCENT_TOLERANCE: f64 = 0.01;

@@ -1,7 +1,6 @@
 //! Loads on pieces that are pressed, and pieces that are let go.
 
 use super::*;
-use crate::scenario::LoadSpec;
 
 /// What computes the scenario in place of Bullet with native contacts, where something does.
 pub(super) fn other_solver(parts: &Parts) -> Option<&'static str> {

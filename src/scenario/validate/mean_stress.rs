@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 
 use super::*;
-use crate::scenario::KeepMeanStressSpec;
 
 /// What holds a piece.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -19,28 +19,15 @@ mod until;
 pub(super) use time_step::least_rate_hz;
 
 // What the checks are made of, too.
-use std::{
-    collections::{BTreeSet, HashSet},
-    fmt,
-};
+use std::collections::{BTreeSet, HashSet};
+use std::fmt;
 
 use serde::de::DeserializeOwned;
-use serde_json::{Map, Value};
 
-use super::{
-    Backend, BeginSpec, ContactSolver, CylinderSpec, EngineSettings, Fault, FunnelSpec, Grading,
-    IndexDensitiesSpec, MeasuresSpec, MeshGrains, PieceSpec, Scenario, SettleSpec, SievedGrains,
-    StageSpec, TopPlateSpec,
-    accessors::{field, read},
-    automatic::sieved,
-    fault::Faults,
-    source::shown,
-    unusual,
-};
+use super::{accessors::field, *};
 use crate::geometry::Point;
-use crate::motion::{RecordedMotion, TableMotion};
+use crate::motion::TableMotion;
 use crate::plain::{misleads, without_zeros};
-use crate::units::{from_mm, to_mm};
 
 /// The parts of a scenario that could be read.
 struct Parts {

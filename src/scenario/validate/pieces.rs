@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::geometry::ConvexPolyhedron;
-use crate::scenario::{DepositKind, MeshPieceSpec, ShapeSpec, SieveFraction};
 use crate::units::to_g;
 
 /// Stages of the built-in apparatus.

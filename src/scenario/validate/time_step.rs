@@ -9,7 +9,6 @@
 //! acceleration, (2π/N)²/12 of it, which is 0.2 % for N = 40.
 
 use super::*;
-use crate::scenario::automatic::{RATE, allowed};
 use crate::scenario::sizes_of_pieces::lowest_mm;
 use crate::units::from_deg;
 

@@ -2,7 +2,6 @@
 
 use super::mean_stress::{Holds, follow};
 use super::*;
-use crate::scenario::ConditionSpec;
 
 pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     // What holds the pieces in a stage.
