@@ -31,7 +31,6 @@ use crate::plain::{misleads, without_zeros};
 
 /// The parts of a scenario that could be read.
 struct Parts {
-    name: Option<String>,
     /// Also of meshes that are drawn by a sieve table; `None` where the grains
     /// come from a file, and where meshes keep their own size.
     sieved: Option<SievedGrains>,
@@ -72,7 +71,6 @@ impl Parts {
         };
         let sieved = sieved(field(value, "/grains"));
         Self {
-            name: field(value, "/name").as_str().map(str::to_owned),
             grading: match &sieved {
                 Some(sieved) => Grading::of_table(sieved),
                 None => found.copied(),
@@ -140,7 +138,7 @@ pub(super) fn faults(value: &Value, found: Option<&Grading>) -> Vec<Fault> {
     let parts = Parts::of(value, found);
     let mut found = Vec::new();
     let faults = &mut Faults::of(&mut found);
-    check_name(&parts, faults);
+    check_name(field(value, "/name"), faults);
     grains::check(&parts, faults);
     IndexDensitiesSpec::check(value, faults);
     apparatus::check(&parts, faults);
@@ -198,9 +196,9 @@ pub(super) fn short(value: f64) -> String {
 }
 
 /// The name becomes the name of a folder.
-fn check_name(parts: &Parts, faults: &mut Faults) {
-    let Some(name) = &parts.name else { return };
-    let shown = shown(&Value::from(name.as_str()));
+fn check_name(value: &Value, faults: &mut Faults) {
+    let Some(name) = value.as_str() else { return };
+    let shown = shown(value);
     let misleading: BTreeSet<char> = name.chars().filter(|c| misleads(*c)).collect();
     let points: Vec<String> =
         misleading.into_iter().map(|c| format!("U+{:04X}", u32::from(c))).collect();

@@ -27,11 +27,8 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
 /// `found` is what is known of grains that have no sieve table.
 pub(in crate::scenario) fn least_rate_hz(value: &Value, found: Option<&Grading>) -> Option<f64> {
     let parts = Parts::of(value, found);
-    let specs = || parts.specs().map(|(_, spec)| spec);
-    let vibrations = specs().filter_map(StageSpec::motion);
-    let followed = vibrations.map(|v| STEPS_A_CYCLE * cycles_a_second(&v));
-    let of_pieces = specs().map(cycles_of_pieces).filter(|cycles| *cycles > 0.0);
-    let followed = followed.chain(of_pieces.map(|cycles| STEPS_A_CYCLE * cycles));
+    let followed = parts.specs().map(|(_, spec)| STEPS_A_CYCLE * cycles_per_s(spec));
+    let followed = followed.filter(|rate| *rate > 0.0);
     let size = from_mm(parts.finest_mm()?);
     let passed = motions(&parts).into_iter().map(|m| m.speed / size);
     followed.chain(passed).filter(|rate| rate.is_finite()).max_by(f64::total_cmp)
@@ -61,8 +58,7 @@ fn find_coarse_steps(parts: &Parts, faults: &mut Faults) {
         faults.add(RATE, rate, format!("at least {} Hz", at_least.ceil()), message);
     };
     for (i, stage) in parts.specs() {
-        let frequency = stage.motion().map_or(0.0, |motion| cycles_a_second(&motion));
-        let frequency = frequency.max(cycles_of_pieces(stage));
+        let frequency = cycles_per_s(stage);
         let what = |rate| {
             let (frequency, steps) = (short(frequency), short(rate / frequency));
             format!(
@@ -108,18 +104,14 @@ fn find_coarse_steps(parts: &Parts, faults: &mut Faults) {
     }
 }
 
-/// Cycles a second of a vibration's fastest sinusoid; 0 of a recorded one, of which only the
-/// speed is judged.
-fn cycles_a_second(motion: &TableMotion) -> f64 {
-    motion.frequency.max(motion.vertical.map_or(0.0, |v| v.frequency))
-}
-
-/// Cycles per second of pieces that move in a sine; 0 of every other stage.
-fn cycles_of_pieces(stage: &StageSpec) -> f64 {
-    match stage {
-        StageSpec::Move { sine: Some(sine), .. } => sine.frequency_hz,
-        _ => 0.0,
+/// Cycles per second of a stage's fastest sinusoid, of the table or of pieces; 0 of every other
+/// stage, and of a recorded motion, of which only the speed is judged.
+fn cycles_per_s(stage: &StageSpec) -> f64 {
+    if let StageSpec::Move { sine: Some(sine), .. } = stage {
+        return sine.frequency_hz;
     }
+    let Some(motion) = stage.motion() else { return 0.0 };
+    motion.frequency.max(motion.vertical.map_or(0.0, |v| v.frequency))
 }
 
 /// Tables that are set from frame to frame by more than a grain, in one step of any length.
