@@ -8,11 +8,6 @@
 use serde_json::Number;
 
 use super::accessors::field;
-use super::pieces::window;
-use super::stages::{
-    approach, deposit_limit, drop_height, feed_rate, fill_limit, place_limit, pour_limit,
-    press_ramp, settle_limit, slow_limit, spout_diameter,
-};
 use super::validate::least_rate_hz;
 use super::*;
 use crate::scale::{GrainSizes, SieveMass};
@@ -49,10 +44,9 @@ impl Grading {
         let solids = from_g(sieved.total_mass_g) / sieved.density_kg_per_m3;
         let sound = sieved.density_kg_per_m3 > 0.0 && solids > 0.0 && solids.is_finite();
         let sizes = sizes_of(&sieved.sieve_table).filter(|_| sound)?;
-        let count_of =
-            |f: &SieveFraction| f.grain_count(sieved.total_mass_g, sieved.density_kg_per_m3);
-        let count = sieved.sieve_table.iter().map(count_of).sum();
-        Some(Self { sizes, density: sieved.density_kg_per_m3, solids, count })
+        let (mass, density) = (sieved.total_mass_g, sieved.density_kg_per_m3);
+        let count = sieved.sieve_table.iter().map(|f| f.grain_count(mass, density)).sum();
+        Some(Self { sizes, density, solids, count })
     }
 
     /// Of the `grains` of a scenario's JSON that has a sieve table.

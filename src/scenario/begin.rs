@@ -13,15 +13,12 @@ pub struct BeginSpec {
     /// Folder of a run, as `pluvia run` leaves it, or the `specimen.json` in it, or that of one of
     /// its stored stages; relative to the scenario file that names it, once loaded to the working
     /// directory.
-    #[schemars(length(min = 1))]
-    pub specimen: String;
+    pub specimen: String, schema(length(min = 1));
     /// The stage at whose end the specimen is taken: its number from 0 as a text (`"0"`), its name,
     /// or `rest_test`; left out, the last one of the scenario.
-    #[schemars(length(min = 1))]
-    pub stage: Option<String>, skip "Option::is_none";
+    pub stage: Option<String>, skip "Option::is_none", schema(length(min = 1));
     /// Stages that the specimen has been through, in order. Filled in when the scenario is loaded.
-    #[schemars(length(max = 200))]
-    pub after: Vec<String>, skip "Vec::is_empty";
+    pub after: Vec<String>, skip "Vec::is_empty", schema(length(max = 200));
     /// Key of the last of them in the run's store. Filled in when the scenario is loaded; where it
     /// is given, no other stage is taken.
     pub key: Option<String>, skip "Option::is_none";
@@ -29,8 +26,7 @@ pub struct BeginSpec {
     pub specimen_sha256: Option<String>, skip "Option::is_none";
     /// Paths of contact settings that are as in the run, or, where they were automatic there,
     /// larger if the scenario's own loads ask for that. Filled in when the scenario is loaded.
-    #[schemars(length(max = 10))]
-    pub taken_over: Vec<String>, skip "Vec::is_empty";
+    pub taken_over: Vec<String>, skip "Vec::is_empty", schema(length(max = 10));
 }
 }
 
@@ -119,9 +115,9 @@ fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>
         scenario.ok_or_else(|| of_specimen(format!("{} has no scenario in it", file.display())))?;
     let entries: Vec<&Value> = manifest["stages"].as_array().into_iter().flatten().collect();
     let rest_test = Some(&manifest["rest_test"]).filter(|rest_test| rest_test.is_object());
-    let name = |entry: &&Value| entry["stage"].as_str().unwrap_or_default().to_owned();
-    let mut after: Vec<String> = entries.iter().map(name).collect();
-    let key = |entry: &Value| entry["key"].as_str().unwrap_or_default().to_owned();
+    let text = |entry: &Value, field: &str| entry[field].as_str().unwrap_or_default().to_owned();
+    let key = |entry: &Value| text(entry, "key");
+    let mut after: Vec<String> = entries.iter().map(|entry| text(entry, "stage")).collect();
     let asked = match (&spec.stage, &stored) {
         (Some(asked), None) => Some(asked.clone()),
         (None, Some(stored)) => {
@@ -169,7 +165,7 @@ fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>
     let earlier = earlier.into_iter().flatten().filter_map(Value::as_str).map(str::to_owned);
     spec.after = earlier.chain(after).collect();
     for (field, typed) in [("key", &mut spec.key), ("specimen_sha256", &mut spec.specimen_sha256)] {
-        let own = entry[field].as_str().unwrap_or_default().to_owned();
+        let own = text(entry, field);
         if let Some(typed) = typed.as_ref().filter(|typed| **typed != own) {
             let message = "the run holds another specimen by now".to_owned();
             return Err(fault(field, typed, &format!("{own}, or the field left out"), message));

@@ -38,8 +38,7 @@ pub struct EngineSettings {
     /// follow: gaps, clearances and margins (`docs/scale.md`). Left out, it is that of
     /// the grains. Smaller: contacts are found later and more boxes are renewed; larger:
     /// gaps that a grain notices.
-    #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 10000.0))]
-    pub grain_size_mm: f64 = 8.0;
+    pub grain_size_mm: f64 = 8.0, schema(extend("exclusiveMinimum" = 0.0), range(max = 10000.0));
     /// Steps per second of simulated time. Lower: grains sink into each
     /// other; higher: slower.
     pub rate_hz: f64 = 480.0, from 30.0 to 100000.0;
@@ -52,8 +51,7 @@ pub struct EngineSettings {
     /// the contact plane, 1 (Bullet's default) only along the sliding direction.
     pub friction_directions: u32 = 2, from 1 to 2;
     /// Distance up to which a contact is kept, in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    pub contact_threshold_mm: f64 = 1.0;
+    pub contact_threshold_mm: f64 = 1.0, schema(extend("exclusiveMinimum" = 0.0));
     /// Share of the overlap removed per step (Bullet's `m_erp2`).
     pub erp: f64 = 0.2, from 0.0 to 1.0;
     /// Share of the last step's normal impulses with which the solver starts.
@@ -97,18 +95,15 @@ impl Serialize for EngineSettings {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let written = Self::serialize(self, serde_json::value::Serializer);
         let mut written = written.map_err(ser::Error::custom)?;
-        if let Some(fields) = written.as_object_mut() {
-            if self.backend == Backend::Bullet && self.rapier == RapierSettings::default() {
-                fields.shift_remove("rapier");
-            }
-            if !self.is_native() && self.native == NativeSettings::default() {
-                fields.shift_remove("native");
-            }
-            if self.stock == StockSettings::default() {
-                fields.shift_remove("stock");
-            }
-            if !self.allow_coarse_steps {
-                fields.shift_remove("allow_coarse_steps");
+        let is_bullet = self.backend == Backend::Bullet;
+        for (field, is_left_out) in [
+            ("rapier", is_bullet && self.rapier == RapierSettings::default()),
+            ("native", !self.is_native() && self.native == NativeSettings::default()),
+            ("stock", self.stock == StockSettings::default()),
+            ("allow_coarse_steps", !self.allow_coarse_steps),
+        ] {
+            if let Some(fields) = written.as_object_mut().filter(|_| is_left_out) {
+                fields.shift_remove(field);
             }
         }
         written.serialize(serializer)

@@ -17,7 +17,8 @@ macro_rules! defaults {
 /// Parts of the scenario file. What a field may be stands once, behind its type: `= v`, its
 /// default; `or default`, that of its type where it is left out; `else "f"`, f() there; `skip "f"`,
 /// left out, and not written where f of it holds; a number `above a to b`, without a, or
-/// `from a to b`, with it; `length a to b` of a text or a list.
+/// `from a to b`, with it; `length a to b` of a text or a list; other limits as the `schema` has
+/// them.
 macro_rules! parts {
     ($(
         $(#[$of:meta])*
@@ -30,7 +31,8 @@ macro_rules! parts {
                 $(, skip $skip:tt)?
                 $(, above $over:tt to $top:tt)?
                 $(, from $low:tt to $high:tt)?
-                $(, length $short:tt to $long:tt)?;
+                $(, length $short:tt to $long:tt)?
+                $(, schema($($limits:tt)*))?;
         )*}
     )*) => {$(
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -44,6 +46,7 @@ macro_rules! parts {
             $(#[schemars(extend("exclusiveMinimum" = $over, "maximum" = $top))])?
             $(#[schemars(range(min = $low, max = $high))])?
             $(#[schemars(length(min = $short, max = $long))])?
+            $(#[schemars($($limits)*)])?
             pub $field: $type,
         )*}
 
@@ -61,7 +64,8 @@ macro_rules! parts {
                     $(, skip $skip:tt)?
                     $(, above $over:tt to $top:tt)?
                     $(, from $low:tt to $high:tt)?
-                    $(, length $short:tt to $long:tt)?;
+                    $(, length $short:tt to $long:tt)?
+                    $(, schema($($limits:tt)*))?;
             )*}
         )*}
     ) => {
@@ -76,6 +80,7 @@ macro_rules! parts {
                 $(#[schemars(extend("exclusiveMinimum" = $over, "maximum" = $top))])?
                 $(#[schemars(range(min = $low, max = $high))])?
                 $(#[schemars(length(min = $short, max = $long))])?
+                $(#[schemars($($limits)*)])?
                 $field: $type,
             )*},
         )*}
@@ -181,8 +186,7 @@ pub struct Scenario {
     /// Funnel, cylinder, top plate.
     pub apparatus: ApparatusSpec, or default;
     /// Pieces of a user-defined apparatus, in place of funnel, cylinder and top plate.
-    #[schemars(length(max = 100))]
-    pub pieces: Vec<PieceSpec>, skip "Vec::is_empty";
+    pub pieces: Vec<PieceSpec>, skip "Vec::is_empty", schema(length(max = 100));
     /// What is measured of such an apparatus beside the forces on its pieces.
     pub measures: MeasuresSpec, skip "MeasuresSpec::is_empty";
     /// Loosest and densest state of the grains; with them the summary gives relative densities.
@@ -196,8 +200,7 @@ pub struct Scenario {
     /// Gravitational acceleration in m/s², acting along -z.
     pub gravity_m_per_s2: f64, else "default_gravity", above 0.0 to 100.0;
     /// Seed of every random stream (grain shapes, arrangement).
-    #[schemars(extend("maximum" = u64::MAX))]
-    pub seed: u64, else "default_seed";
+    pub seed: u64, else "default_seed", schema(extend("maximum" = u64::MAX));
     /// Which random arrangement of the grains is used, counted from 1: another
     /// number gives another order and other orientations (paper, section 3:
     /// "three different initial configurations ... obtained by additional mixing").
@@ -266,8 +269,7 @@ pub struct SieveFraction {
 pub struct GrainsFile {
     /// Path of a `grains.json`, relative to the scenario file that names it;
     /// once loaded, relative to the working directory.
-    #[schemars(length(min = 1))]
-    pub file: String;
+    pub file: String, schema(length(min = 1));
 }
 
 /// The apparatus. Everything the paper gives is in the defaults; the rest is ours.

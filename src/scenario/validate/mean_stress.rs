@@ -78,13 +78,15 @@ fn check_region(parts: &Parts, keep: &KeepMeanStressSpec, faults: &mut Faults) {
     }
     let Some(measures) = &parts.measures else { return };
     let known: Vec<&str> = measures.regions.iter().map(|region| region.name.as_str()).collect();
-    let allowed = match known.is_empty() {
-        true => "one of `measures.regions`, which has none".to_owned(),
-        false => known.join(", "),
-    };
+    let allowed = any_of(&known, "one of `measures.regions`, which has none");
     let region = keep.region.as_str();
     let wrong = !known.contains(&region);
     faults.add_if(wrong, "region", Value::from(region), allowed, "there is no such region");
+}
+
+/// Names of which any is allowed, or what is said where there is none.
+fn any_of(names: &[&str], none: &str) -> String {
+    if names.is_empty() { none.to_owned() } else { names.join(", ") }
 }
 
 /// The pieces: there, each once, pressed by a force, and not moved at the same time.
@@ -101,10 +103,8 @@ fn check_pieces(
         held && (!all_known || holds.contains_key(*name)) && !moved.iter().any(|m| m == *name)
     };
     let allowed: Vec<&str> = known.iter().copied().filter(can).collect();
-    let allowed = match allowed.is_empty() {
-        true => "a piece that a force presses in an earlier stage; there is none".to_owned(),
-        false => allowed.join(", "),
-    };
+    let none = "a piece that a force presses in an earlier stage; there is none";
+    let allowed = any_of(&allowed, none);
     for (k, name) in keep.pieces.iter().enumerate() {
         let message = match holds.get(name.as_str()) {
             _ if !known.contains(&name.as_str()) => "there is no such piece",

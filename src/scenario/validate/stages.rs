@@ -1,7 +1,6 @@
 //! Which stage may follow which, and how long all of them take.
 
 use super::*;
-use crate::scenario::stages::half_turn;
 
 /// Longest simulated time of a scenario in s: an hour is 180 times the
 /// paper's longest test.

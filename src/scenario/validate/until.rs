@@ -142,15 +142,10 @@ fn check_reach(spec: &StageSpec, until: &ConditionSpec, faults: &mut Faults) {
         }
         None => velocity.iter().map(|v| v * v).sum::<f64>().sqrt(),
     };
-    let (field, wanted, speed, unit) = match (until.moved_mm, until.turned_deg) {
-        (Some(mm), None) => match velocity_mm_per_s {
-            Some(velocity) => ("moved_mm", mm, towards(velocity), "mm"),
-            None => return,
-        },
-        (None, Some(deg)) => match rotation {
-            Some(turn) => ("turned_deg", deg, turn.deg_per_s.abs(), "degrees"),
-            None => return,
-        },
+    let way = (until.moved_mm, until.turned_deg, velocity_mm_per_s, rotation);
+    let (field, wanted, speed, unit) = match way {
+        (Some(mm), None, Some(velocity), _) => ("moved_mm", mm, towards(velocity), "mm"),
+        (None, Some(deg), _, Some(turn)) => ("turned_deg", deg, turn.deg_per_s.abs(), "degrees"),
         _ => return,
     };
     let reach = speed * (limit - ramp_s);
