@@ -8,6 +8,8 @@
 //! gravel, with which it was found, and the law by which it grows. For the
 //! paper's gravel every quantity has that value to the last bit.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 /// Sizes of grains in m, as sieves measure them.
@@ -289,19 +291,17 @@ pub fn table() -> String {
 }
 
 /// Reads all quantities at a scale, with what they follow from; in SI units.
-pub fn read_back(scale: &Scale) -> std::collections::BTreeMap<String, f64> {
+pub fn read_back(scale: &Scale) -> BTreeMap<String, f64> {
     let Scale { sizes, density, gravity } = *scale;
     let used = |q: &Quantity| if NO_LESS.contains(q) { q.no_less(scale) } else { q.at(scale) };
-    let mut all: std::collections::BTreeMap<String, f64> =
-        ALL.iter().map(|q| (q.name.to_owned(), used(q))).collect();
-    all.extend([
-        ("smallest_grain_size_m".to_owned(), sizes.smallest),
-        ("median_grain_size_m".to_owned(), sizes.median),
-        ("largest_grain_size_m".to_owned(), sizes.largest),
-        ("density_kg_per_m3".to_owned(), density),
-        ("gravity_m_per_s2".to_owned(), gravity),
+    let all = ALL.iter().map(|q| (q.name, used(q))).chain([
+        ("smallest_grain_size_m", sizes.smallest),
+        ("median_grain_size_m", sizes.median),
+        ("largest_grain_size_m", sizes.largest),
+        ("density_kg_per_m3", density),
+        ("gravity_m_per_s2", gravity),
     ]);
-    all
+    all.map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
 #[cfg(test)]

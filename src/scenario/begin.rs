@@ -118,26 +118,23 @@ fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>
     let text = |entry: &Value, field: &str| entry[field].as_str().unwrap_or_default().to_owned();
     let key = |entry: &Value| text(entry, "key");
     let mut after: Vec<String> = entries.iter().map(|entry| text(entry, "stage")).collect();
-    let asked = match (&spec.stage, &stored) {
-        (Some(asked), None) => Some(asked.clone()),
+    // None is that of the rest test.
+    let number = match (spec.stage.as_deref(), &stored) {
+        (None, None) => entries.len().checked_sub(1),
         (None, Some(stored)) => {
-            let all = entries.iter().copied().map(Some).chain([rest_test]);
-            let place = all.into_iter().position(|e| e.is_some_and(|e| key(e).starts_with(stored)));
+            let mut all = entries.iter().copied().map(Some).chain([rest_test]);
+            let place = all.position(|e| e.is_some_and(|e| key(e).starts_with(stored)));
             let place = place.ok_or_else(|| {
                 of_specimen(format!("the run in {} has no such stage", folder.display()))
             })?;
-            Some(if place == entries.len() { "rest_test".to_owned() } else { place.to_string() })
+            Some(place).filter(|place| *place < entries.len())
         }
-        (None, None) => None,
         (Some(asked), Some(_)) => {
             let message = "`specimen` is the file of one stage already".to_owned();
             return Err(fault("stage", asked, "the field left out", message));
         }
-    };
-    let number = match asked.as_deref() {
-        None => entries.len().checked_sub(1),
-        Some("rest_test") if rest_test.is_some() => None,
-        Some(asked) => {
+        (Some("rest_test"), None) if rest_test.is_some() => None,
+        (Some(asked), None) => {
             let is_noted = |n: usize| spec.key == Some(key(entries[n]));
             Some(number_of(asked, &after, rest_test.is_some(), is_noted)?)
         }

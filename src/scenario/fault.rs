@@ -26,12 +26,6 @@ pub struct Fault {
     pub message: String,
 }
 
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&plain(&self.as_line()))
-    }
-}
-
 impl Fault {
     /// What is wrong, what was found and what is allowed, of a place that is not known here.
     pub fn new(
@@ -57,8 +51,10 @@ impl Fault {
     pub fn refused(file: &Path, refusal: &Refusal, by: &str) -> Self {
         Self::new(format!("the file cannot be read: {refusal}{by}"), "", "").of(file.display())
     }
+}
 
-    fn as_line(&self) -> String {
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut line = String::new();
         for place in [&self.file, &self.path] {
             if !place.is_empty() {
@@ -72,7 +68,7 @@ impl Fault {
             (true, false) => format!(" (allowed: {})", self.allowed),
             (false, false) => format!(" (found {}; allowed: {})", self.found, self.allowed),
         };
-        line
+        f.write_str(&plain(&line))
     }
 }
 

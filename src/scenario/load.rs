@@ -161,10 +161,8 @@ pub fn check(scenario: &Scenario) -> Result<(), ScenarioErrors> {
         let message = format!("the scenario has no JSON form: {error}");
         ScenarioErrors::Faults(vec![named(Fault::new(message, "", ""))])
     })?;
-    match check_value(&value, scenario.found.as_ref(), true) {
-        Ok(_) => Ok(()),
-        Err(faults) => Err(ScenarioErrors::Faults(faults.into_iter().map(named).collect())),
-    }
+    let checked = check_value(&value, scenario.found.as_ref(), true).map(|_| ());
+    checked.map_err(|faults| ScenarioErrors::Faults(faults.into_iter().map(named).collect()))
 }
 
 /// The scenario of a JSON value, or all its faults; `grading` is that of its grains. Where values

@@ -4,12 +4,8 @@ use super::*;
 
 /// What computes the scenario in place of Bullet with native contacts, where something does.
 pub(super) fn other_solver(parts: &Parts) -> Option<&'static str> {
-    let engine = parts.engine.as_ref()?;
-    match (engine.backend, engine.contact_solver) {
-        (Backend::Rapier, _) => Some("rapier"),
-        (Backend::Bullet, ContactSolver::Stock) => Some("Bullet with stock contacts"),
-        (Backend::Bullet, ContactSolver::Native) => None,
-    }
+    let engine = parts.engine.as_ref().filter(|engine| !engine.is_native())?;
+    Some(if engine.backend == Backend::Rapier { "rapier" } else { "Bullet with stock contacts" })
 }
 
 /// A stage that only Bullet with native contacts can do, and what others lack.
