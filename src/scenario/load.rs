@@ -66,8 +66,8 @@ pub fn load_grains_with(path: &Path, readers: Readers) -> Result<Loaded, Scenari
         fields.retain(|name, _| !BESIDE_GRAINS.contains(&name.as_str()));
         // Any will do that may follow.
         let any = match fields.contains_key("begin") {
-            true => serde_json::json!([{ "stage": "rest", "duration_s": 1 }]),
-            false => serde_json::json!([{ "stage": "fill_funnel" }]),
+            true => json!([{ "stage": "rest", "duration_s": 1 }]),
+            false => json!([{ "stage": "fill_funnel" }]),
         };
         fields.insert("stages".to_owned(), any);
     }
@@ -209,7 +209,7 @@ fn grading_of(document: &Document, of_others: GradingOf) -> Option<Grading> {
     if let Some(grading) = Grading::of_json(grains) {
         return Some(grading);
     }
-    let mut grains: GrainsSpec = serde::Deserialize::deserialize(grains).ok()?;
+    let mut grains: GrainsSpec = Deserialize::deserialize(grains).ok()?;
     place_grains_files(&mut grains, document);
     of_others(&grains)
 }

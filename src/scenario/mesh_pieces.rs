@@ -39,13 +39,13 @@ impl MeshPieceSpec {
     /// Area in mm² of the shadow of a mesh of one part along a unit vector: half of what its
     /// faces have together (Cauchy); of several parts, the sum of theirs.
     pub(super) fn shows_mm2(&self, along: [f64; 3]) -> f64 {
-        let along = crate::geometry::Vector::from(along);
+        let along = Vector::from(along);
         self.parts().iter().map(|part| Self::shadow_mm2(part, &along)).sum()
     }
 
-    fn shadow_mm2(part: &MeshPart, along: &crate::geometry::Vector) -> f64 {
+    fn shadow_mm2(part: &MeshPart, along: &Vector) -> f64 {
         let corner = |n: &u32| part.vertices_mm.get(*n as usize).copied().unwrap_or_default();
-        let corner = |n: &u32| crate::geometry::Vector::from(corner(n));
+        let corner = |n: &u32| Vector::from(corner(n));
         let face = |face: &Vec<u32>| {
             let first = face.first().map(corner)?;
             let fan = face.windows(2).map(|edge| {
@@ -75,9 +75,8 @@ pub(super) fn read(document: &mut Document, parts_of: PartsOf) -> Vec<Fault> {
         let Some(name) = mesh["file"].as_str().filter(|name| !name.is_empty()) else { continue };
         let scale = mesh.get("scale_to_mm").map_or(Some(1.0), Value::as_f64);
         // Both together, and what is no scale, are refused by the checks.
-        let Some(scale) = scale.filter(|s| *s > 0.0 && mesh.get("parts").is_none()) else {
-            continue;
-        };
+        let scale = scale.filter(|scale| *scale > 0.0 && mesh.get("parts").is_none());
+        let Some(scale) = scale else { continue };
         let file = document.folder(&path).join(name);
         match parts_of(&file, scale) {
             Ok(parts) => {

@@ -17,14 +17,10 @@ pub(super) fn read(document: &mut Document) -> Vec<Fault> {
         let stage = &document.value["stages"][i];
         let of_piece = stage["stage"] == "move";
         let is_recorded = of_piece || stage["stage"] == "vibrate" && stage["waveform"] == "file";
-        let Some(name) = stage["motion_file"].as_str().filter(|n| is_recorded && !n.is_empty())
-        else {
-            continue;
-        };
         // Both together are refused by the checks.
-        if stage.get("motion_rows").is_some() {
-            continue;
-        }
+        let is_read = is_recorded && stage.get("motion_rows").is_none();
+        let name = stage["motion_file"].as_str().filter(|name| is_read && !name.is_empty());
+        let Some(name) = name else { continue };
         let file = document.folder(&path).join(name);
         match rows_of(&file, of_piece) {
             Ok(rows) => {

@@ -91,9 +91,7 @@ pub(super) fn typed() -> Value {
 /// The JSON Schema (draft 2020-12) of another file that people write, checked as scenarios are.
 pub fn document_schema<T: JsonSchema>() -> Value {
     let mut schema = schema_of::<T>();
-    if let Some(properties) = schema["properties"].as_object_mut() {
-        properties.insert("$schema".into(), schema_field());
-    }
+    schema["properties"]["$schema"] = schema_field();
     schema
 }
 

@@ -5,6 +5,7 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::fmt;
 use std::io::Read;
+use std::iter;
 
 use json_comments::CommentSettings;
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
@@ -48,16 +49,9 @@ impl Document {
     /// Where the value at a path was given: the origin of the nearest value
     /// around it that was given anywhere.
     pub fn origin(&self, path: &str) -> Origin {
-        let mut path = path;
-        loop {
-            if let Some(origin) = self.origins.get(path) {
-                return origin.clone();
-            }
-            match path.rfind(['.', '[']) {
-                Some(end) => path = &path[..end],
-                None => return Origin::File(self.files[0].clone()),
-            }
-        }
+        let mut around = iter::successors(Some(path), |at| Some(&at[..at.rfind(['.', '['])?]));
+        let given = around.find_map(|at| self.origins.get(at));
+        given.cloned().unwrap_or_else(|| Origin::File(self.files[0].clone()))
     }
 
     /// A fault with where its value was given.
@@ -186,9 +180,8 @@ impl Chain {
         let path = file.parent().unwrap_or(Path::new("")).join(&base);
         let (found, met) = (Value::String(base), path.canonicalize().ok());
         if self.links.iter().any(|link| Some(&link.canonical) == met.as_ref()) {
-            let mut circle: Vec<_> =
-                self.links.iter().map(|link| link.file.display().to_string()).collect();
-            circle.push(path.display().to_string());
+            let files = self.links.iter().map(|link| &link.file).chain([&path]);
+            let circle: Vec<String> = files.map(|file| file.display().to_string()).collect();
             let message = format!("files extend each other in a circle: {}", circle.join(" → "));
             return Err(self.fail(fault(&found, "a file that does not lead back", message)));
         }
