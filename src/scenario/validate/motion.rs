@@ -48,10 +48,10 @@ fn check_fields(spec: &StageSpec, faults: &mut Faults) {
     let rod = format!("a number above 0 and at most {LARGEST_CRANK}");
     let table = "the path of a CSV with the columns time_s, x_mm, y_mm, z_mm";
     let has_rows = motion_file.is_some() || motion_rows.is_some();
-    let stroke_range = "a number of at least 0 and at most 1000";
+    let amplitude_range = "a number of at least 0 and at most 1000";
     for (needed, field, is_there, allowed) in [
         (!recorded, "frequency_hz", frequency_hz.is_some(), "a number above 0 and at most 1000"),
-        (!recorded, "amplitude_mm", amplitude_mm.is_some(), stroke_range),
+        (!recorded, "amplitude_mm", amplitude_mm.is_some(), amplitude_range),
         (!recorded, "duration_s", duration_s.is_some(), "a number above 0 and at most 3600"),
         (crank, "crank_to_rod", crank_to_rod.is_some(), rod.as_str()),
         (recorded, "motion_file", has_rows, table),
