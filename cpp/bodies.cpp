@@ -3,7 +3,7 @@
 namespace pluvia {
 
 const PairValue &Materials::of(int a, int b) const {
-    const auto material = [this](int body) { return bodies[static_cast<std::size_t>(body)]; };
+    const auto material = [this](int body) { return bodies[body]; };
     return pairs[material(a) * count + material(b)];
 }
 

@@ -32,7 +32,7 @@ void Colours::paint(const std::vector<PairPlace> &pairs, int free) {
     colour_.resize(pairs.size());
     std::uint64_t unmoved = 0;
     const auto used = [&](int body) -> std::uint64_t & {
-        return body > 0 && body <= free ? used_[static_cast<std::size_t>(body)] : unmoved;
+        return body > 0 && body <= free ? used_[body] : unmoved;
     };
     for (const bool near : {true, false}) {
         for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -56,33 +56,27 @@ void Colours::gather(const std::vector<PairPlace> &pairs, int free, int width) {
     counts_.assign((LAST + 1) * KINDS + 1, 0);
     const auto bin = [&](std::size_t i) { return colour_[i] * KINDS + kind(pairs[i], free); };
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-        ++counts_[static_cast<std::size_t>(bin(i)) + 1];
+        ++counts_[bin(i) + 1];
     }
     for (std::size_t i = 1; i < counts_.size(); ++i) {
         counts_[i] += counts_[i - 1];
     }
     order_.resize(pairs.size());
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-        order_[static_cast<std::size_t>(counts_[static_cast<std::size_t>(bin(i))]++)] =
-            static_cast<int>(i);
+        order_[counts_[bin(i)]++] = static_cast<int>(i);
     }
     packs_.clear();
     begin_.assign(LAST + 2, 0);
     points_ = 0;
-    const auto pair = [&](int place) -> const PairPlace & {
-        return pairs[static_cast<std::size_t>(order_[static_cast<std::size_t>(place)])];
-    };
+    const auto pair = [&](int place) -> const PairPlace & { return pairs[order_[place]]; };
     int place = 0;
     const int all = static_cast<int>(order_.size());
     for (std::size_t colour = 0; colour <= LAST; ++colour) {
         const int most = in_order(colour) ? 1 : width;
-        while (place < all &&
-               colour_[static_cast<std::size_t>(order_[static_cast<std::size_t>(place)])] ==
-                   colour) {
+        while (place < all && colour_[order_[place]] == colour) {
             Pack pack{place, 0, 0, points_, pair(place).near};
             while (place < all && pack.pairs < most && pair(place).near == pack.near &&
-                   colour_[static_cast<std::size_t>(order_[static_cast<std::size_t>(place)])] ==
-                       colour) {
+                   colour_[order_[place]] == colour) {
                 pack.points = std::max(pack.points, static_cast<int>(pair(place).points));
                 ++pack.pairs;
                 ++place;

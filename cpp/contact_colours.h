@@ -58,7 +58,7 @@ class Colours {
     // Whether the packs of a colour must be solved one after the other.
     bool in_order(std::size_t colour) const { return colour == LAST; }
     // Whether a body that moves has pairs.
-    bool touched(int body) const { return used_[static_cast<std::size_t>(body)] != 0; }
+    bool touched(int body) const { return used_[body] != 0; }
 
     static constexpr std::size_t MOST = 64; // colours
 

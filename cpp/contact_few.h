@@ -62,8 +62,8 @@ template <class L> class Few {
             lanes(i, [&](int lane, std::size_t number, int to_lane) {
                 const Pack<L> &pack = p_.all.packs[number];
                 for (int p = 0; p < points_of(pack.pair[to_lane]); ++p) {
-                    const Point<L> &from = p_.few.points[static_cast<std::size_t>(first + p)];
-                    Point<L> &to = p_.all.points[static_cast<std::size_t>(pack.first + p)];
+                    const Point<L> &from = p_.few.points[first + p];
+                    Point<L> &to = p_.all.points[pack.first + p];
                     for (auto impulse :
                          {&Point<L>::impulse, &Point<L>::impulse_1, &Point<L>::impulse_2}) {
                         Lane<L>::set(to.*impulse, to_lane, Lane<L>::get(from.*impulse, lane));
@@ -137,7 +137,7 @@ template <class L> class Few {
         std::partial_sum(ends_.begin(), ends_.end(), ends_.begin());
         at_.resize(static_cast<std::size_t>(ends_.back()));
         // What was a body's beginning becomes its end.
-        each([&](std::size_t body, int at) { at_[static_cast<std::size_t>(ends_[body]++)] = at; });
+        each([&](std::size_t body, int at) { at_[ends_[body]++] = at; });
     }
 
     // Marks the pairs of active bodies in the packs that are awake.
@@ -151,7 +151,7 @@ template <class L> class Few {
                 continue;
             }
             for (int k = ends_[b - 1]; k < ends_[b]; ++k) {
-                const int at = at_[static_cast<std::size_t>(k)];
+                const int at = at_[k];
                 const auto number = static_cast<std::size_t>(at / 8);
                 taken_[number] |=
                     static_cast<std::uint8_t>(p_.awake[number] != 0 ? 1 << at % 8 : 0);
@@ -159,16 +159,14 @@ template <class L> class Few {
         }
     }
 
-    bool is_active(int body) const { return p_.active[static_cast<std::size_t>(body)] != 0; }
-    int points_of(int pair) const {
-        return contacts_.places[static_cast<std::size_t>(pair)].points;
-    }
+    bool is_active(int body) const { return p_.active[body] != 0; }
+    int points_of(int pair) const { return contacts_.places[pair].points; }
     void list(int body) {
-        std::uint8_t &listed = listed_[static_cast<std::size_t>(body)];
+        std::uint8_t &listed = listed_[body];
         if (!contacts_.moves.still(body) && listed == 0) {
             listed = is_active(body) ? CHOSEN : BESIDE;
             bodies_.push_back(body);
-            start_.push_back(p_.bodies.motion[static_cast<std::size_t>(body)]);
+            start_.push_back(p_.bodies.motion[body]);
         }
     }
 
@@ -188,14 +186,14 @@ template <class L> class Few {
         Pack<L> &to = p_.few.packs[i];
         clear_pack(to, plans_[i].first, plans_[i].points);
         for (int p = 0; p < to.points; ++p) {
-            p_.few.points[static_cast<std::size_t>(to.first + p)] = Point<L>{};
+            p_.few.points[to.first + p] = Point<L>{};
         }
         lanes(i, [&](int lane, std::size_t number, int from_lane) {
             const Pack<L> &from = p_.all.packs[number];
             copy_lane(from, from_lane, to, lane);
             for (int p = 0; p < points_of(from.pair[from_lane]); ++p) {
-                copy_lane(p_.all.points[static_cast<std::size_t>(from.first + p)], from_lane,
-                          p_.few.points[static_cast<std::size_t>(to.first + p)], lane);
+                copy_lane(p_.all.points[from.first + p], from_lane, p_.few.points[to.first + p],
+                          lane);
             }
         });
     }

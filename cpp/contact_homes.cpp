@@ -28,8 +28,7 @@ void Homes::find(const Colours &colours, const std::vector<PairPlace> &pairs, in
     // Calls `what` with every moving body of a pack.
     const auto each = [&](const Colours::Pack &pack, const auto &what) {
         for (int i = pack.begin; i < pack.begin + pack.pairs; ++i) {
-            const PairPlace &pair =
-                pairs[static_cast<std::size_t>(colours.order()[static_cast<std::size_t>(i)])];
+            const PairPlace &pair = pairs[colours.order()[i]];
             for (const int body : {pair.a, pair.b}) {
                 if (body > 0 && body <= moving) {
                     what(static_cast<std::size_t>(body));

@@ -23,7 +23,7 @@ class Homes {
     std::size_t kind(std::size_t pack) const { return kinds_[pack]; }
     // The thread of packs in whose middle a body is.
     std::size_t of_body(int body) const {
-        return threads_ == 1 ? 0 : static_cast<std::size_t>(at_[static_cast<std::size_t>(body)]);
+        return threads_ == 1 ? 0 : static_cast<std::size_t>(at_[body]);
     }
     // All packs by thread, and where those of each end.
     const std::vector<int> &order() const { return order_; }

@@ -110,15 +110,15 @@ template <class L> void load(const Contacts &contacts, std::size_t i, Problem<L>
     problem.near[i] = plan.near;
     const auto first = static_cast<std::size_t>(plan.first);
     for (int p = 0; p < plan.points; ++p) {
-        problem.all.points[first + static_cast<std::size_t>(p)] = Point<L>{};
-        PointMemory<L> &m = problem.memory[first + static_cast<std::size_t>(p)];
+        problem.all.points[first + p] = Point<L>{};
+        PointMemory<L> &m = problem.memory[first + p];
         m = PointMemory<L>{};
         m.gap = L{} + static_cast<N>(NEVER);
     }
     for (int lane = 0; lane < plan.pairs; ++lane) {
-        const int number = contacts.colours.order()[static_cast<std::size_t>(plan.begin + lane)];
-        const PairPlace &place = contacts.places[static_cast<std::size_t>(number)];
-        const Touching &pair = contacts.touching[static_cast<std::size_t>(number)];
+        const int number = contacts.colours.order()[plan.begin + lane];
+        const PairPlace &place = contacts.places[number];
+        const Touching &pair = contacts.touching[number];
         const KeptContact &contact = pair.state->memory.last;
         const auto put = [lane](L &lanes, double value) {
             Lane<L>::set(lanes, lane, static_cast<N>(value));
@@ -139,8 +139,8 @@ template <class L> void load(const Contacts &contacts, std::size_t i, Problem<L>
         put(pack.friction, static_cast<double>(pair.state->friction));
         put(pack.restitution, static_cast<double>(pair.state->restitution));
         for (int p = 0; p < place.points; ++p) {
-            Point<L> &c = problem.all.points[first + static_cast<std::size_t>(p)];
-            PointMemory<L> &m = problem.memory[first + static_cast<std::size_t>(p)];
+            Point<L> &c = problem.all.points[first + p];
+            PointMemory<L> &m = problem.memory[first + p];
             const Load &load = pair.state->loads[p];
             const Arms arms(pair, p);
             set_three(m.arm_a, lane, arms.a);

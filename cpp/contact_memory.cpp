@@ -109,7 +109,7 @@ void RecalledContacts::give(const btCollisionObject &a, const btCollisionObject 
     KeptContact &contact = state.memory.last;
     contact.count = static_cast<int>(std::min<std::size_t>(points.size(), MOST_POINTS));
     for (int i = 0; i < contact.count; ++i) {
-        const Recalled &r = points[static_cast<std::size_t>(i)];
+        const Recalled &r = points[i];
         KeptPoint &point = contact.points[i];
         point.id = r.id;
         store(three(a.getWorldTransform().invXform(r.point)), point.on_a);

@@ -97,16 +97,15 @@ template <class L> using Kernel = void (*)(Phase phase, Problem<L> &problem, con
 
 template <Solved WHAT, Half HALF, class L>
 PLUVIA_INLINE void visit_all(Problem<L> &p, const Part &part) {
-    Unsolved<L> &unsolved = p.unsolved[static_cast<std::size_t>(part.worker)];
+    Unsolved<L> &unsolved = p.unsolved[part.worker];
     Unsolved<L> own = unsolved;
     const L beta = p.beta;
     Records<L> *const motion = p.bodies.motion.data();
     for (std::size_t k = part.begin; k < part.end; ++k) {
         const std::size_t i = part.at(HALF == Half::There ? k : part.begin + part.end - 1 - k);
         const Pack<L> &pack = p.pairs->packs[i];
-        visit<WHAT, HALF>(pack, &p.pairs->points[static_cast<std::size_t>(pack.first)],
-                          &p.pairs->search[static_cast<std::size_t>(pack.first)], beta, motion,
-                          own);
+        visit<WHAT, HALF>(pack, &p.pairs->points[pack.first], &p.pairs->search[pack.first], beta,
+                          motion, own);
     }
     unsolved = own;
 }
@@ -193,7 +192,7 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
             always_inline)) { add_residual(pack, points, motion, p.look->residual); });
         break;
     case Phase::Fastest: {
-        L &fastest = p.unsolved[static_cast<std::size_t>(part.worker)].fastest;
+        L &fastest = p.unsolved[part.worker].fastest;
         packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t) __attribute__((
             always_inline)) { find_fastest(pack, points, memory, motion, p.law, fastest); });
         break;

@@ -288,7 +288,7 @@ template <class L> class Run {
         for (const int number : asleep_.packs) {
             const auto i = static_cast<std::size_t>(number);
             const Pack<L> &pack = p_.all.packs[i];
-            if (bears(pack, &p_.all.points[static_cast<std::size_t>(pack.first)])) {
+            if (bears(pack, &p_.all.points[pack.first])) {
                 p_.awake[i] = 1;
                 any = true;
             }
@@ -311,8 +311,7 @@ template <class L> class Run {
             const auto first = static_cast<std::size_t>(pack.first);
             record_contacts(
                 pack, &p_.all.points[first], &p_.memory[first],
-                [&](int pair) { return contacts_.places[static_cast<std::size_t>(pair)].points; },
-                *look.record);
+                [&](int pair) { return contacts_.places[pair].points; }, *look.record);
         }
     }
 

@@ -85,11 +85,10 @@ void ContactSolver::take_pairs(double step) {
     places_.resize(touching_.size());
     const auto take = [&](std::size_t i) {
         const Touching &pair = touching_[i];
-        const int a = place_[static_cast<std::size_t>(pair.a->number)];
-        const int b = place_[static_cast<std::size_t>(pair.b->number)];
+        const int a = place_[pair.a->number];
+        const int b = place_[pair.b->number];
         places_[i] = {a, b, static_cast<std::int16_t>(pair.points),
-                      is_near(law_, step, pair, bodies_[static_cast<std::size_t>(a)],
-                              bodies_[static_cast<std::size_t>(b)])};
+                      is_near(law_, step, pair, bodies_[a], bodies_[b])};
     };
     workers_.each(touching_.size(), AT_ONCE, take, AHEAD,
                   [&](std::size_t i) { prefetch(*touching_[i].state); });
@@ -133,7 +132,7 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
         part.whole.body = by_number.at(part.whole.number);
     }
     for (std::size_t i = 0; i < driving_.size(); ++i) {
-        place_[static_cast<std::size_t>(driving_[i]->getUserIndex())] =
+        place_[driving_[i]->getUserIndex()] =
             static_cast<int>(moving_.size() + pressed_.size() + 1 + i);
     }
     for (std::size_t i = 0; i < pressed_.size(); ++i) {
@@ -186,7 +185,7 @@ void ContactSolver::take_bodies(double step) {
     bodies_.resize(1 + moving_.size() + pressed_.size() + driving_.size());
     bodies_[0] = SolverBody{};
     const auto take = [&](std::size_t i) {
-        bodies_[static_cast<std::size_t>(place_[moving_[i].number])] = free_body(*moving_[i].body);
+        bodies_[place_[moving_[i].number]] = free_body(*moving_[i].body);
     };
     workers_.each(moving_.size(), AT_ONCE, take, AHEAD,
                   [&](std::size_t i) { prefetch_body(*moving_[i].body); });

@@ -87,7 +87,7 @@ void Crowd::find_means(const std::vector<CrowdBody> &bodies) {
             at[i] = std::min(static_cast<int>((body.centre[i] - low_[i]) / edge_), count_[i] - 1);
         }
         cell_of_[n] = static_cast<std::int32_t>(place(at[0], at[1], at[2]));
-        Cell &cell = cells_[static_cast<std::size_t>(cell_of_[n])];
+        Cell &cell = cells_[cell_of_[n]];
         cell.bodies += 1;
         cell.velocity = cell.velocity + body.velocity;
     }

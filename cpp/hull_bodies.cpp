@@ -147,7 +147,7 @@ void HullBodies::take(const btCollisionObjectArray &objects, const AxisKernels &
             const HullRange &range = take(objects, i, kernels, own);
             left[n] = !holds(*objects[i]->getBroadphaseHandle(), range);
         }
-        double &most = fastest[static_cast<std::size_t>(worker)];
+        double &most = fastest[worker];
         most = std::max(most, own);
     });
     fastest_ = *std::max_element(fastest.begin(), fastest.end());

@@ -167,7 +167,7 @@ void HullSearch::find(btOverlappingPairCache &pairs, const std::vector<std::uint
     send_home(homes);
     const Share all{order_.size(), FIND_AT_ONCE, FIND_AT_ONCE, ends_.data()};
     workers_.share(&all, 1, [&](std::size_t, int worker, std::size_t begin, std::size_t end) {
-        find(begin, end, scratch_[static_cast<std::size_t>(worker)]);
+        find(begin, end, scratch_[worker]);
     });
     list_touching();
 }

@@ -240,7 +240,7 @@ void NativeWorld::renew_boxes() {
     collision_.bodies.take(objects, *collision_.kernels, workers_, left_);
     // The tree of boxes is one thread's: where a box goes depends on those that went before.
     for (int i = 0; i < objects.size(); ++i) {
-        if (left_[static_cast<std::size_t>(i)] != 0) {
+        if (left_[i] != 0) {
             btBroadphaseProxy *proxy = objects[i]->getBroadphaseHandle();
             const HullRange &range = collision_.bodies.range(HullBodies::index(*proxy));
             // Without a margin of the leaves, which Bullet has once for the whole process.

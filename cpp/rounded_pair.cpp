@@ -202,7 +202,7 @@ class RoundedPair : PairFrames {
         turn_normal(is_a, normal);
         out_.count = count;
         for (int i = 0; i < count; ++i) {
-            out_.points[i] = point_at(is_a, normal, points[static_cast<std::size_t>(i)]);
+            out_.points[i] = point_at(is_a, normal, points[i]);
         }
         remember(face_of(is_a), face, other);
         remember_plane(of, face);
@@ -238,7 +238,7 @@ class RoundedPair : PairFrames {
         points.erase(std::remove_if(points.begin(), points.end(), is_near), points.end());
         const int count = best_points(normal);
         for (int i = 0; i < count && out_.count < MOST_POINTS; ++i) {
-            out_.points[out_.count++] = point_at(is_a, normal, points[static_cast<std::size_t>(i)]);
+            out_.points[out_.count++] = point_at(is_a, normal, points[i]);
         }
     }
 };

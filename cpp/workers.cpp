@@ -65,7 +65,7 @@ std::size_t begin_of(const Share &share, std::size_t i, std::size_t count) {
 
 } // namespace
 
-Workers::Workers(int count) : stretches_(new Stretch[static_cast<std::size_t>(count)]) {
+Workers::Workers(int count) : stretches_(new Stretch[count]) {
     threads_.reserve(static_cast<std::size_t>(count));
     try {
         for (int worker = 1; worker < count; ++worker) {
@@ -245,7 +245,7 @@ void Workers::lead() {
 }
 
 void Workers::wait_for_job(int worker, std::uint64_t seen) {
-    const Stretch &own = stretches_[static_cast<std::size_t>(worker)];
+    const Stretch &own = stretches_[worker];
     const auto called = [&] { return closing_ || job_of(own.at.load()) != seen; };
     const auto until = std::chrono::steady_clock::now() + AWAKE;
     do {
@@ -278,7 +278,7 @@ void Workers::follow(int worker, std::uint64_t number) {
 }
 
 void Workers::work(int worker) {
-    const Stretch &own = stretches_[static_cast<std::size_t>(worker)];
+    const Stretch &own = stretches_[worker];
     std::uint64_t seen = 0;
     for (;;) {
         wait_for_job(worker, seen);
