@@ -2,8 +2,6 @@
 
 #include "pluvia/src/world/bullet/ffi.rs.h"
 #include "prefetch.h"
-#include "rounded_pair.h"
-#include "sphere_pair.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>

@@ -60,4 +60,29 @@ constexpr double NOT_APART = -1e300;
 // apart by more than the speculative margin.
 double collide_hulls(const PairCase &pair);
 
+// The contact of a pair in which at least one is a sphere, as `collide_hulls` finds that of hulls:
+// at most one point, where the two are closest, with the exact gap. Returns the gap of a pair
+// without contact, or a lower bound of it.
+//
+// Bodies that are farther apart than the speculative margin without what they approach in the step
+// get the normal with which they will meet, if nothing else stops them, or else pass each other:
+// with that of now, a sphere would be stopped by a plane where it will find no sphere.
+//
+// A pair of spheres has nothing to remember but its point.
+double collide_sphere(const PairCase &pair);
+
+// The contact of two polyhedra of which one at least is rounded, as `collide_hulls` finds that of
+// hulls: their cores' distance less the radii. Returns the gap of a pair without contact, or a
+// lower bound of it.
+//
+// Where the cores are closest along the normal of a face, the contact is up to four points of that
+// face and the one that meets it, with their gaps along its normal, held and named as those of
+// hulls. Elsewhere it is the one point where the bodies are closest, exact, and where the bodies
+// lie almost flat on each other, points of the face beside it. Cores that overlap are parted along
+// the axis on which they are least deep, in one point.
+//
+// Bodies that are farther apart than the speculative margin without what they approach in the step
+// get the contact with which they will meet, as spheres do.
+double collide_rounded(const PairCase &pair);
+
 } // namespace pluvia

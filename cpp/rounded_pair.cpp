@@ -1,5 +1,3 @@
-#include "rounded_pair.h"
-
 #include "core_distance.h"
 #include "hull_frames.h"
 

@@ -1,4 +1,4 @@
-#include "sphere_pair.h"
+#include "hull_pair.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +10,14 @@ namespace {
 
 // The one point of a contact, whichever body is named first (`swapped_id`).
 constexpr std::uint32_t OF_SPHERE = FROM_EDGES | ((1U << 28) - 1);
+
+// Where the surface of a body is closest to a point outside, or, for a point inside, where the
+// face of least penetration is. In the body's frame.
+struct Closest {
+    double distance; // of the point from the surface, negative inside
+    Vec normal;      // out of the body, towards a point outside
+    Vec on;          // on the surface
+};
 
 Closest closest_of_sphere(double radius, const Vec &point) {
     const double far = length(point);
@@ -77,8 +85,8 @@ Closest closest_of_polyhedron(const HullData &hull, const Vec &point, double eno
     return of_face(face, widest);
 }
 
-} // namespace
-
+// Of a body of any shape. Exact, unless `distance` is found to be more than `enough`: then it
+// is a lower bound, and `normal` and `on` are those of a face's plane.
 Closest closest(const HullData &hull, const Vec &point, double enough) {
     if (hull.is_sphere()) {
         return closest_of_sphere(hull.sphere, point);
@@ -91,6 +99,8 @@ Closest closest(const HullData &hull, const Vec &point, double enough) {
     out.on = out.on + out.normal * hull.rounding;
     return out;
 }
+
+} // namespace
 
 double collide_sphere(const PairCase &pair) {
     // The sphere, and the other body, in whose frame it is seen.
