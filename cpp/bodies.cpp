@@ -40,19 +40,4 @@ BodyPtr make_body(const Units &units, const WorldDefinition &world,
     return body;
 }
 
-namespace {
-const PairValue &pair_value(const btCollisionObject *a, const btCollisionObject *b) {
-    return static_cast<const Materials *>(a->getUserPointer())
-        ->of(a->getUserIndex(), b->getUserIndex());
-}
-} // namespace
-
-btScalar combined_friction(const btCollisionObject *a, const btCollisionObject *b) {
-    return static_cast<btScalar>(pair_value(a, b).friction);
-}
-
-btScalar combined_restitution(const btCollisionObject *a, const btCollisionObject *b) {
-    return static_cast<btScalar>(pair_value(a, b).restitution);
-}
-
 } // namespace pluvia

@@ -41,10 +41,4 @@ using BodyPtr = std::unique_ptr<btRigidBody, BodyEnd>;
 BodyPtr make_body(const Units &units, const WorldDefinition &world,
                   const BodyDefinition &definition, int id, btCollisionShape *shape, Pool &pool);
 
-// Bullet's hooks for the coefficients of a pair (btManifoldResult.h). They
-// stand in for Bullet's rule, which multiplies one value of each body, and find
-// the materials behind the user pointer of the first.
-btScalar combined_friction(const btCollisionObject *a, const btCollisionObject *b);
-btScalar combined_restitution(const btCollisionObject *a, const btCollisionObject *b);
-
 } // namespace pluvia

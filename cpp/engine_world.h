@@ -7,6 +7,7 @@
 #include "shapes.h"
 #include "workers.h"
 
+#include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 
 #include <array>
@@ -19,13 +20,13 @@ struct ContactRead;
 struct DriveRead;
 struct Press;
 
-// Wall time in s since the world was made.
-struct Phases {
-    double broadphase = 0; // boxes and candidate pairs
-    double collision = 0;  // contacts of the candidate pairs
-    double solver = 0;
-    double integration = 0; // everything else
-};
+// Sizes of Bullet's pools for what pairs carry.
+inline btDefaultCollisionConstructionInfo pool_sizes(int pairs) {
+    btDefaultCollisionConstructionInfo info;
+    info.m_defaultMaxPersistentManifoldPoolSize = pairs;
+    info.m_defaultMaxCollisionAlgorithmPoolSize = pairs;
+    return info;
+}
 
 // Adds the time from its making to its end to a sum, and takes it from another, if any.
 class Stopwatch {
@@ -98,15 +99,12 @@ class EngineWorld : public btDiscreteDynamicsWorld {
     virtual double solver_residual() const { return -1; }
     virtual void record_substeps(bool) {}
     virtual void read_substep(rust::Vec<double> &, rust::Vec<double> &) const {}
-    // Whether corners are those of the hull data.
-    virtual bool has_hull_data() const { return false; }
-    // What threads can share of the time of all phases.
-    virtual SharedTime shared() const { return {}; }
-
-    const Phases &phases() const { return phases_; }
+    virtual PhaseTimes phases() const { return phases_; }
 
   protected:
-    Phases phases_;
+    // `broadphase`: boxes and candidate pairs; `collision`: contacts of the candidate pairs;
+    // `integration`: everything else.
+    PhaseTimes phases_{0, 0, 0, 0, 0, SharedTime::THREADS, {}};
 };
 
 } // namespace pluvia

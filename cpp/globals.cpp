@@ -11,7 +11,25 @@
 namespace pluvia {
 
 namespace {
+
 int holders = 0; // guarded by construction_mutex
+
+const PairValue &pair_value(const btCollisionObject *a, const btCollisionObject *b) {
+    return static_cast<const Materials *>(a->getUserPointer())
+        ->of(a->getUserIndex(), b->getUserIndex());
+}
+
+// Bullet's hooks for the coefficients of a pair (btManifoldResult.h). They
+// stand in for Bullet's rule, which multiplies one value of each body, and find
+// the materials behind the user pointer of the first.
+btScalar combined_friction(const btCollisionObject *a, const btCollisionObject *b) {
+    return static_cast<btScalar>(pair_value(a, b).friction);
+}
+
+btScalar combined_restitution(const btCollisionObject *a, const btCollisionObject *b) {
+    return static_cast<btScalar>(pair_value(a, b).restitution);
+}
+
 } // namespace
 
 std::mutex &construction_mutex() {
@@ -19,19 +37,19 @@ std::mutex &construction_mutex() {
     return mutex;
 }
 
-GlobalsHold::GlobalsHold(const GlobalSettings &settings) {
-    if (holders > 0 && (gDbvtMargin != settings.broadphase_margin ||
-                        gContactBreakingThreshold != settings.contact_breaking_threshold)) {
+GlobalsHold::GlobalsHold(btScalar contact_breaking_threshold, btScalar broadphase_margin) {
+    if (holders > 0 && (gDbvtMargin != broadphase_margin ||
+                        gContactBreakingThreshold != contact_breaking_threshold)) {
         throw std::runtime_error(
             "Bullet keeps the contact threshold and the broadphase margin once for the whole "
             "process, and another world with other values is alive");
     }
     // Written by the first alone: the others' threads may be reading.
     if (holders++ == 0) {
-        gDbvtMargin = settings.broadphase_margin;
+        gDbvtMargin = broadphase_margin;
         gCalculateCombinedFrictionCallback = &combined_friction;
         gCalculateCombinedRestitutionCallback = &combined_restitution;
-        gContactBreakingThreshold = settings.contact_breaking_threshold;
+        gContactBreakingThreshold = contact_breaking_threshold;
     }
 }
 

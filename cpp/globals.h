@@ -14,18 +14,12 @@ namespace pluvia {
 
 std::mutex &construction_mutex();
 
-struct GlobalSettings {
-    // In engine length units.
-    btScalar contact_breaking_threshold;
-    btScalar broadphase_margin;
-};
-
 // Holds the process's settings for the life of one world. Construct and
 // destroy under `construction_mutex`.
 class GlobalsHold {
   public:
-    // Throws std::runtime_error when a living world holds other values.
-    explicit GlobalsHold(const GlobalSettings &settings);
+    // In engine length units. Throws std::runtime_error when a living world holds other values.
+    GlobalsHold(btScalar contact_breaking_threshold, btScalar broadphase_margin);
     ~GlobalsHold();
     GlobalsHold(const GlobalsHold &) = delete;
     GlobalsHold &operator=(const GlobalsHold &) = delete;

@@ -13,14 +13,6 @@ namespace {
 // Bodies that a thread takes at once where little is done with each.
 constexpr std::size_t BODIES_AT_ONCE = 128;
 
-// None of Bullet's contacts are kept.
-btDefaultCollisionConstructionInfo pool_sizes() {
-    btDefaultCollisionConstructionInfo info;
-    info.m_defaultMaxPersistentManifoldPoolSize = 1;
-    info.m_defaultMaxCollisionAlgorithmPoolSize = 1;
-    return info;
-}
-
 HullCollision hull_collision(const Units &units, const WorldDefinition &d,
                              const Materials &materials) {
     HullCollision collision;
@@ -54,8 +46,6 @@ Kernels kernels(const WorldDefinition &d) {
 }
 
 } // namespace
-
-NativeParts::NativeParts() : configuration(pool_sizes()), dispatcher(&configuration) {}
 
 NativeWorld::NativeWorld(const Units &units, const WorldDefinition &definition,
                          const Materials &materials)
@@ -256,7 +246,12 @@ void NativeWorld::read_substep(rust::Vec<double> &bodies, rust::Vec<double> &con
     std::copy(record.contacts.begin(), record.contacts.end(), std::back_inserter(contacts));
 }
 
-SharedTime NativeWorld::shared() const { return workers_.shared(); }
+PhaseTimes NativeWorld::phases() const {
+    PhaseTimes out = phases_;
+    out.shared = workers_.shared().now;
+    out.shared_on = workers_.shared().on;
+    return out;
+}
 
 void NativeWorld::read_contacts(rust::Vec<ContactRead> &out) const {
     for (const Touching &pair : collision_.touching) {

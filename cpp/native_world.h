@@ -7,7 +7,6 @@
 #include "sharing.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
-#include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -18,10 +17,8 @@ namespace pluvia {
 
 // What the world is made of; it must be there before it, and after.
 struct NativeParts {
-    NativeParts();
-
-    btDefaultCollisionConfiguration configuration;
-    HullPairs dispatcher;
+    btDefaultCollisionConfiguration configuration{pool_sizes(1)}; // Bullet's contacts are not kept
+    HullPairs dispatcher{&configuration};
     btDbvtBroadphase boxes;
 };
 
@@ -69,8 +66,7 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     double solver_residual() const override { return solver_.residual(); }
     void record_substeps(bool on) override { solver_.record(on); }
     void read_substep(rust::Vec<double> &bodies, rust::Vec<double> &contacts) const override;
-    bool has_hull_data() const override { return true; }
-    SharedTime shared() const override;
+    PhaseTimes phases() const override;
 
   private:
     // Bullet's rule, and parts of one body never meet.

@@ -10,16 +10,6 @@ namespace pluvia {
 
 namespace {
 
-btDefaultCollisionConstructionInfo pool_sizes() {
-    // Bullet falls back to the heap when a pool is full, which is slow. A
-    // dense specimen of 1456 grains holds about 20 000 pairs.
-    constexpr int PAIRS = 32768;
-    btDefaultCollisionConstructionInfo info;
-    info.m_defaultMaxPersistentManifoldPoolSize = PAIRS;
-    info.m_defaultMaxCollisionAlgorithmPoolSize = PAIRS;
-    return info;
-}
-
 // Bullet's own moments of inertia for a hull, by the calls that a program makes
 // which leaves them to Bullet. Whether the margin is set before or after the
 // shape stores its box decides what the box holds (btPolyhedralConvexShape.cpp,
@@ -110,20 +100,17 @@ btScalar shared_length(const Units &units, double metres) {
     return static_cast<btScalar>(std::ldexp(std::round(std::ldexp(mantissa, 44)), exponent - 44));
 }
 
-// What the world asks of Bullet's process-wide variables.
-GlobalSettings global_settings(const Units &units, const WorldDefinition &d) {
-    // Bullet reads the same variable as a length or as a share of the radius.
-    const bool relative = d.relative_contact_threshold > 0;
-    return {relative ? static_cast<btScalar>(d.relative_contact_threshold)
-                     : shared_length(units, d.contact_threshold),
-            shared_length(units, d.broadphase_margin)};
+// Bullet reads the same variable as a length or as a share of the radius.
+btScalar contact_threshold(const Units &units, const WorldDefinition &d) {
+    return d.relative_contact_threshold > 0 ? static_cast<btScalar>(d.relative_contact_threshold)
+                                            : shared_length(units, d.contact_threshold);
 }
 
 } // namespace
 
 StockParts::StockParts(const Units &units, const WorldDefinition &definition)
-    : globals(global_settings(units, definition)), configuration(pool_sizes()),
-      dispatcher(&configuration) {
+    : globals(contact_threshold(units, definition),
+              shared_length(units, definition.broadphase_margin)) {
     // A relative threshold destroys manifolds: used only where it is asked for.
     const int relative = btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD;
     const int flags = dispatcher.getDispatcherFlags() & ~relative;

@@ -6,7 +6,6 @@
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
-#include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 
 namespace pluvia {
@@ -15,9 +14,13 @@ namespace pluvia {
 struct StockParts {
     StockParts(const Units &units, const WorldDefinition &definition);
 
+    // Bullet falls back to the heap when a pool is full, which is slow. A
+    // dense specimen of 1456 grains holds about 20 000 pairs.
+    static constexpr int PAIRS = 32768;
+
     GlobalsHold globals;
-    btDefaultCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher;
+    btDefaultCollisionConfiguration configuration{pool_sizes(PAIRS)};
+    btCollisionDispatcher dispatcher{&configuration};
     btDbvtBroadphase boxes;
     btSequentialImpulseConstraintSolver solver;
 };

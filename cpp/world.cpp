@@ -114,7 +114,7 @@ std::uint32_t BulletWorld::add_rounded(rust::Slice<const double> coordinates,
 
 std::uint32_t BulletWorld::add_sphere(double radius) {
     const std::lock_guard<std::mutex> lock(construction_mutex());
-    return impl_->keep(make_sphere(impl_->units, radius, impl_->world->has_hull_data()));
+    return impl_->keep(make_sphere(impl_->units, radius, impl_->definition.own_collision));
 }
 
 std::uint32_t BulletWorld::add_body(const BodyDefinition &definition) {
@@ -221,10 +221,10 @@ void BulletWorld::read_corners(rust::Vec<std::uint32_t> &counts, rust::Vec<doubl
     roundings.clear();
     for (const auto &body : impl_->bodies) {
         counts.push_back(body ? append_corners(impl_->units, *body->getCollisionShape(),
-                                               impl_->world->has_hull_data(), coordinates)
+                                               impl_->definition.own_collision, coordinates)
                               : 0);
         roundings.push_back(body ? rounding_of(impl_->units, *body->getCollisionShape(),
-                                               impl_->world->has_hull_data())
+                                               impl_->definition.own_collision)
                                  : 0);
     }
 }
@@ -250,14 +250,7 @@ void BulletWorld::recall_contacts(rust::Slice<const ContactRead> contacts) {
     impl_->world->recall_contacts(contacts);
 }
 
-PhaseTimes BulletWorld::phases() const {
-    const Phases &p = impl_->world->phases();
-    const SharedTime shared = impl_->world->shared();
-    PhaseTimes out{p.broadphase, p.collision, p.solver, p.integration, shared.now, {}, {}};
-    std::copy(SharedTime::THREADS.begin(), SharedTime::THREADS.end(), out.threads.begin());
-    std::copy(shared.on.begin(), shared.on.end(), out.shared_on.begin());
-    return out;
-}
+PhaseTimes BulletWorld::phases() const { return impl_->world->phases(); }
 
 double BulletWorld::solver_residual() const { return impl_->world->solver_residual(); }
 
