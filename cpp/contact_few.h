@@ -64,10 +64,7 @@ template <class L> class Few {
                 for (int p = 0; p < points_of(pack.pair[to_lane]); ++p) {
                     const Point<L> &from = p_.few.points[first + p];
                     Point<L> &to = p_.all.points[pack.first + p];
-                    for (auto impulse :
-                         {&Point<L>::impulse, &Point<L>::impulse_1, &Point<L>::impulse_2}) {
-                        Lane<L>::set(to.*impulse, to_lane, Lane<L>::get(from.*impulse, lane));
-                    }
+                    copy_lanes(&from.impulse.x, lane, &to.impulse.x, to_lane, 3);
                 }
             });
         });

@@ -31,12 +31,6 @@ template <class L>
 inline constexpr
     typename Lane<L>::Number IMPACT_SHARE = static_cast<typename Lane<L>::Number>(0.001);
 
-// Normal speed of points of a pack now.
-template <class L>
-PLUVIA_INLINE L normal_speed(const Pack<L> &pack, const Point<L> &c, const Sides<L> &at) {
-    return parting(at.a, at.b, pack.normal, c.angular_a, c.angular_b);
-}
-
 // The approach velocity of the points that are impacts, else 0: those that bore an
 // impulse in the sub-step, or are met at its end without one, as a corner of a block may
 // be that falls flat: at most half as far off as something at the threshold of restitution
@@ -45,7 +39,7 @@ template <class L>
 PLUVIA_INLINE L impacts(const Point<L> &c, const PointMemory<L> &m, const L &speed,
                         const LaneLaw<typename Lane<L>::Number> &law) {
     const L zero{};
-    const auto met = (c.impulse > zero) | (m.gap_now + speed * law.step <= zero + law.met_gap);
+    const auto met = (c.impulse.x > zero) | (m.gap_now + speed * law.step <= zero + law.met_gap);
     const auto impact = met & (m.approach > zero + law.restitution_speed);
     return impact ? m.approach : zero;
 }
@@ -62,7 +56,7 @@ PLUVIA_INLINE void find_fastest(const Pack<L> &pack, const Point<L> *points,
     if (any) {
         const Sides<L> at(pack, motion);
         for (int p = 0; p < pack.points; ++p) {
-            const L speed = normal_speed(pack, points[p], at);
+            const L speed = parting(at, pack.normal, points[p].angular);
             fastest = larger(fastest, impacts(points[p], memory[p], speed, law));
         }
     }
@@ -77,15 +71,15 @@ PLUVIA_INLINE void begin_compression(const Pack<L> &pack, Point<L> *points, Poin
     for (int p = 0; p < pack.points; ++p) {
         Point<L> &c = points[p];
         PointMemory<L> &m = memory[p];
-        const L speed = normal_speed(pack, c, at);
+        const L speed = parting(at, pack.normal, c.angular);
         m.impact = impacts(c, m, speed, law);
-        m.solved = c.impulse;
+        m.solved = c.impulse.x;
         const auto impact = m.impact > zero;
         const L gap = m.gap_now + speed * law.step;
         c.bias = impact ? zero : c.bias;
         c.normal_mass = impact ? m.mass : c.normal_mass;
         c.softness = impact ? zero : c.softness;
-        const auto apart = (gap > zero + law.closed_gap) & (c.impulse <= zero);
+        const auto apart = (gap > zero + law.closed_gap) & (c.impulse.x <= zero);
         c.most = apart ? zero : c.most;
     }
 }
@@ -100,14 +94,12 @@ PLUVIA_INLINE void begin_restitution(const Pack<L> &pack, Point<L> *points, Poin
         PointMemory<L> &m = memory[p];
         const auto impact = m.impact > zero;
         m.compression = c.impulse;
-        m.compression_1 = c.impulse_1;
-        m.compression_2 = c.impulse_2;
-        c.bias =
-            impact ? L(pack.restitution * m.approach) : smaller(normal_speed(pack, c, at), zero);
+        c.bias = impact ? L(pack.restitution * m.approach)
+                        : smaller(parting(at, pack.normal, c.angular), zero);
         c.normal_mass = m.mass;
         c.softness = zero;
-        c.most = impact ? L(pack.restitution * c.impulse) : c.most;
-        c.impulse = c.impulse_1 = c.impulse_2 = zero;
+        c.most = impact ? L(pack.restitution * c.impulse.x) : c.most;
+        c.impulse = Three<L>{};
     }
 }
 
@@ -121,18 +113,12 @@ PLUVIA_INLINE void store_impact_impulses(const Pack<L> &pack, Point<L> *points,
     for (int p = 0; p < pack.points; ++p) {
         Point<L> &c = points[p];
         PointMemory<L> &m = memory[p];
-        const L all = m.compression + c.impulse;
-        const L all_1 = m.compression_1 + c.impulse_1;
-        const L all_2 = m.compression_2 + c.impulse_2;
+        const Three<L> all = m.compression + c.impulse;
         m.total = m.total + all;
-        m.total_1 = m.total_1 + all_1;
-        m.total_2 = m.total_2 + all_2;
         const L impulse = m.impact > zero ? L(m.mass * m.approach * (pack.restitution + 1)) : zero;
-        const L next = larger(zero, smaller(L(m.solved - impulse), all));
-        const L share = next / larger(all, L(zero + TINY<L>));
-        c.impulse = next;
-        c.impulse_1 = all_1 * share;
-        c.impulse_2 = all_2 * share;
+        const L next = larger(zero, smaller(L(m.solved - impulse), all.x));
+        const L share = next / larger(all.x, L(zero + TINY<L>));
+        c.impulse = {next, all.y * share, all.z * share};
     }
 }
 
@@ -142,8 +128,6 @@ PLUVIA_INLINE void store_force_impulses(const Pack<L> &pack, const Point<L> *poi
                                         PointMemory<L> *memory) {
     for (int p = 0; p < pack.points; ++p) {
         memory[p].total = memory[p].total + points[p].impulse;
-        memory[p].total_1 = memory[p].total_1 + points[p].impulse_1;
-        memory[p].total_2 = memory[p].total_2 + points[p].impulse_2;
     }
 }
 

@@ -61,25 +61,34 @@ template <class L> struct Sides {
     }
 };
 
+// Lets an impulse act in a point.
 template <class L>
-PLUVIA_INLINE void push(Side<L> &a, Side<L> &b, const Three<L> &impulse, const Three<L> &moment_a,
-                        const Three<L> &moment_b) {
-    a.velocity = a.velocity + impulse * a.inverse_mass;
-    a.spin = a.spin + moment_a * a.turns;
-    b.velocity = b.velocity - impulse * b.inverse_mass;
-    b.spin = b.spin - moment_b * b.turns;
+PLUVIA_INLINE void push(Sides<L> &at, const Pack<L> &pack, const Point<L> &c, const Three<L> &by) {
+    const Three<L> impulse = pack.normal * by.x + pack.tangent_1 * by.y + pack.tangent_2 * by.z;
+    const Three<L> moment_a = c.angular.a * by.x + c.angular_1.a * by.y + c.angular_2.a * by.z;
+    const Three<L> moment_b = c.angular.b * by.x + c.angular_1.b * by.y + c.angular_2.b * by.z;
+    at.a.velocity = at.a.velocity + impulse * at.a.inverse_mass;
+    at.a.spin = at.a.spin + moment_a * at.a.turns;
+    at.b.velocity = at.b.velocity - impulse * at.b.inverse_mass;
+    at.b.spin = at.b.spin - moment_b * at.b.turns;
 }
 
 // Speed at which the bodies part along a direction with the angular Jacobians given.
 template <class L>
-PLUVIA_INLINE L parting(const Side<L> &a, const Side<L> &b, const Three<L> &direction,
-                        const Three<L> &angular_a, const Three<L> &angular_b) {
-    return (a.velocity - b.velocity).dot(direction) + a.spin.dot(angular_a) - b.spin.dot(angular_b);
+PLUVIA_INLINE L parting(const Sides<L> &at, const Three<L> &direction, const Jacobian<L> &angular) {
+    return (at.a.velocity - at.b.velocity).dot(direction) + at.a.spin.dot(angular.a) -
+           at.b.spin.dot(angular.b);
 }
 
 // Keeps quotients of nothing by nothing defined.
 template <class L>
 inline constexpr typename Lane<L>::Number TINY = static_cast<typename Lane<L>::Number>(1e-30);
+
+// Share of a friction impulse that is within the cone, in which it is at most `most`.
+template <class L> PLUVIA_INLINE L within_cone(const L &most, const L &first, const L &second) {
+    const L size = root(L(first * first + second * second));
+    return most / larger(most, larger(size, L(L{} + TINY<L>)));
+}
 
 // More than any impulse.
 template <class L>
@@ -124,31 +133,33 @@ template <class L>
 PLUVIA_INLINE L set_jacobians(const Pack<L> &pack, Point<L> &c, const Sides<L> &at,
                               const Three<L> &arm_a, const Three<L> &arm_b,
                               const Symmetric<L> &root_a, const Symmetric<L> &root_b) {
-    c.angular_a = root_a * arm_a.cross(pack.normal);
-    c.angular_b = root_b * arm_b.cross(pack.normal);
-    c.angular_1_a = root_a * arm_a.cross(pack.tangent_1);
-    c.angular_1_b = root_b * arm_b.cross(pack.tangent_1);
-    c.angular_2_a = root_a * arm_a.cross(pack.tangent_2);
-    c.angular_2_b = root_b * arm_b.cross(pack.tangent_2);
+    const auto set = [&](const Three<L> &direction, Jacobian<L> &angular)
+        __attribute__((always_inline)) {
+        angular.a = root_a * arm_a.cross(direction);
+        angular.b = root_b * arm_b.cross(direction);
+    };
+    set(pack.normal, c.angular);
+    set(pack.tangent_1, c.angular_1);
+    set(pack.tangent_2, c.angular_2);
     if ((pack.pressed_a | pack.pressed_b) != 0) {
-        set_pressed(pack, pack.pressed_a, root_a, arm_a, c.angular_a, c.angular_1_a, c.angular_2_a);
-        set_pressed(pack, pack.pressed_b, root_b, arm_b, c.angular_b, c.angular_1_b, c.angular_2_b);
+        set_pressed(pack, pack.pressed_a, root_a, arm_a, c.angular.a, c.angular_1.a, c.angular_2.a);
+        set_pressed(pack, pack.pressed_b, root_b, arm_b, c.angular.b, c.angular_1.b, c.angular_2.b);
     }
     const L zero{};
     const L one = zero + 1;
     const L half = zero + typename Lane<L>::Number(0.5);
     const L least = zero + TINY<L>;
     const L linear = at.a.inverse_mass + at.b.inverse_mass;
-    const auto inverse = [&](const Three<L> &on_a, const Three<L> &on_b, const Three<L> &to_a,
-                             const Three<L> &to_b) __attribute__((always_inline)) {
-        return L(on_a.dot(to_a) * at.a.turns + on_b.dot(to_b) * at.b.turns);
+    const auto inverse = [&](const Jacobian<L> &on, const Jacobian<L> &to)
+        __attribute__((always_inline)) {
+        return L(on.a.dot(to.a) * at.a.turns + on.b.dot(to.b) * at.b.turns);
     };
-    const L normal = linear + inverse(c.angular_a, c.angular_b, c.angular_a, c.angular_b);
-    const L k11 = linear + inverse(c.angular_1_a, c.angular_1_b, c.angular_1_a, c.angular_1_b);
-    const L k22 = linear + inverse(c.angular_2_a, c.angular_2_b, c.angular_2_a, c.angular_2_b);
-    const L k12 = inverse(c.angular_1_a, c.angular_1_b, c.angular_2_a, c.angular_2_b);
-    c.coupling_1 = inverse(c.angular_a, c.angular_b, c.angular_1_a, c.angular_1_b);
-    c.coupling_2 = inverse(c.angular_a, c.angular_b, c.angular_2_a, c.angular_2_b);
+    const L normal = linear + inverse(c.angular, c.angular);
+    const L k11 = linear + inverse(c.angular_1, c.angular_1);
+    const L k22 = linear + inverse(c.angular_2, c.angular_2);
+    const L k12 = inverse(c.angular_1, c.angular_2);
+    c.coupling_1 = inverse(c.angular, c.angular_1);
+    c.coupling_2 = inverse(c.angular, c.angular_2);
     const L apart = (k11 - k22) * half;
     const L softest = (k11 + k22) * half + root(L(apart * apart + k12 * k12));
     c.tangent_mass = one / larger(softest, least);
@@ -223,7 +234,7 @@ PLUVIA_INLINE void prepare(const Pack<L> &pack, Point<L> *points, PointMemory<L>
         const Three<L> apart = pack.normal * m.gap + displacement;
         m.mass = set_jacobians(pack, c, at, arm_a - apart * share_a, arm_b + apart * share_b,
                                root_a, root_b);
-        m.approach = zero - parting(at.a, at.b, pack.normal, c.angular_a, c.angular_b);
+        m.approach = zero - parting(at, pack.normal, c.angular);
 
         const L stiff = zero + law.step * law.stiffness;
         const L firm = root(m.mass) * law.damping + stiff;
@@ -239,11 +250,10 @@ PLUVIA_INLINE void prepare(const Pack<L> &pack, Point<L> *points, PointMemory<L>
         c.softness = closed ? softness : zero;
         c.most = zero + UNLIMITED<L>;
         // Friction that a solved contact was left with beyond its cone is not begun with.
-        const L most = pack.friction * c.impulse;
-        const L size = root(L(c.impulse_1 * c.impulse_1 + c.impulse_2 * c.impulse_2));
-        const L scale = most / larger(L(most), larger(size, L(zero + TINY<L>)));
-        c.impulse_1 = c.impulse_1 * scale;
-        c.impulse_2 = c.impulse_2 * scale;
+        const L most = pack.friction * c.impulse.x;
+        const L scale = within_cone(most, c.impulse.y, c.impulse.z);
+        c.impulse.y = c.impulse.y * scale;
+        c.impulse.z = c.impulse.z * scale;
     }
 }
 
@@ -251,7 +261,7 @@ PLUVIA_INLINE void prepare(const Pack<L> &pack, Point<L> *points, PointMemory<L>
 template <class L> PLUVIA_INLINE bool bears(const Pack<L> &pack, const Point<L> *points) {
     bool any = false;
     for (int p = 0; p < pack.points; ++p) {
-        any = any || any_larger(points[p].impulse, 0);
+        any = any || any_larger(points[p].impulse.x, 0);
     }
     return any;
 }
@@ -261,11 +271,7 @@ template <class L>
 PLUVIA_INLINE void warm_start(const Pack<L> &pack, const Point<L> *points, Records<L> *motion) {
     Sides<L> at(pack, motion);
     for (int p = 0; p < pack.points; ++p) {
-        const Point<L> &c = points[p];
-        push(at.a, at.b,
-             pack.normal * c.impulse + pack.tangent_1 * c.impulse_1 + pack.tangent_2 * c.impulse_2,
-             c.angular_a * c.impulse + c.angular_1_a * c.impulse_1 + c.angular_2_a * c.impulse_2,
-             c.angular_b * c.impulse + c.angular_1_b * c.impulse_1 + c.angular_2_b * c.impulse_2);
+        push(at, pack, points[p], points[p].impulse);
     }
     at.put_back(pack, motion);
 }

@@ -152,9 +152,9 @@ template <class L> void load(const Contacts &contacts, std::size_t i, Problem<L>
             put(m.gap, static_cast<double>(contact.points[p].gap));
             const Vec borne = three(load.impulse);
             const double kept = static_cast<double>(load.warm_start) / contacts.law.substeps;
-            put(c.impulse, std::max(0.0, borne.dot(normal)) * kept);
-            put(c.impulse_1, borne.dot(tangent_1) * kept);
-            put(c.impulse_2, borne.dot(tangent_2) * kept);
+            set_three(c.impulse, lane,
+                      {std::max(0.0, borne.dot(normal)) * kept, borne.dot(tangent_1) * kept,
+                       borne.dot(tangent_2) * kept});
         }
     }
 }
@@ -171,15 +171,13 @@ template <class L> void unload(const Problem<L> &problem, const Contacts &contac
         for (int p = 0; p < contacts.places[number].points; ++p) {
             const auto at = static_cast<std::size_t>(pack.first + p);
             const PointMemory<L> &m = problem.memory[at];
-            const double impulse = get(m.total);
-            const Vec borne = three_of(pack.normal) * impulse +
-                              three_of(pack.tangent_1) * get(m.total_1) +
-                              three_of(pack.tangent_2) * get(m.total_2);
+            const Vec total = three_of(m.total);
+            const Vec borne = three_of(pack.normal) * total.x + three_of(pack.tangent_1) * total.y +
+                              three_of(pack.tangent_2) * total.z;
             Load &load = contacts.touching[number].state->loads[p];
             store(borne, load.impulse);
-            load.warm_start = static_cast<float>(impulse > 0 ? get(problem.all.points[at].impulse) *
-                                                                   contacts.law.substeps / impulse
-                                                             : 1);
+            const double last = get(problem.all.points[at].impulse.x) * contacts.law.substeps;
+            load.warm_start = static_cast<float>(total.x > 0 ? last / total.x : 1);
         }
     }
 }

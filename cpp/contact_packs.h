@@ -19,20 +19,22 @@ template <class L> struct alignas(64) Pack {
     L friction, restitution;
 };
 
-// A point of each pair of a pack: what iterations read and write.
+// The angular Jacobians of a direction, of either body.
+template <class L> struct Jacobian { Three<L> a, b; };
+
+// A point of each pair of a pack: what iterations read and write. Impulses have three components,
+// along the normal and the two tangents.
 //
 // A body turns in these numbers by the root of its inertia times its spin, on
 // which an impulse acts by the angular Jacobian alone: the root of the inverse inertia
 // times the moment of a unit impulse along normal or tangent.
 template <class L> struct alignas(64) Point {
-    Three<L> angular_a, angular_b;     // of the normal
-    Three<L> angular_1_a, angular_1_b; // of the tangents
-    Three<L> angular_2_a, angular_2_b;
+    Jacobian<L> angular, angular_1, angular_2; // of the normal, of the tangents
     L coupling_1, coupling_2; // normal speed that a unit impulse along a tangent gives
     L tangent_mass;
     L bias, normal_mass, softness;
-    L most;                          // that the normal impulse may become
-    L impulse, impulse_1, impulse_2; // of the sub-step
+    L most;           // that the normal impulse may become
+    Three<L> impulse; // of the sub-step
 };
 
 // A moment arm, and what of its point turns with the body. `turns` is 1, or 0 on a sphere, which
@@ -57,12 +59,13 @@ template <class L> struct alignas(64) PointMemory {
     L gap_now, approach, mass; // when the sub-step began; `mass` along the normal
     // Of a sub-step with impacts: the approach velocity of an impact (0 for what is none), the
     // normal impulse without restitution, and all that compression has brought it to.
-    L impact, solved, compression, compression_1, compression_2;
-    L total, total_1, total_2; // impulses of the step
+    L impact, solved;
+    Three<L> compression;
+    Three<L> total; // impulse of the step
 };
 
 // Of a point of each pair: what the iteration before the last ended with.
-template <class L> struct alignas(64) Search { L impulse, impulse_1, impulse_2; };
+template <class L> struct alignas(64) Search { Three<L> impulse; };
 
 // Bodies in records, each kind by itself: what iterations read and write is the
 // motion alone. A body that is driven or stands still keeps its motion.

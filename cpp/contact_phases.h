@@ -170,8 +170,7 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
         packs([&](const auto &pack, auto *points, auto *, auto *search, std::size_t)
                   __attribute__((always_inline)) {
                       for (int n = 0; n < pack.points; ++n) {
-                          const Point<L> &c = points[n];
-                          search[n] = {c.impulse, c.impulse_1, c.impulse_2};
+                          search[n].impulse = points[n].impulse;
                       }
                   });
         break;

@@ -20,16 +20,14 @@ PLUVIA_INLINE void add_residual(const Pack<L> &pack, const Point<L> *points,
     const Sides<L> at(pack, motion);
     for (int p = 0; p < pack.points; ++p) {
         const Point<L> &c = points[p];
-        const L speed = parting(at.a, at.b, pack.normal, c.angular_a, c.angular_b);
-        const L slip_1 = parting(at.a, at.b, pack.tangent_1, c.angular_1_a, c.angular_1_b);
-        const L slip_2 = parting(at.a, at.b, pack.tangent_2, c.angular_2_a, c.angular_2_b);
-        const L wanted =
-            larger(zero, L(c.impulse - c.normal_mass * (speed - c.bias + c.softness * c.impulse)));
-        const L next_1 = c.impulse_1 - c.tangent_mass * slip_1;
-        const L next_2 = c.impulse_2 - c.tangent_mass * slip_2;
-        const L most = pack.friction * c.impulse;
-        const L size = root(L(next_1 * next_1 + next_2 * next_2));
-        const L scale = most / larger(L(most), larger(size, L(zero + TINY<L>)));
+        const L speed = parting(at, pack.normal, c.angular);
+        const L slip_1 = parting(at, pack.tangent_1, c.angular_1);
+        const L slip_2 = parting(at, pack.tangent_2, c.angular_2);
+        const L error = speed - c.bias + c.softness * c.impulse.x;
+        const L wanted = larger(zero, L(c.impulse.x - c.normal_mass * error));
+        const L next_1 = c.impulse.y - c.tangent_mass * slip_1;
+        const L next_2 = c.impulse.z - c.tangent_mass * slip_2;
+        const L scale = within_cone(L(pack.friction * c.impulse.x), next_1, next_2);
         for (int i = 0; i < Lane<L>::WIDTH; ++i) {
             const auto get = [i](const L &lanes) {
                 return static_cast<double>(Lane<L>::get(lanes, i));
@@ -39,12 +37,12 @@ PLUVIA_INLINE void add_residual(const Pack<L> &pack, const Point<L> *points,
                 continue;
             }
             const auto square = [](double x) { return x * x; };
-            const double off = get(c.impulse) - get(wanted);
-            const double off_1 = get(c.impulse_1) - get(next_1) * get(scale);
-            const double off_2 = get(c.impulse_2) - get(next_2) * get(scale);
+            const double off = get(c.impulse.x) - get(wanted);
+            const double off_1 = get(c.impulse.y) - get(next_1) * get(scale);
+            const double off_2 = get(c.impulse.z) - get(next_2) * get(scale);
             sum.error += square(off) / normal_mass + (square(off_1) + square(off_2)) / tangent_mass;
-            sum.impulse += square(get(c.impulse)) / normal_mass +
-                           (square(get(c.impulse_1)) + square(get(c.impulse_2))) / tangent_mass;
+            sum.impulse += square(get(c.impulse.x)) / normal_mass +
+                           (square(get(c.impulse.y)) + square(get(c.impulse.z))) / tangent_mass;
         }
     }
 }
@@ -78,14 +76,14 @@ void record_contacts(const Pack<L> &pack, const Point<L> *points, const PointMem
             out.contacts.push_back(pack.a[i]);
             out.contacts.push_back(pack.b[i]);
             for (const Three<L> *v :
-                 {&pack.normal, &c.angular_a, &c.angular_b, &pack.tangent_1, &c.angular_1_a,
-                  &c.angular_1_b, &pack.tangent_2, &c.angular_2_a, &c.angular_2_b}) {
+                 {&pack.normal, &c.angular.a, &c.angular.b, &pack.tangent_1, &c.angular_1.a,
+                  &c.angular_1.b, &pack.tangent_2, &c.angular_2.a, &c.angular_2.b}) {
                 put(v->x);
                 put(v->y);
                 put(v->z);
             }
             for (const L *lanes : {&pack.friction, &c.bias, &c.softness, &memory[p].approach,
-                                   &pack.restitution, &c.impulse, &c.impulse_1, &c.impulse_2}) {
+                                   &pack.restitution, &c.impulse.x, &c.impulse.y, &c.impulse.z}) {
                 put(*lanes);
             }
         }

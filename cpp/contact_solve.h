@@ -36,47 +36,45 @@ template <Solved WHAT, Half HALF, class L>
 PLUVIA_INLINE void solve(const Pack<L> &pack, Point<L> &c, Search<L> &last, const L &beta,
                          Sides<L> &at, Unsolved<L> &unsolved) {
     const L zero{};
-    L borne = c.impulse;
+    L borne = c.impulse.x;
     if (HALF == Half::There) {
         const auto go_on = [&](L & impulse, L & then) __attribute__((always_inline)) {
             const L now = impulse;
             impulse = now + (now - then) * beta;
             then = now;
         };
-        go_on(c.impulse, last.impulse);
-        go_on(c.impulse_1, last.impulse_1);
-        go_on(c.impulse_2, last.impulse_2);
-        borne = larger(zero, c.impulse);
+        go_on(c.impulse.x, last.impulse.x);
+        go_on(c.impulse.y, last.impulse.y);
+        go_on(c.impulse.z, last.impulse.z);
+        borne = larger(zero, c.impulse.x);
     }
-    const L slip_1 = parting(at.a, at.b, pack.tangent_1, c.angular_1_a, c.angular_1_b);
-    const L slip_2 = parting(at.a, at.b, pack.tangent_2, c.angular_2_a, c.angular_2_b);
-    L next_1 = c.impulse_1 - c.tangent_mass * slip_1;
-    L next_2 = c.impulse_2 - c.tangent_mass * slip_2;
+    const L slip_1 = parting(at, pack.tangent_1, c.angular_1);
+    const L slip_2 = parting(at, pack.tangent_2, c.angular_2);
+    L next_1 = c.impulse.y - c.tangent_mass * slip_1;
+    L next_2 = c.impulse.z - c.tangent_mass * slip_2;
     const L most = pack.friction * borne;
     const L size = root(L(next_1 * next_1 + next_2 * next_2 + TINY<L>));
     // min(1, most/size), for size 0 as well.
     const L scale = most / larger(most, size);
     next_1 = next_1 * scale;
     next_2 = next_2 * scale;
-    const L more_1 = next_1 - c.impulse_1;
-    const L more_2 = next_2 - c.impulse_2;
-    c.impulse_1 = next_1;
-    c.impulse_2 = next_2;
+    const L more_1 = next_1 - c.impulse.y;
+    const L more_2 = next_2 - c.impulse.z;
+    c.impulse.y = next_1;
+    c.impulse.z = next_2;
 
-    const L speed = parting(at.a, at.b, pack.normal, c.angular_a, c.angular_b) +
-                    (c.coupling_1 * more_1 + c.coupling_2 * more_2);
-    const L error = speed - c.bias + c.softness * c.impulse;
-    L next = larger(zero, L(c.impulse - c.normal_mass * error));
+    const L speed =
+        parting(at, pack.normal, c.angular) + (c.coupling_1 * more_1 + c.coupling_2 * more_2);
+    const L error = speed - c.bias + c.softness * c.impulse.x;
+    L next = larger(zero, L(c.impulse.x - c.normal_mass * error));
     if (WHAT == Solved::Impacts) {
         next = smaller(next, c.most);
     } else if (HALF == Half::Back) {
         unsolved.speed = larger(unsolved.speed, L(zero - error));
     }
-    const L more = next - c.impulse;
-    c.impulse = next;
-    push(at.a, at.b, pack.normal * more + pack.tangent_1 * more_1 + pack.tangent_2 * more_2,
-         c.angular_a * more + c.angular_1_a * more_1 + c.angular_2_a * more_2,
-         c.angular_b * more + c.angular_1_b * more_1 + c.angular_2_b * more_2);
+    const L more = next - c.impulse.x;
+    c.impulse.x = next;
+    push(at, pack, c, {more, more_1, more_2});
 }
 
 // All points of a pack, one after the other.
