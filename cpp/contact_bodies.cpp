@@ -1,7 +1,7 @@
 #include "contact_bodies.h"
 
 #include "convert.h"
-#include "prefetch.h"
+#include "pool.h"
 
 #include <LinearMath/btTransformUtil.h>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "contact_law.h"
-#include "unset.h"
+#include "pool.h"
 
 namespace pluvia {
 

@@ -2,7 +2,7 @@
 
 #include "contact_load.h"
 #include "pluvia/src/world/bullet/ffi.rs.h"
-#include "prefetch.h"
+#include "pool.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 #include "hull_algorithm.h"
 
 #include "pluvia/src/world/bullet/ffi.rs.h"
-#include "prefetch.h"
+#include "pool.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>

@@ -1,7 +1,7 @@
 #include "hull_bodies.h"
 
 #include "convert.h"
-#include "prefetch.h"
+#include "pool.h"
 #include "shapes.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>

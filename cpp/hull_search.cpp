@@ -1,7 +1,6 @@
 #include "hull_search.h"
 
 #include "bodies.h"
-#include "prefetch.h"
 
 #include <algorithm>
 #include <new>

@@ -4,7 +4,6 @@
 #include "contact_solver.h"
 #include "engine_world.h"
 #include "hull_search.h"
-#include "sharing.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 

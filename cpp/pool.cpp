@@ -1,7 +1,5 @@
 #include "pool.h"
 
-#include <new>
-
 #if defined(__linux__)
 #include <sys/mman.h>
 #endif

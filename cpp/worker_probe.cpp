@@ -1,6 +1,5 @@
 #include "worker_probe.h"
 
-#include "sharing.h"
 #include "workers.h"
 
 #include <algorithm>
