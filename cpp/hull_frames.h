@@ -8,31 +8,20 @@
 
 namespace pluvia {
 
-class PairFrames {
+class PairFrames : protected PairCase {
   protected:
-    const AxisKernels &kernels_;
-    const HullData &a_, &b_;
-    const Rigid &pose_a_, &pose_b_;
-    const PairMotion &motion_;
-    const PairSettings &settings_;
-    PairMemory &memory_;
-    PairScratch &scratch_;
-    PairContact &out_;
     const double radii_; // of the balls that sweep them
     const Rigid b_to_a_, a_to_b_;
     // Of the smaller body in the frame of the larger: the bound on its motion is tighter.
     const Relative now_;
 
     explicit PairFrames(const PairCase &c)
-        : kernels_(c.kernels), a_(c.a), b_(c.b), pose_a_(c.pose_a), pose_b_(c.pose_b),
-          motion_(c.motion), settings_(c.settings), memory_(c.memory), scratch_(c.scratch),
-          out_(c.out), radii_(a_.rounding + b_.rounding), b_to_a_(Rigid::between(pose_b_, pose_a_)),
-          a_to_b_(b_to_a_.inverse()), now_((b_.radius <= a_.radius ? b_to_a_ : a_to_b_).rounded()) {
-    }
+        : PairCase(c), radii_(a.rounding + b.rounding), b_to_a_(Rigid::between(pose_b, pose_a)),
+          a_to_b_(b_to_a_.inverse()), now_((b.radius <= a.radius ? b_to_a_ : a_to_b_).rounded()) {}
 
     // Where a face of A (`is_a`) or of B is the reference.
-    const HullData &reference(bool is_a) const { return is_a ? a_ : b_; }
-    const HullData &incident(bool is_a) const { return is_a ? b_ : a_; }
+    const HullData &reference(bool is_a) const { return is_a ? a : b; }
+    const HullData &incident(bool is_a) const { return is_a ? b : a; }
     const Rigid &from_incident(bool is_a) const { return is_a ? b_to_a_ : a_to_b_; }
     const Rigid &to_incident(bool is_a) const { return is_a ? a_to_b_ : b_to_a_; }
     static Vec &on_reference(bool is_a, PairPoint &point) { return is_a ? point.on_a : point.on_b; }
@@ -45,48 +34,48 @@ class PairFrames {
         float axis_a[3], axis_b[3];
         store(axis, axis_a);
         store(b_to_a_.turn_back(axis), axis_b);
-        return kernels_.gap_along(a_, b_, axis_a, axis_b, static_cast<float>(axis.dot(b_to_a_.t)));
+        return kernels.gap_along(a, b, axis_a, axis_b, static_cast<float>(axis.dot(b_to_a_.t)));
     }
 
     // How far any point of one body, or of its core, can have come in the frame of the other since
     // it was at `then`. A gap along an axis changes by no more, so the widest does not either.
     float moved(const Relative &then) const {
-        return farthest_way(then, now_, std::min(a_.core_radius(), b_.core_radius()));
+        return farthest_way(then, now_, std::min(a.core_radius(), b.core_radius()));
     }
 
     // Whether the points of a face contact can stay where they are on their bodies. Corners that
     // were out of the margin when they were found may land now.
     bool holds_face() const {
         const bool farther =
-            settings_.speculative_margin > static_cast<double>(memory_.met_margin) + settings_.hold;
-        return memory_.last.count > 0 && !farther &&
-               !(static_cast<double>(moved(memory_.met_at)) > settings_.hold);
+            settings.speculative_margin > static_cast<double>(memory.met_margin) + settings.hold;
+        return memory.last.count > 0 && !farther &&
+               !(static_cast<double>(moved(memory.met_at)) > settings.hold);
     }
 
     // What `holds_face` goes on with.
     void remember_plane(const HullData &reference, int face) {
-        memory_.met_at = now_;
-        memory_.met_margin = static_cast<float>(settings_.speculative_margin);
-        store(reference.normal(face), memory_.plane_normal);
-        memory_.plane_offset = reference.offset[face];
+        memory.met_at = now_;
+        memory.met_margin = static_cast<float>(settings.speculative_margin);
+        store(reference.normal(face), memory.plane_normal);
+        memory.plane_offset = reference.offset[face];
     }
 
     void remember(Feature feature, int first, int second) {
-        memory_.feature = feature;
-        memory_.first = first;
-        memory_.second = second;
+        memory.feature = feature;
+        memory.first = first;
+        memory.second = second;
     }
 
     void turn_normal(bool is_a, const Vec &normal) {
-        out_.normal = is_a ? pose_a_.turn(normal) : -pose_b_.turn(normal);
+        out.normal = is_a ? pose_a.turn(normal) : -pose_b.turn(normal);
     }
 
     // The incident face of a reference face; `before` is kept while it will do.
     Incident meet(bool is_a, int face, int before) const {
         Incident found =
             incident_face(incident(is_a), to_incident(is_a).turn(reference(is_a).normal(face)),
-                          before, settings_.hysteresis);
-        if (memory_.recalled && before >= 0) {
+                          before, settings.hysteresis);
+        if (memory.recalled && before >= 0) {
             found.face = before;
         }
         return found;
@@ -96,8 +85,8 @@ class PairFrames {
     // between the bodies.
     void clip(bool is_a, int face, int other) {
         clip_face(reference(is_a), face, incident(is_a), other, from_incident(is_a),
-                  settings_.speculative_margin + radii_, scratch_.clip);
-        for (ClipPoint &point : scratch_.clip.points) {
+                  settings.speculative_margin + radii_, scratch.clip);
+        for (ClipPoint &point : scratch.clip.points) {
             point.id |= mark(is_a);
             point.gap -= radii_;
         }
@@ -106,14 +95,26 @@ class PairFrames {
     // Moves those that hold the bodies best to the front, and returns their number.
     int best_points(const Vec &normal) {
         std::uint32_t known[MOST_POINTS];
-        const int count = memory_.last.count;
+        const int count = memory.last.count;
         for (int i = 0; i < count; ++i) {
-            known[i] = memory_.last.points[i].id;
+            known[i] = memory.last.points[i].id;
         }
-        auto &points = scratch_.clip.points;
-        return memory_.recalled ? keep_points(points, settings_.hysteresis, known, count)
-                                : reduce_points(points, normal, settings_.speculative_margin,
-                                                settings_.hysteresis, known, count);
+        auto &points = scratch.clip.points;
+        return memory.recalled ? keep_points(points, settings.hysteresis, known, count)
+                               : reduce_points(points, normal, settings.speculative_margin,
+                                               settings.hysteresis, known, count);
+    }
+
+    // Whether bodies come so fast that corners beside those clipped may land within the step.
+    bool may_land() const { return settings.approach > settings.speculative_margin / 2; }
+
+    // Adds such corners to the first `count` points, whose gaps are those of the cores, and returns
+    // how many there are now. `end`: from B's frame to A's at the end of the step.
+    int land(bool is_a, int face, const Rigid &end, int count) {
+        return add_landing({reference(is_a), face, incident(is_a), from_incident(is_a),
+                            is_a ? end : end.inverse(), mark(is_a)},
+                           settings.speculative_margin + radii_, settings.hysteresis,
+                           scratch.clip.points, count);
     }
 
     // A point of the incident hull and what it is above along `normal`, in the frame of

@@ -86,6 +86,13 @@ struct PairMemory {
     // The contact of the last step, which who calls puts here. At the end: of most
     // pairs only the first points are ever read.
     KeptContact last;
+
+    // Nothing touches any more, and no axis is known.
+    void let_go() {
+        feature = Feature::None;
+        has_axis = false;
+        recalled = false;
+    }
 };
 
 // How far any point of a body can have come from one place to another: |t - t'| +

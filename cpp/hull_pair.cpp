@@ -18,21 +18,21 @@ class Pair : PairFrames {
     explicit Pair(const PairCase &pair) : PairFrames(pair) {}
 
     void run() {
-        const bool fresh = memory_.feature == Feature::None;
-        if (fresh && memory_.has_axis && still_apart()) {
+        const bool fresh = memory.feature == Feature::None;
+        if (fresh && memory.has_axis && still_apart()) {
             return;
         }
-        if (!fresh && (memory_.recalled ? keep_recalled() : hold())) {
+        if (!fresh && (memory.recalled ? keep_recalled() : hold())) {
             return;
         }
         // No axis can have a wider gap now than this.
-        const float bound = fresh ? 0 : memory_.widest + moved(memory_.pose);
+        const float bound = fresh ? 0 : memory.widest + moved(memory.pose);
         if (!fresh && keep(bound)) {
             return;
         }
         relative_ = b_to_a_.rounded();
-        scratch_.axis.fit(a_, b_);
-        kernels_.faces(a_, b_, relative_, scratch_.axis, faces_);
+        scratch.axis.fit(a, b);
+        kernels.faces(a, b, relative_, scratch.axis, faces_);
         const bool is_a = faces_.gap_a >= faces_.gap_b;
         const float widest = is_a ? faces_.gap_a : faces_.gap_b;
         if (widest > margin()) {
@@ -45,8 +45,8 @@ class Pair : PairFrames {
             part(three(edges_.axis), edges_.gap);
             return;
         }
-        memory_.widest = edges_.edge_a >= 0 ? edges_.gap : widest;
-        memory_.pose = now_;
+        memory.widest = edges_.edge_a >= 0 ? edges_.gap : widest;
+        memory.pose = now_;
         if (edges_.gap <= widest + preference()) {
             edges_.edge_a = -1;
         }
@@ -62,63 +62,63 @@ class Pair : PairFrames {
     int incident_ = -1;  // the face found last to meet a reference face
     double deepest_ = 0; // of the points made last
 
-    float margin() const { return static_cast<float>(settings_.speculative_margin); }
-    float preference() const { return static_cast<float>(settings_.face_preference); }
+    float margin() const { return static_cast<float>(settings.speculative_margin); }
+    float preference() const { return static_cast<float>(settings.face_preference); }
     // Whether the axis that parted the pair does so still.
     bool still_apart() {
-        memory_.widest = static_cast<float>(gap_along(three(memory_.axis)));
-        return memory_.widest > margin();
+        memory.widest = static_cast<float>(gap_along(three(memory.axis)));
+        return memory.widest > margin();
     }
 
     // What touched when another pair found it touches still; a search might
     // find what is better by no more than it may have been then.
     bool keep_recalled() {
-        memory_.pose = now_;
+        memory.pose = now_;
         const bool kept = keep(ANY);
-        memory_.recalled = false;
+        memory.recalled = false;
         return kept;
     }
 
     // The points of the last step, at the gaps they have now; of edges, where
     // they come closest now. False where there are none.
     bool hold() {
-        if (memory_.feature == Feature::Edges) {
-            return moved(memory_.pose) <= settings_.hold && keep_edges(ANY);
+        if (memory.feature == Feature::Edges) {
+            return moved(memory.pose) <= settings.hold && keep_edges(ANY);
         }
         if (!holds_face()) {
             return false;
         }
-        const bool is_a = memory_.feature == Feature::FaceOfA;
-        const Vec normal = three(memory_.plane_normal);
+        const bool is_a = memory.feature == Feature::FaceOfA;
+        const Vec normal = three(memory.plane_normal);
         ClipPoint points[MOST_POINTS];
-        for (int i = 0; i < memory_.last.count; ++i) {
-            const KeptPoint &before = memory_.last.points[i];
+        for (int i = 0; i < memory.last.count; ++i) {
+            const KeptPoint &before = memory.last.points[i];
             const Vec x = from_incident(is_a).apply(three(is_a ? before.on_b : before.on_a));
-            const double gap = normal.dot(x) - static_cast<double>(memory_.plane_offset);
+            const double gap = normal.dot(x) - static_cast<double>(memory.plane_offset);
             points[i] = {x, gap, before.id};
         }
-        put(is_a, normal, points, memory_.last.count);
-        out_.held = true;
+        put(is_a, normal, points, memory.last.count);
+        out.held = true;
         return true;
     }
 
     void find_edges(float best, float depth) {
-        kernels_.edges(a_, b_, relative_, faces_, best, margin(), depth, scratch_.axis, edges_);
+        kernels.edges(a, b, relative_, faces_, best, margin(), depth, scratch.axis, edges_);
     }
 
     // Apart by more than the speculative margin along an axis.
     void part(const Vec &axis, float gap) {
-        memory_.widest = gap;
-        memory_.feature = Feature::None;
-        memory_.has_axis = true;
-        store(axis, memory_.axis);
+        memory.widest = gap;
+        memory.feature = Feature::None;
+        memory.has_axis = true;
+        store(axis, memory.axis);
     }
 
     void part_along_face() {
-        const AxisScratch &s = scratch_.axis;
+        const AxisScratch &s = scratch.axis;
         const int f = faces_.face_b;
         if (faces_.gap_a >= faces_.gap_b) {
-            part(a_.normal(faces_.face_a), faces_.gap_a);
+            part(a.normal(faces_.face_a), faces_.gap_a);
         } else {
             part(-Vec{s.bnx[f], s.bny[f], s.bnz[f]}, faces_.gap_b);
         }
@@ -127,23 +127,23 @@ class Pair : PairFrames {
     // Goes on with the feature of the last step if it is nearly the best and
     // its points bear it out.
     bool keep(double best) {
-        const double least = best - settings_.hysteresis;
-        if (memory_.feature == Feature::Edges) {
+        const double least = best - settings.hysteresis;
+        if (memory.feature == Feature::Edges) {
             return keep_edges(least);
         }
-        const bool is_a = memory_.feature == Feature::FaceOfA;
-        const double gap = meet_face(is_a, memory_.first, memory_.second);
+        const bool is_a = memory.feature == Feature::FaceOfA;
+        const double gap = meet_face(is_a, memory.first, memory.second);
         if (gap < least) {
             return false;
         }
-        take_face(is_a, memory_.first);
+        take_face(is_a, memory.first);
         // What is recalled may have been held for longer than a search would keep it.
-        return out_.count > 0 && (memory_.recalled || deepest_ <= gap + settings_.hysteresis);
+        return out.count > 0 && (memory.recalled || deepest_ <= gap + settings.hysteresis);
     }
 
     bool keep_edges(double least) {
-        const double slack = settings_.hysteresis;
-        const EdgeContact edge = edge_contact(a_, memory_.first, b_, memory_.second, b_to_a_);
+        const double slack = settings.hysteresis;
+        const EdgeContact edge = edge_contact(a, memory.first, b, memory.second, b_to_a_);
         if (!edge.defined || edge.off > slack) {
             return false;
         }
@@ -162,38 +162,37 @@ class Pair : PairFrames {
         }
         const int face = is_a ? faces_.face_a : faces_.face_b;
         const PairFace passed =
-            passing_face(kernels_, a_, b_, pose_a_, pose_b_, motion_, settings_.hysteresis,
-                         {is_a, face}, scratch_.axis, scratch_.ahead);
+            passing_face(kernels, a, b, pose_a, pose_b, motion, settings.hysteresis, {is_a, face},
+                         scratch.axis, scratch.ahead);
         meet_face(passed.is_a, passed.face, -1);
         take_face(passed.is_a, passed.face);
         if (passed != PairFace{is_a, face}) {
             forget_without_points();
             return;
         }
-        if (out_.count > 0 && deepest_ <= static_cast<double>(widest) + settings_.face_preference) {
+        if (out.count > 0 && deepest_ <= static_cast<double>(widest) + settings.face_preference) {
             return;
         }
         // The face's plane is as good as any axis, but no face of the other
         // body lies against it: edges that are hardly worse, then.
         find_edges(widest - preference(), depth);
         if (edges_.edge_a >= 0 && edges_.gap > margin()) {
-            out_.count = 0;
+            out.count = 0;
             part(three(edges_.axis), edges_.gap);
             return;
         }
         if (edges_.edge_a >= 0 && take_edges()) {
             return;
         }
-        if (out_.count == 0 && widest < 0) {
+        if (out.count == 0 && widest < 0) {
             take_lowest(is_a, face);
         }
         forget_without_points();
     }
 
     void forget_without_points() {
-        if (out_.count == 0) {
-            memory_.feature = Feature::None;
-            memory_.has_axis = false;
+        if (out.count == 0) {
+            memory.let_go();
         }
     }
 
@@ -201,9 +200,9 @@ class Pair : PairFrames {
     // is highest and lowest along their axis: edges that are nearly parallel
     // may have an axis close to that of a face, where others are.
     bool take_edges() {
-        const EdgeContact edge = edge_contact(a_, edges_.edge_a, b_, edges_.edge_b, b_to_a_);
-        const double highest = std::min(static_cast<double>(edges_.gap) + settings_.face_preference,
-                                        settings_.speculative_margin);
+        const EdgeContact edge = edge_contact(a, edges_.edge_a, b, edges_.edge_b, b_to_a_);
+        const double highest = std::min(static_cast<double>(edges_.gap) + settings.face_preference,
+                                        settings.speculative_margin);
         if (!edge.defined || edge.gap > highest) {
             return false;
         }
@@ -213,10 +212,10 @@ class Pair : PairFrames {
     }
 
     void take(const EdgeContact &edge) {
-        out_.count = 1;
-        out_.normal = pose_a_.turn(edge.axis);
-        out_.points[0] = {edge.on_a, a_to_b_.apply(edge.on_b), edge.gap,
-                          packed(Feature::Edges, memory_.first, memory_.second)};
+        out.count = 1;
+        out.normal = pose_a.turn(edge.axis);
+        out.points[0] = {edge.on_a, a_to_b_.apply(edge.on_b), edge.gap,
+                         packed(Feature::Edges, memory.first, memory.second)};
         deepest_ = edge.gap;
         add_beside(edge);
     }
@@ -224,7 +223,7 @@ class Pair : PairFrames {
     // Adds the points of a face that the edges' contact is almost one of.
     void add_beside(const EdgeContact &edge) {
         const auto [is_a, face] =
-            flat_face(a_, memory_.first, b_, memory_.second, edge.axis, b_to_a_, memory_.last);
+            flat_face(a, memory.first, b, memory.second, edge.axis, b_to_a_, memory.last);
         if (face < 0) {
             return;
         }
@@ -232,11 +231,11 @@ class Pair : PairFrames {
         const Vec at = is_a ? edge.on_b : a_to_b_.apply(edge.on_a);
         meet_face(is_a, face, -1);
         clip(is_a, face, incident_);
-        keep_beside({at, edge.gap, normal.dot(reference(is_a).normal(face))}, settings_.hysteresis,
-                    settings_.face_preference, scratch_.clip.points);
+        keep_beside({at, edge.gap, normal.dot(reference(is_a).normal(face))}, settings.hysteresis,
+                    settings.face_preference, scratch.clip.points);
         const int count = best_points(normal);
-        for (int k = 0; k < count && out_.count < MOST_POINTS; ++k) {
-            out_.points[out_.count++] = pair_point(is_a, normal, scratch_.clip.points[k]);
+        for (int k = 0; k < count && out.count < MOST_POINTS; ++k) {
+            out.points[out.count++] = pair_point(is_a, normal, scratch.clip.points[k]);
         }
     }
 
@@ -254,20 +253,16 @@ class Pair : PairFrames {
     // Makes a reference face and the incident face found for it the contact.
     void take_face(bool is_a, int face) {
         const HullData &reference = this->reference(is_a);
-        auto &points = scratch_.clip.points;
+        auto &points = scratch.clip.points;
         const Vec normal = reference.normal(face);
         clip(is_a, face, incident_);
-        deepest_ = settings_.speculative_margin;
+        deepest_ = settings.speculative_margin;
         for (const ClipPoint &point : points) {
             deepest_ = std::min(deepest_, point.gap);
         }
         int count = best_points(normal);
-        if (settings_.approach > settings_.speculative_margin / 2) {
-            const Rigid ahead = b_to_a_ahead(pose_a_, pose_b_, motion_);
-            const Rigid end = is_a ? ahead : ahead.inverse();
-            count =
-                add_landing({reference, face, incident(is_a), from_incident(is_a), end, mark(is_a)},
-                            settings_.speculative_margin, settings_.hysteresis, points, count);
+        if (may_land()) {
+            count = land(is_a, face, b_to_a_ahead(pose_a, pose_b, motion), count);
         }
         put(is_a, normal, points.data(), count);
         remember(face_of(is_a), face, incident_);
@@ -285,10 +280,10 @@ class Pair : PairFrames {
     }
 
     void put(bool is_a, const Vec &normal, const ClipPoint *points, int count) {
-        out_.count = count;
+        out.count = count;
         turn_normal(is_a, normal);
         for (int k = 0; k < count; ++k) {
-            out_.points[k] = pair_point(is_a, normal, points[k]);
+            out.points[k] = pair_point(is_a, normal, points[k]);
         }
     }
 };

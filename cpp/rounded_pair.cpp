@@ -36,7 +36,7 @@ class RoundedPair : PairFrames {
     // Looks how far the cores are apart. Returns the gap of the bodies, or a lower bound that is
     // above `enough`.
     double look(double enough) {
-        cores_ = core_distance(a_, b_, b_to_a_, enough + radii_);
+        cores_ = core_distance(a, b, b_to_a_, enough + radii_);
         if (!cores_.apart) {
             overlap();
         }
@@ -45,31 +45,31 @@ class RoundedPair : PairFrames {
 
     // How fast the closest points come nearer to each other.
     double closing() const {
-        const Vec axis = pose_a_.turn(cores_.axis);
-        return velocity_at(pose_a_, motion_.a, pose_a_.apply(cores_.on_a)).dot(axis) -
-               velocity_at(pose_b_, motion_.b, pose_a_.apply(cores_.on_b)).dot(axis);
+        const Vec axis = pose_a.turn(cores_.axis);
+        return velocity_at(pose_a, motion.a, pose_a.apply(cores_.on_a)).dot(axis) -
+               velocity_at(pose_b, motion.b, pose_a.apply(cores_.on_b)).dot(axis);
     }
 
     // The points of the last step, at the gaps they have now. False where there are none to keep.
     bool hold() {
-        const bool is_a = memory_.feature == Feature::FaceOfA;
-        if (memory_.feature != face_of(is_a) || memory_.recalled || !holds_face()) {
+        const bool is_a = memory.feature == Feature::FaceOfA;
+        if (memory.feature != face_of(is_a) || memory.recalled || !holds_face()) {
             return false;
         }
-        const Vec normal = three(memory_.plane_normal);
+        const Vec normal = three(memory.plane_normal);
         turn_normal(is_a, normal);
-        out_.count = memory_.last.count;
-        const double top = static_cast<double>(memory_.plane_offset) + reference(is_a).rounding;
-        for (int i = 0; i < out_.count; ++i) {
-            const KeptPoint &before = memory_.last.points[i];
-            PairPoint &point = out_.points[i];
+        out.count = memory.last.count;
+        const double top = static_cast<double>(memory.plane_offset) + reference(is_a).rounding;
+        for (int i = 0; i < out.count; ++i) {
+            const KeptPoint &before = memory.last.points[i];
+            PairPoint &point = out.points[i];
             on_incident(is_a, point) = three(is_a ? before.on_b : before.on_a);
             const Vec x = from_incident(is_a).apply(on_incident(is_a, point));
             point.gap = normal.dot(x) - top;
             on_reference(is_a, point) = x - normal * point.gap;
             point.id = before.id;
         }
-        out_.held = true;
+        out.held = true;
         return true;
     }
 
@@ -80,37 +80,34 @@ class RoundedPair : PairFrames {
         const int face = flattest(is_a, cosine);
         const bool flat = cosine >= (was(is_a, face) ? STILL_FLAT : FLAT);
         if (!flat || !cores_.apart || !take_face(is_a, face, end)) {
-            memory_.feature = Feature::None;
-            memory_.has_axis = false;
-            memory_.recalled = false;
+            memory.let_go();
             take_closest();
             if (cosine >= NEARLY_FLAT && cores_.apart) {
                 add_beside(is_a, face, cosine);
             }
         }
-        memory_.recalled = false;
+        memory.recalled = false;
     }
 
   private:
     CoreDistance cores_{};
 
     bool was(bool is_a, int face) const {
-        return memory_.feature == face_of(is_a) && memory_.first == face;
+        return memory.feature == face_of(is_a) && memory.first == face;
     }
 
     // The axis on which overlapping cores are least deep, with a point in the overlap.
     void overlap() {
-        AxisScratch &axes = scratch_.axis;
-        axes.fit(a_, b_);
+        AxisScratch &axes = scratch.axis;
+        axes.fit(a, b);
         FaceGaps faces;
         EdgeGap edges;
         const Relative pose = b_to_a_.rounded();
-        kernels_.faces(a_, b_, pose, axes, faces);
+        kernels.faces(a, b, pose, axes, faces);
         const bool is_a = faces.gap_a >= faces.gap_b;
-        kernels_.edges(a_, b_, pose, faces, is_a ? faces.gap_a : faces.gap_b, 1e30F, -1, axes,
-                       edges);
+        kernels.edges(a, b, pose, faces, is_a ? faces.gap_a : faces.gap_b, 1e30F, -1, axes, edges);
         if (edges.edge_a >= 0) {
-            const EdgeContact edge = edge_contact(a_, edges.edge_a, b_, edges.edge_b, b_to_a_);
+            const EdgeContact edge = edge_contact(a, edges.edge_a, b, edges.edge_b, b_to_a_);
             if (edge.defined) {
                 cores_.axis = edge.axis;
                 cores_.on_a = edge.on_a;
@@ -157,7 +154,7 @@ class RoundedPair : PairFrames {
 
     // As `clip` of the incident face, whose number is returned.
     int clip_incident(bool is_a, int face) {
-        const int other = meet(is_a, face, was(is_a, face) ? memory_.second : -1).face;
+        const int other = meet(is_a, face, was(is_a, face) ? memory.second : -1).face;
         clip(is_a, face, other);
         return other;
     }
@@ -174,33 +171,30 @@ class RoundedPair : PairFrames {
         const HullData &of = reference(is_a);
         const Vec normal = of.normal(face);
         const int other = clip_incident(is_a, face);
-        auto &points = scratch_.clip.points;
+        auto &points = scratch.clip.points;
         double deepest = ANY;
         for (const ClipPoint &point : points) {
             deepest = std::min(deepest, point.gap);
         }
         // Where the closest points lie beside the face, they alone give the gap.
         if (points.empty() ||
-            deepest > cores_.distance - radii_ + settings_.hysteresis * GAP_NOISE) {
+            deepest > cores_.distance - radii_ + settings.hysteresis * GAP_NOISE) {
             return false;
         }
         int count = best_points(normal);
-        if (settings_.approach > settings_.speculative_margin / 2) {
+        if (may_land()) {
             for (ClipPoint &point : points) {
                 point.gap += radii_;
             }
-            count = add_landing({of, face, incident(is_a), from_incident(is_a),
-                                 is_a ? end : end.inverse(), mark(is_a)},
-                                settings_.speculative_margin + radii_, settings_.hysteresis, points,
-                                count);
+            count = land(is_a, face, end, count);
             for (ClipPoint &point : points) {
                 point.gap -= radii_;
             }
         }
         turn_normal(is_a, normal);
-        out_.count = count;
+        out.count = count;
         for (int i = 0; i < count; ++i) {
-            out_.points[i] = point_at(is_a, normal, points[i]);
+            out.points[i] = point_at(is_a, normal, points[i]);
         }
         remember(face_of(is_a), face, other);
         remember_plane(of, face);
@@ -208,11 +202,11 @@ class RoundedPair : PairFrames {
     }
 
     void take_closest() {
-        out_.normal = pose_a_.turn(cores_.axis);
-        out_.points[0] = {cores_.on_a + cores_.axis * a_.rounding,
-                          a_to_b_.apply(cores_.on_b - cores_.axis * b_.rounding),
-                          cores_.distance - radii_, CLOSEST};
-        out_.count = 1;
+        out.normal = pose_a.turn(cores_.axis);
+        out.points[0] = {cores_.on_a + cores_.axis * a.rounding,
+                         a_to_b_.apply(cores_.on_b - cores_.axis * b.rounding),
+                         cores_.distance - radii_, CLOSEST};
+        out.count = 1;
     }
 
     // Points of a face along which the axis nearly looks, with their gaps along the axis: none is
@@ -223,20 +217,20 @@ class RoundedPair : PairFrames {
         // The closest point of the incident core.
         const Vec at = is_a ? cores_.on_b : a_to_b_.apply(cores_.on_a);
         const double closest = cores_.distance - radii_;
-        auto &points = scratch_.clip.points;
+        auto &points = scratch.clip.points;
         for (ClipPoint &point : points) {
             point.gap = std::max(point.gap / cosine, closest);
         }
         // As far from it as the bodies' curvature tells one point from another.
-        const double near = std::max(settings_.hysteresis, 0.1 * incident(is_a).rounding);
+        const double near = std::max(settings.hysteresis, 0.1 * incident(is_a).rounding);
         const auto is_near = [&](const ClipPoint &point) {
             const Vec d = point.x - at;
             return d.dot(d) <= near * near;
         };
         points.erase(std::remove_if(points.begin(), points.end(), is_near), points.end());
         const int count = best_points(normal);
-        for (int i = 0; i < count && out_.count < MOST_POINTS; ++i) {
-            out_.points[out_.count++] = point_at(is_a, normal, points[i]);
+        for (int i = 0; i < count && out.count < MOST_POINTS; ++i) {
+            out.points[out.count++] = point_at(is_a, normal, points[i]);
         }
     }
 };
@@ -277,9 +271,7 @@ double collide_rounded(const PairCase &pair) {
     const double margin = pair.settings.speculative_margin;
     const double gap = now.look(margin);
     if (gap > margin) {
-        memory.feature = Feature::None;
-        memory.has_axis = false;
-        memory.recalled = false;
+        memory.let_go();
         return gap;
     }
     const HullMotion &motion_a = pair.motion.a, &motion_b = pair.motion.b;
