@@ -9,7 +9,7 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 35] = [
+const SHIMS: [&str; 34] = [
     "contact_bodies",
     "contact_colours",
     "contact_homes",
@@ -27,7 +27,6 @@ const SHIMS: [&str; 35] = [
     "hull_clip",
     "hull_memory",
     "hull_pair",
-    "hull_landing",
     "hull_passing",
     "hull_algorithm",
     "hull_search",

@@ -7,6 +7,19 @@ namespace pluvia {
 
 namespace {
 
+std::uint32_t corner_id(int vertex) { return static_cast<std::uint32_t>(vertex) & 0x3fffU; }
+
+// Whether a point is inside all sides of a face.
+bool below(const HullData &hull, int face, const Vec &x) {
+    for (int k = hull.loop_start[face]; k < hull.loop_start[face + 1]; ++k) {
+        const int e = hull.loop_edge[k];
+        if (hull.beside(face, e).dot(x - hull.vertex(hull.edge[e].from)) > 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
 // Cosine of 2.3 degrees: 5 mm beside the edges, about where a grain ends, a face that
 // leans by more is farther than contacts reach at rest, 0.2 mm.
 constexpr double FLAT = 0.9992;
@@ -29,6 +42,49 @@ struct Flat {
 
 } // namespace
 
+int add_landing(const Landing &landing, double margin, double slack, std::vector<ClipPoint> &points,
+                int count) {
+    const HullData &incident = landing.incident;
+    const HullData &reference = landing.reference;
+    const int face = landing.face;
+    for (; count < MOST_POINTS; ++count) {
+        ClipPoint next{};
+        double lowest = margin;
+        for (int v = 0; v < incident.vertices; ++v) {
+            const Vec now = landing.now.apply(incident.vertex(v));
+            const Vec then = landing.then.apply(incident.vertex(v));
+            const double gap = reference.above(face, now);
+            const double low = std::min(gap, reference.above(face, then));
+            // What is deep beside the face would be pushed up through it.
+            const bool lands = low < lowest && (below(reference, face, now) ||
+                                                (gap >= 0 && below(reference, face, then)));
+            if (lands && std::none_of(points.begin(), points.begin() + count,
+                                      [&](const auto &p) { return p.is_near(now, slack); })) {
+                lowest = low;
+                next = {now, gap, landing.mark | corner_id(v)};
+            }
+        }
+        if (lowest >= margin) {
+            break;
+        }
+        points.insert(points.begin() + count, next);
+    }
+    return count;
+}
+
+ClipPoint lowest_corner(const HullData &reference, int face, const HullData &incident,
+                        const Rigid &pose) {
+    ClipPoint lowest{{0, 0, 0}, 1e300, 0};
+    for (int v = 0; v < incident.vertices; ++v) {
+        const Vec x = pose.apply(incident.vertex(v));
+        const double gap = reference.above(face, x);
+        if (gap < lowest.gap) {
+            lowest = {x, gap, corner_id(v)};
+        }
+    }
+    return lowest;
+}
+
 PairFace flat_face(const HullData &a, int edge_a, const HullData &b, int edge_b, const Vec &axis,
                    const Rigid &b_to_a, const KeptContact &last) {
     const Flat of_a(a, edge_a, axis), of_b(b, edge_b, -b_to_a.turn_back(axis));
@@ -48,9 +104,8 @@ void keep_beside(const EdgesAt &edges, double near, double slack, std::vector<Cl
     const double lean = std::sqrt(std::max(0.0, 1 - edges.cosine * edges.cosine));
     const auto drop = [&](ClipPoint &p) {
         p.gap /= edges.cosine;
-        const Vec d = p.x - edges.at;
         return p.gap < edges.gap - slack || std::abs(p.gap) * lean > slack ||
-               d.dot(d) <= near * near;
+               p.is_near(edges.at, near);
     };
     points.erase(std::remove_if(points.begin(), points.end(), drop), points.end());
     for (ClipPoint &p : points) {

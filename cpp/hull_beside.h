@@ -1,4 +1,8 @@
-// Points beside a contact of edges.
+// Points beside those of a contact.
+//
+// A face contact has points of one face of either body, at most four. A body that
+// meets another fast, and turns in doing so, lands on corners that are none of them,
+// and would be caught a step late, beyond the surface by what they came in between.
 //
 // Edges give one point. Where their axis is nearly the normal of a face, the bodies lie
 // almost flat on each other, and other corners are about to touch: with the one point
@@ -10,6 +14,30 @@
 #include "hull_passing.h"
 
 namespace pluvia {
+
+// What lands: corners of one hull on a face of another. `now` and `then` lead from the
+// incident hull's frame to the reference hull's at the beginning of the step and, if
+// nothing stops the bodies, at its end. New points get ids with `mark`.
+struct Landing {
+    const HullData &reference;
+    int face;
+    const HullData &incident;
+    const Rigid &now;
+    const Rigid &then;
+    std::uint32_t mark;
+};
+
+// Adds corners over the reference face to the first `count` of `points`, until there are
+// MOST_POINTS: those that are less than `margin` above it now or at the end of the
+// step and not within `slack` of a point that is there, the lowest first. Returns how
+// many points there are now.
+int add_landing(const Landing &landing, double margin, double slack, std::vector<ClipPoint> &points,
+                int count);
+
+// The lowest corner above a reference face, wherever it lies beside it. `pose` leads
+// from the incident hull's frame to the reference hull's.
+ClipPoint lowest_corner(const HullData &reference, int face, const HullData &incident,
+                        const Rigid &pose);
 
 // The face that a contact of edges is almost one of: of those that meet in the edges, the one
 // that looks most along the axis, of the body whose points `last` has if it has any. Face -1

@@ -41,6 +41,11 @@ struct ClipPoint {
     // one of the reference face's (1), a corner of the reference face (2); in
     // the two highest bits, before the indices. Never negative as an int.
     std::uint32_t id;
+
+    bool is_near(const Vec &place, double within) const {
+        const Vec d = x - place;
+        return d.dot(d) <= within * within;
+    }
 };
 
 // Buffers of one thread.

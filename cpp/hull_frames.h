@@ -1,7 +1,7 @@
 // Two polyhedra, each seen from the other, and what their contact is made of.
 #pragma once
 
-#include "hull_landing.h"
+#include "hull_beside.h"
 #include "hull_pair.h"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 #include "hull_pair.h"
 
-#include "hull_beside.h"
 #include "hull_frames.h"
 
 #include <algorithm>

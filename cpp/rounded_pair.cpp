@@ -223,10 +223,7 @@ class RoundedPair : PairFrames {
         }
         // As far from it as the bodies' curvature tells one point from another.
         const double near = std::max(settings.hysteresis, 0.1 * incident(is_a).rounding);
-        const auto is_near = [&](const ClipPoint &point) {
-            const Vec d = point.x - at;
-            return d.dot(d) <= near * near;
-        };
+        const auto is_near = [&](const ClipPoint &point) { return point.is_near(at, near); };
         points.erase(std::remove_if(points.begin(), points.end(), is_near), points.end());
         const int count = best_points(normal);
         for (int i = 0; i < count && out.count < MOST_POINTS; ++i) {
