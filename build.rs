@@ -9,12 +9,10 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 34] = [
+const SHIMS: [&str; 32] = [
     "contact_bodies",
     "contact_colours",
-    "contact_homes",
     "contact_iterations",
-    "contact_loads",
     "contact_memory",
     "contact_solver",
     "crowd",

@@ -1,7 +1,7 @@
 // Pairs and bodies on their way into the solver's packs and back.
 #pragma once
 
-#include "contact_homes.h"
+#include "contact_colours.h"
 #include "contact_phases.h"
 #include "hull_algorithm.h"
 #include "workers.h"

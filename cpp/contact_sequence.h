@@ -1,7 +1,6 @@
 // Phases that follow each other without the control looking in between, by all threads.
 #pragma once
 
-#include "contact_homes.h"
 #include "contact_load.h"
 #include "workers.h"
 
