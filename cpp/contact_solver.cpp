@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 namespace pluvia {
 
@@ -111,17 +112,16 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
     std::vector<btRigidBody *> by_number;
     for (int i = 0; i < bodies.size(); ++i) {
         btRigidBody *body = btRigidBody::upcast(bodies[i]);
-        const auto number = static_cast<std::size_t>(body->getUserIndex());
-        place_.resize(std::max(place_.size(), number + 1));
+        const int number = body->getUserIndex();
+        place_.resize(std::max<std::size_t>(place_.size(), number + 1));
         place_[number] = 0;
         by_number.resize(place_.size());
         by_number[number] = body;
-        const int whole = whole_of(body->getUserIndex());
         // What is driven counts as static with Bullet, too.
-        if (whole != body->getUserIndex()) {
-            parts_.push_back({{body, number}, {nullptr, static_cast<std::size_t>(whole)}});
-        } else if (is_pressed(body->getUserIndex())) {
-            pressed_.push_back({body, number});
+        if (whole_of(number) != number) {
+            parts_.push_back({body, nullptr});
+        } else if (presses_.count(number) != 0) {
+            pressed_.push_back(body);
         } else if (body->isKinematicObject()) {
             driving_.push_back(body);
         } else if (!body->isStaticObject()) {
@@ -129,14 +129,13 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
         }
     }
     for (Part &part : parts_) {
-        part.whole.body = by_number.at(part.whole.number);
+        part.whole = by_number.at(whole_of(part.own->getUserIndex()));
     }
-    for (std::size_t i = 0; i < driving_.size(); ++i) {
-        place_[driving_[i]->getUserIndex()] =
-            static_cast<int>(moving_.size() + pressed_.size() + 1 + i);
-    }
-    for (std::size_t i = 0; i < pressed_.size(); ++i) {
-        place_[pressed_[i].number] = static_cast<int>(moving_.size() + 1 + i);
+    int next = 1 + static_cast<int>(moving_.size());
+    for (const auto *list : {&pressed_, &driving_}) {
+        for (const btRigidBody *body : *list) {
+            place_[body->getUserIndex()] = next++;
+        }
     }
     sorted_ = true;
 }
@@ -169,9 +168,7 @@ void ContactSolver::sort_places() {
     for (const Vec &c : centres) {
         ++begin[slice(c) + 1];
     }
-    for (std::size_t i = 1; i < begin.size(); ++i) {
-        begin[i] += begin[i - 1];
-    }
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
     for (std::size_t i = 0; i < count; ++i) {
         place_[moving_[i].number] = 1 + begin[slice(centres[i])]++;
     }
@@ -180,7 +177,7 @@ void ContactSolver::sort_places() {
 void ContactSolver::take_bodies(double step) {
     sort_places();
     for (const Part &part : parts_) {
-        place_[part.own.number] = place_[part.whole.number];
+        place_[part.own->getUserIndex()] = place_[part.whole->getUserIndex()];
     }
     bodies_.resize(1 + moving_.size() + pressed_.size() + driving_.size());
     bodies_[0] = SolverBody{};
@@ -189,19 +186,15 @@ void ContactSolver::take_bodies(double step) {
     };
     workers_.each(moving_.size(), AT_ONCE, take, AHEAD,
                   [&](std::size_t i) { prefetch_body(*moving_[i].body); });
-    for (std::size_t i = 0; i < pressed_.size(); ++i) {
-        const Moving &pressed = pressed_[i];
-        bodies_[moving_.size() + 1 + i] =
-            pressed_body(*pressed.body, presses_.at(static_cast<int>(pressed.number)));
+    for (const btRigidBody *body : pressed_) {
+        const int number = body->getUserIndex();
+        bodies_[place_[number]] = pressed_body(*body, presses_.at(number));
     }
     drives_now_.clear();
-    for (std::size_t i = 0; i < driving_.size(); ++i) {
-        const int number = driving_[i]->getUserIndex();
-        Drive &drive = drives_now_[number];
-        const auto before = drives_.find(number);
-        drive = before != drives_.end() ? before->second : Drive{};
-        bodies_[moving_.size() + pressed_.size() + 1 + i] =
-            kinematic_body(*driving_[i], step, drive);
+    for (const btRigidBody *body : driving_) {
+        const int number = body->getUserIndex();
+        Drive &drive = drives_now_[number] = drives_[number];
+        bodies_[place_[number]] = kinematic_body(*body, step, drive);
     }
     std::swap(drives_, drives_now_);
 }
@@ -222,20 +215,18 @@ void ContactSolver::read_drives(const Units &units, rust::Vec<DriveRead> &out) c
 
 void ContactSolver::move_bodies(double step) {
     const auto move = [&](std::size_t i) {
-        const auto place = static_cast<std::size_t>(place_[moving_[i].number]);
-        move_body(*moving_[i].body, bodies_[place], step, gyroscopic_);
+        move_body(*moving_[i].body, bodies_[place_[moving_[i].number]], step, gyroscopic_);
     };
     workers_.each(moving_.size(), AT_ONCE, move, AHEAD,
                   [&](std::size_t i) { prefetch(*moving_[i].body); });
-    for (std::size_t i = 0; i < pressed_.size(); ++i) {
-        move_pressed(*pressed_[i].body, bodies_[moving_.size() + 1 + i],
-                     presses_.at(static_cast<int>(pressed_[i].number)));
+    for (btRigidBody *body : pressed_) {
+        const int number = body->getUserIndex();
+        move_pressed(*body, bodies_[place_[number]], presses_.at(number));
     }
-    for (const Part &part : parts_) {
-        const btRigidBody &whole = *part.whole.body;
-        part.own.body->setWorldTransform(whole.getWorldTransform());
-        part.own.body->setLinearVelocity(whole.getLinearVelocity());
-        part.own.body->setAngularVelocity(whole.getAngularVelocity());
+    for (const auto &[own, whole] : parts_) {
+        own->setWorldTransform(whole->getWorldTransform());
+        own->setLinearVelocity(whole->getLinearVelocity());
+        own->setAngularVelocity(whole->getAngularVelocity());
     }
 }
 

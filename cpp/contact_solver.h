@@ -37,23 +37,32 @@ class ContactSolver {
     // Moves the bodies by what was found.
     void move_bodies(double step);
 
-    // To be called when a body came or went.
+    // To be called when a body came.
     void bodies_changed();
+    // To be called when a body went.
+    void forget(int number) {
+        presses_.erase(number);
+        wholes_.erase(number);
+        bodies_changed();
+    }
 
     // A kinematic body that moves along one direction alone from now on, by its number.
-    void press(int number, const Press &press) { presses_[number] = press; }
+    void press(int number, const Press &press) {
+        presses_[number] = press;
+        bodies_changed();
+    }
     // Sets the force on it in N, or of what turns the moment in N m.
     void set_force(int number, double force) {
         Press &press = presses_.at(number);
         press.force = force * press.unit;
     }
-    bool is_pressed(int number) const { return presses_.count(number) != 0; }
-    void forget_press(int number) { presses_.erase(number); }
 
     // A body that is a further part of another one from now on, which is none itself: they are one
     // body of the solver, whose centre of mass is the origin of both. By their numbers.
-    void join(int number, int whole) { wholes_[number] = whole; }
-    void forget_join(int number) { wholes_.erase(number); }
+    void join(int number, int whole) {
+        wholes_[number] = whole;
+        bodies_changed();
+    }
     // The number of the body that a body is a part of: its own, if it is none.
     int whole_of(int number) const {
         const auto found = wholes_.find(number);
@@ -86,13 +95,13 @@ class ContactSolver {
     Workers &workers_;
     struct Moving {
         btRigidBody *body;
-        std::size_t number; // in the world
+        int number; // in the world
     };
     std::vector<Moving> moving_;         // every free body
-    std::vector<Moving> pressed_;        // every body that is pressed
+    std::vector<btRigidBody *> pressed_; // every body that is pressed
     std::vector<btRigidBody *> driving_; // every other kinematic body
     struct Part {
-        Moving own, whole;
+        btRigidBody *own, *whole;
     };
     std::vector<Part> parts_; // every further part of a body
     std::vector<int> place_;  // by the body's number: among bodies_

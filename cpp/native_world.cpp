@@ -65,9 +65,7 @@ void NativeWorld::add(btRigidBody &body, BodyKind kind) {
 
 void NativeWorld::remove(btRigidBody &body) {
     EngineWorld::remove(body);
-    solver_.bodies_changed();
-    solver_.forget_press(body.getUserIndex());
-    solver_.forget_join(body.getUserIndex());
+    solver_.forget(body.getUserIndex());
     collision_.forget(body);
     if (followed_ == &body) {
         follow(nullptr);
@@ -83,7 +81,6 @@ void NativeWorld::drive(btRigidBody &body, const btTransform &end) {
 
 void NativeWorld::press(btRigidBody &body, const Press &press) {
     solver_.press(body.getUserIndex(), press);
-    solver_.bodies_changed();
 }
 
 void NativeWorld::set_force(btRigidBody &body, double force) {
@@ -97,7 +94,6 @@ void NativeWorld::join(btRigidBody &part, btRigidBody &whole) {
         throw std::runtime_error("a body is a part of another that moves alike and is none");
     }
     solver_.join(part.getUserIndex(), number);
-    solver_.bodies_changed();
     getPairCache()->setOverlapFilterCallback(&part_filter_);
     // Boxes that are added meet others at once.
     const btCollisionObjectArray &objects = getCollisionObjectArray();
