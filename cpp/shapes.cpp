@@ -115,37 +115,27 @@ btScalar bounding_radius(const btCollisionShape &shape) {
                : static_cast<const TightHull &>(shape).radius();
 }
 
-std::uint32_t append_corners(const Units &units, const btCollisionShape &shape, bool of_data,
-                             rust::Vec<double> &coordinates) {
+Corners append_corners(const Units &units, const btCollisionShape &shape, bool of_data,
+                       rust::Vec<double> &coordinates) {
     const auto put = [&](const std::array<double, 3> &corner) {
         std::copy(corner.begin(), corner.end(), std::back_inserter(coordinates));
     };
     if (shape.getShapeType() == SPHERE_SHAPE_PROXYTYPE) {
         put({units.metres(bounding_radius(shape)), 0, 0});
-        return 1;
+        return {1, 0};
     }
     const auto &hull = static_cast<const TightHull &>(shape);
     const HullData &data = hull.data();
     if (data.is_sphere()) {
         put({units.metres(data.sphere), 0, 0});
-        return 1;
+        return {1, 0};
     }
     const int count = of_data ? data.vertices : hull.getNumPoints();
     for (int i = 0; i < count; ++i) {
         put(of_data ? units.metres(data.vertex(i)) : units.metres(hull.getUnscaledPoints()[i]));
     }
-    return static_cast<std::uint32_t>(count);
-}
-
-double rounding_of(const Units &units, const btCollisionShape &shape, bool of_data) {
-    if (shape.getShapeType() == SPHERE_SHAPE_PROXYTYPE) {
-        return 0;
-    }
-    const auto &hull = static_cast<const TightHull &>(shape);
-    if (!hull.data().is_rounded()) {
-        return 0;
-    }
-    return units.metres(of_data ? hull.data().rounding : static_cast<double>(hull.getMargin()));
+    const double margin = data.is_rounded() ? static_cast<double>(hull.getMargin()) : 0;
+    return {static_cast<std::uint32_t>(count), units.metres(of_data ? data.rounding : margin)};
 }
 
 } // namespace pluvia

@@ -72,14 +72,17 @@ std::unique_ptr<btConvexInternalShape> make_sphere(const Units &units, double ra
 // Radius of the sphere about the origin that holds a shape made here, with its margin.
 btScalar bounding_radius(const btCollisionShape &shape);
 
-// Appends x, y, z in metres of every corner of a shape made here and returns how many
-// there are, of a rounded polyhedron those of its core: of the hull data, with which Pluvia's own
-// hull-hull test works, or of Bullet's hull, without its margin. A sphere has one, on its surface.
-std::uint32_t append_corners(const Units &units, const btCollisionShape &shape, bool of_data,
-                             rust::Vec<double> &coordinates);
+// How many corners a shape has, and the radius in metres of the ball of a rounded polyhedron, 0 of
+// all else.
+struct Corners {
+    std::uint32_t count;
+    double rounding;
+};
 
-// Radius in metres of the ball of a rounded polyhedron, as the hull data (`of_data`) or Bullet's
-// hull holds it; 0 of all else.
-double rounding_of(const Units &units, const btCollisionShape &shape, bool of_data);
+// Appends x, y, z in metres of every corner of a shape made here, of a rounded polyhedron those of
+// its core: of the hull data (`of_data`), with which Pluvia's own hull-hull test works, or of
+// Bullet's hull, without its margin. A sphere has one, on its surface.
+Corners append_corners(const Units &units, const btCollisionShape &shape, bool of_data,
+                       rust::Vec<double> &coordinates);
 
 } // namespace pluvia

@@ -220,12 +220,11 @@ void BulletWorld::read_corners(rust::Vec<std::uint32_t> &counts, rust::Vec<doubl
     coordinates.clear();
     roundings.clear();
     for (const auto &body : impl_->bodies) {
-        counts.push_back(body ? append_corners(impl_->units, *body->getCollisionShape(),
-                                               impl_->definition.own_collision, coordinates)
-                              : 0);
-        roundings.push_back(body ? rounding_of(impl_->units, *body->getCollisionShape(),
-                                               impl_->definition.own_collision)
-                                 : 0);
+        const Corners corners = body ? append_corners(impl_->units, *body->getCollisionShape(),
+                                                      impl_->definition.own_collision, coordinates)
+                                     : Corners{0, 0};
+        counts.push_back(corners.count);
+        roundings.push_back(corners.rounding);
     }
 }
 
