@@ -8,14 +8,6 @@ namespace pluvia {
 
 namespace {
 
-void single(Phase phase, Problem<double> &problem, const Part &part) {
-    run_phase(phase, problem, part);
-}
-
-void portable(Phase phase, Problem<Float8> &problem, const Part &part) {
-    run_phase(phase, problem, part);
-}
-
 #if defined(__x86_64__)
 __attribute__((target("avx2"))) void avx2(Phase phase, Problem<Float8> &problem, const Part &part) {
     run_phase(phase, problem, part);
@@ -92,10 +84,10 @@ bool has_avx2() {
 
 void Iterations::run(Kernels how, const Contacts &contacts, Look *look) {
     if (how == Kernels::OneByOne) {
-        run_step(single_, &single, contacts, look);
+        run_step(single_, &run_phase<double>, contacts, look);
         return;
     }
-    Kernel<Float8> kernel = &portable;
+    Kernel<Float8> kernel = &run_phase<Float8>;
 #if defined(__x86_64__)
     if (how == Kernels::Avx2) {
         kernel = &avx2;

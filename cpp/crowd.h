@@ -64,10 +64,7 @@ class Crowd {
     void find_means(const std::vector<CrowdBody> &bodies);
     double difference(int x, int y, int z) const;
     std::size_t place(int x, int y, int z) const {
-        return (static_cast<std::size_t>(z) * static_cast<std::size_t>(count_[1]) +
-                static_cast<std::size_t>(y)) *
-                   static_cast<std::size_t>(count_[0]) +
-               static_cast<std::size_t>(x);
+        return (static_cast<std::size_t>(z) * count_[1] + y) * count_[0] + x;
     }
 };
 

@@ -83,7 +83,11 @@ class Workers {
                 }
             }
         } else {
-            share_out(shares, count, part);
+            const auto call = [](const void *what, std::size_t k, int worker, std::size_t begin,
+                                 std::size_t end) {
+                (*static_cast<const Part *>(what))(k, worker, begin, end);
+            };
+            run({call, &part, shares, count});
         }
         if (!small) {
             account(shares, count, std::chrono::duration<double>(Clock::now() - begun).count());
@@ -113,14 +117,6 @@ class Workers {
 
   private:
     using Clock = std::chrono::steady_clock;
-
-    template <class Part> void share_out(const Share *shares, std::size_t count, const Part &part) {
-        const auto call = [](const void *what, std::size_t k, int worker, std::size_t begin,
-                             std::size_t end) {
-            (*static_cast<const Part *>(what))(k, worker, begin, end);
-        };
-        run({call, &part, shares, count});
-    }
 
     struct Job {
         void (*call)(const void *part, std::size_t share, int worker, std::size_t begin,
