@@ -154,23 +154,21 @@ void move_body(btRigidBody &body, const SolverBody &solved, double step, bool gy
 SolverBody pressed_body(const btRigidBody &body, const Press &press) {
     SolverBody out;
     const Vec direction = three(press.direction);
+    // Velocity of the origin at unit speed, along the direction or about the axis.
+    Vec way = direction;
+    double speed = direction.dot(three(body.getLinearVelocity()));
+    const double root = std::sqrt(press.inverse_mass);
+    const double faster = press.force * press.inverse_mass;
     if (press.turns) {
-        // Velocity of the origin at unit speed about the axis.
-        const Vec way = direction.cross(three(body.getWorldTransform().getOrigin() - press.about));
-        const double root = std::sqrt(press.inverse_mass);
-        const double speed = direction.dot(three(body.getAngularVelocity()));
-        const double faster = press.force * press.inverse_mass;
-        out.press = way * root;
+        way = direction.cross(three(body.getWorldTransform().getOrigin() - press.about));
+        speed = direction.dot(three(body.getAngularVelocity()));
         out.press_turn = direction * root;
-        out.velocity = way * speed;
         out.spin = direction * speed;
-        out.acceleration = way * faster;
         out.spin_up = direction * faster;
-        return out;
     }
-    out.press = direction * std::sqrt(press.inverse_mass);
-    out.velocity = direction * direction.dot(three(body.getLinearVelocity()));
-    out.acceleration = direction * (press.force * press.inverse_mass);
+    out.press = way * root;
+    out.velocity = way * speed;
+    out.acceleration = way * faster;
     return out;
 }
 
