@@ -110,30 +110,32 @@ PLUVIA_INLINE void visit_all(Problem<L> &p, const Part &part) {
     unsolved = own;
 }
 
-template <Solved WHAT, class L>
-PLUVIA_INLINE void find_change(Problem<L> &p, const Part &part, std::size_t block) {
-    const std::size_t end = std::min(part.listed, (block + 1) * BODY_BLOCK);
+template <Solved WHAT, class L> PLUVIA_INLINE void find_change(Problem<L> &p, const Part &part) {
     const auto limit = static_cast<typename Lane<L>::Number>(p.limit);
-    BodyChange change;
-    for (std::size_t k = block * BODY_BLOCK; k < end; ++k) {
-        const std::size_t b = part.at(k);
-        const auto &now = p.bodies.motion[b];
-        auto one = energy(now, p.bodies.before[b]);
-        change.work += static_cast<double>(one);
-        if (WHAT == Solved::Impacts) {
-            one *= p.bodies.root[b].at[6];
+    for (std::size_t block = part.begin; block < part.end; ++block) {
+        const std::size_t end = std::min(part.listed, (block + 1) * BODY_BLOCK);
+        BodyChange change;
+        for (std::size_t k = block * BODY_BLOCK; k < end; ++k) {
+            const std::size_t b = part.at(k);
+            const auto &now = p.bodies.motion[b];
+            auto one = energy(now, p.bodies.before[b]);
+            change.work += static_cast<double>(one);
+            if (WHAT == Solved::Impacts) {
+                one *= p.bodies.root[b].at[6];
+            }
+            change.most = std::max(change.most, static_cast<double>(one));
+            p.active[b] = one > limit;
+            change.active += one > limit;
+            // A lid bears a thousand times the weight of a grain: it would say what a grain may
+            // change.
+            if (WHAT == Solved::Forces && !p.bodies.pressed(b)) {
+                const auto all = static_cast<double>(energy(now, p.bodies.free[b]));
+                change.all += all;
+                change.touched += all > 0;
+            }
         }
-        change.most = std::max(change.most, static_cast<double>(one));
-        p.active[b] = one > limit;
-        change.active += one > limit;
-        // A lid bears a thousand times the weight of a grain: it would say what a grain may change.
-        if (WHAT == Solved::Forces && !p.bodies.pressed(b)) {
-            const auto all = static_cast<double>(energy(now, p.bodies.free[b]));
-            change.all += all;
-            change.touched += all > 0;
-        }
+        p.changes[block] = change;
     }
-    p.changes[block] = change;
 }
 
 template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, const Part &part) {
@@ -236,14 +238,10 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
                    __attribute__((always_inline)) { integrate_position(p.bodies, b, p.law.step); });
         break;
     case Phase::ForcesChange:
+        find_change<Solved::Forces>(p, part);
+        break;
     case Phase::ImpactsChange:
-        for (std::size_t block = part.begin; block < part.end; ++block) {
-            if (phase == Phase::ForcesChange) {
-                find_change<Solved::Forces>(p, part, block);
-            } else {
-                find_change<Solved::Impacts>(p, part, block);
-            }
-        }
+        find_change<Solved::Impacts>(p, part);
         break;
     }
 }

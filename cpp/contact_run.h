@@ -196,6 +196,14 @@ template <class L> class Run {
         int spread = 0;    // how often others became the few, since there were iterations over all
         int for_speed = 0; // iterations that changed no body by too much
         bool over_few = false;
+        const auto begin_few = [&] {
+            few_.choose();
+            p_.pairs = &p_.few;
+            begin_search(few_.turn(), few_.bodies());
+            left -= packs;
+            local = 0;
+            pace = Pace{};
+        };
         now_.packs(Phase::ClearSearch);
         now_.bodies(Phase::BeginSearch, touched_.data(), touched_.size());
         p_.beta = L{};
@@ -217,10 +225,7 @@ template <class L> class Run {
                 }
                 few_.put_back();
                 if (++spread < MOST_SPREADS && few_.spread(IMPACTS, p_.limit)) {
-                    choose_few();
-                    left -= packs;
-                    local = 0;
-                    pace = Pace{};
+                    begin_few();
                     continue;
                 }
                 over_few = false;
@@ -244,12 +249,9 @@ template <class L> class Run {
                 break;
             }
             if ((IMPACTS || n >= least) && few_left && changed.active > 0 && !still) {
-                choose_few();
-                left -= packs;
+                begin_few();
                 over_few = true;
-                local = 0;
                 spread = 0;
-                pace = Pace{};
                 continue;
             }
             extrapolate(bodies, changed.work, pace);
@@ -260,12 +262,6 @@ template <class L> class Run {
             few_.put_back();
             p_.pairs = &p_.all;
         }
-    }
-
-    void choose_few() {
-        few_.choose();
-        p_.pairs = &p_.few;
-        begin_search(few_.turn(), few_.bodies());
     }
 
     // Goes on along the way, the farther the more iterations there were since it
