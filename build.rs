@@ -9,14 +9,13 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 32] = [
+const SHIMS: [&str; 30] = [
     "contact_bodies",
     "contact_colours",
     "contact_iterations",
     "contact_memory",
     "contact_solver",
     "crowd",
-    "crowd_probe",
     "globals",
     "hull_data",
     "hull_axis",
@@ -29,9 +28,8 @@ const SHIMS: [&str; 32] = [
     "hull_algorithm",
     "hull_search",
     "hull_probe",
-    "memory_probe",
     "workers",
-    "worker_probe",
+    "part_probe",
     "shapes",
     "sphere_pair",
     "core_distance",

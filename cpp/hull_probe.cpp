@@ -17,7 +17,7 @@ HullProbe::HullProbe(double scale, const Tolerances &tolerances, bool portable,
     collision_.kernels = portable ? &portable_axis_kernels() : &axis_kernels();
 }
 
-rust::Vec<HullProbePoint> HullProbe::step(const HullProbePose &a, const HullProbePose &b) {
+rust::Vec<HullProbePoint> HullProbe::step(const BodyPose &a, const BodyPose &b) {
     const Rigid pose_a = rigid(units_.pose(a.position, a.rotation));
     const Rigid pose_b = rigid(units_.pose(b.position, b.rotation));
     find(pose_a, pose_b);
@@ -62,7 +62,7 @@ void HullProbe::set_impulse(std::size_t point, double normal,
 
 void HullProbe::forget() { state_ = PairState(); }
 
-HullProbeGap HullProbe::widest_gap(const HullProbePose &a, const HullProbePose &b, bool all_edges) {
+HullProbeGap HullProbe::widest_gap(const BodyPose &a, const BodyPose &b, bool all_edges) {
     const Rigid pose_a = rigid(units_.pose(a.position, a.rotation));
     const Rigid pose_b = rigid(units_.pose(b.position, b.rotation));
     const Relative pose = Rigid::between(pose_b, pose_a).rounded();
@@ -87,11 +87,10 @@ HullProbeGap HullProbe::widest_gap(const HullProbePose &a, const HullProbePose &
     return {units_.metres(gap), array(pose_a.turn(axis)), edges.edge_a >= 0};
 }
 
-double HullProbe::time_steps(rust::Slice<const HullProbePose> poses, std::size_t rounds,
-                             bool remember) {
+double HullProbe::time_steps(rust::Slice<const BodyPose> poses, std::size_t rounds, bool remember) {
     const Rigid origin = rigid(btTransform::getIdentity());
     std::vector<Rigid> moved;
-    for (const HullProbePose &pose : poses) {
+    for (const BodyPose &pose : poses) {
         moved.push_back(rigid(units_.pose(pose.position, pose.rotation)));
     }
     const auto begin = std::chrono::steady_clock::now();

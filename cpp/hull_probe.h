@@ -14,7 +14,7 @@ namespace pluvia {
 
 struct HullProbeGap;
 struct HullProbePoint;
-struct HullProbePose;
+struct BodyPose;
 struct HullProbeShape;
 struct Tolerances;
 
@@ -24,17 +24,17 @@ class HullProbe {
               std::unique_ptr<const HullData> a, std::unique_ptr<const HullData> b);
 
     // One step: the contact at these poses, remembering the steps before.
-    rust::Vec<HullProbePoint> step(const HullProbePose &a, const HullProbePose &b);
+    rust::Vec<HullProbePoint> step(const BodyPose &a, const BodyPose &b);
     // What the solver would leave behind in a point.
     void set_impulse(std::size_t point, double normal, const std::array<double, 3> &friction);
     // Forgets the steps before.
     void forget();
     // The widest gap and its axis, with all pairs of edges or only those that
     // the pruning leaves.
-    HullProbeGap widest_gap(const HullProbePose &a, const HullProbePose &b, bool all_edges);
+    HullProbeGap widest_gap(const BodyPose &a, const BodyPose &b, bool all_edges);
     // Mean time in ns of a step over `rounds` runs through all poses of B, A
     // standing at the origin; with `remember` off each step forgets the one before.
-    double time_steps(rust::Slice<const HullProbePose> poses, std::size_t rounds, bool remember);
+    double time_steps(rust::Slice<const BodyPose> poses, std::size_t rounds, bool remember);
     // Bytes of both hulls' data.
     std::size_t bytes() const { return a_->bytes + b_->bytes; }
 

@@ -144,7 +144,7 @@ void BulletWorld::drive_body(std::uint32_t id, const std::array<double, 3> &posi
     impl_->world->drive(impl_->body(id), impl_->units.pose(position, rotation));
 }
 
-void BulletWorld::recall_drive(std::uint32_t id, rust::Slice<const KinematicPose> ends) {
+void BulletWorld::recall_drive(std::uint32_t id, rust::Slice<const BodyPose> ends) {
     btRigidBody &body = impl_->body(id);
     if (!body.isKinematicObject() || ends.size() != 3) {
         throw std::runtime_error("a body that is driven has three poses before");

@@ -14,7 +14,7 @@ struct BodyDefinition;
 struct BodyRead;
 struct ContactRead;
 struct DriveRead;
-struct KinematicPose;
+struct BodyPose;
 struct EngineSetting;
 struct PairValue;
 struct PhaseTimes;
@@ -36,7 +36,7 @@ class BulletWorld {
     void remove_body(std::uint32_t id);
     void drive_body(std::uint32_t id, const std::array<double, 3> &position,
                     const std::array<double, 4> &rotation);
-    void recall_drive(std::uint32_t id, rust::Slice<const KinematicPose> ends);
+    void recall_drive(std::uint32_t id, rust::Slice<const BodyPose> ends);
     void press_body(std::uint32_t id, const std::array<double, 3> &direction, double mass,
                     double speed);
     void turn_body(std::uint32_t id, const std::array<double, 3> &axis,

@@ -135,8 +135,8 @@ mod bridge {
         angular_velocity: [f64; 3],
     }
 
-    /// Where a kinematic body was.
-    struct KinematicPose {
+    /// Where a body is, or was.
+    struct BodyPose {
         /// In m.
         position: [f64; 3],
         /// x, y, z, w.
@@ -177,14 +177,6 @@ mod bridge {
         coordinates: Vec<f64>,
         face_starts: Vec<u32>,
         face_vertices: Vec<u32>,
-    }
-
-    /// Where a probed hull is.
-    struct HullProbePose {
-        /// In m.
-        position: [f64; 3],
-        /// x, y, z, w.
-        rotation: [f64; 4],
     }
 
     /// A contact point of a probed pair.
@@ -279,7 +271,7 @@ mod bridge {
         ) -> Result<()>;
         /// Tells a new world, before its first step, where a kinematic body was at the
         /// ends of the last three, the last one last.
-        fn recall_drive(self: Pin<&mut BulletWorld>, id: u32, ends: &[KinematicPose])
+        fn recall_drive(self: Pin<&mut BulletWorld>, id: u32, ends: &[BodyPose])
         -> Result<()>;
         /// Lets a kinematic body move along one direction alone from now on, with a mass in kg
         /// and a speed along it in m/s.
@@ -348,8 +340,8 @@ mod bridge {
         ) -> Result<UniquePtr<HullProbe>>;
         fn step(
             self: Pin<&mut HullProbe>,
-            a: &HullProbePose,
-            b: &HullProbePose,
+            a: &BodyPose,
+            b: &BodyPose,
         ) -> Vec<HullProbePoint>;
         fn set_impulse(
             self: Pin<&mut HullProbe>,
@@ -360,31 +352,27 @@ mod bridge {
         fn forget(self: Pin<&mut HullProbe>);
         fn widest_gap(
             self: Pin<&mut HullProbe>,
-            a: &HullProbePose,
-            b: &HullProbePose,
+            a: &BodyPose,
+            b: &BodyPose,
             all_edges: bool,
         ) -> HullProbeGap;
         fn time_steps(
             self: Pin<&mut HullProbe>,
-            poses: &[HullProbePose],
+            poses: &[BodyPose],
             rounds: usize,
             remember: bool,
         ) -> f64;
         fn bytes(self: &HullProbe) -> usize;
 
-        include!("pluvia/cpp/worker_probe.h");
+        include!("pluvia/cpp/part_probe.h");
 
         fn shared_sum(threads: i32, size: usize, rounds: usize, fails_at: usize) -> Result<u64>;
         fn chained_work(threads: i32, rounds: usize) -> Result<[u64; 2]>;
         fn shared_time(threads: i32, sizes: &[usize], leasts: &[usize]) -> Result<[f64; 4]>;
         fn steps_alone(may_leave: bool, shared_s: &[f64], alone_s: &[f64]) -> Vec<bool>;
 
-        include!("pluvia/cpp/memory_probe.h");
-
         /// Of the allocator, by the whole process; -1 where it does not say.
         fn bytes_handed_out() -> i64;
-
-        include!("pluvia/cpp/crowd_probe.h");
 
         fn crowd_speeds(
             bodies: &[CrowdProbeBody],

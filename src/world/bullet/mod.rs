@@ -298,7 +298,7 @@ impl World for BulletBackend {
 
     fn recall_drive(&mut self, id: BodyId, ends: &[Pose; 3]) -> Result<(), WorldError> {
         self.check_kinematic(id)?;
-        let ends = ends.map(|pose| ffi::KinematicPose {
+        let ends = ends.map(|pose| ffi::BodyPose {
             position: pose.translation.vector.into(),
             rotation: rotation_array(&pose),
         });

@@ -62,8 +62,8 @@ pub struct ProbeGap {
 /// Two hulls and what their pair remembers.
 pub struct HullPair(cxx::UniquePtr<ffi::HullProbe>);
 
-fn pose(pose: &Pose) -> ffi::HullProbePose {
-    ffi::HullProbePose { position: pose.translation.vector.into(), rotation: rotation_array(pose) }
+fn pose(pose: &Pose) -> ffi::BodyPose {
+    ffi::BodyPose { position: pose.translation.vector.into(), rotation: rotation_array(pose) }
 }
 
 impl HullPair {

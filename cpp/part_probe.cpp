@@ -1,5 +1,7 @@
-#include "worker_probe.h"
+#include "part_probe.h"
 
+#include "crowd.h"
+#include "pluvia/src/world/bullet/ffi.rs.h"
 #include "workers.h"
 
 #include <algorithm>
@@ -8,6 +10,16 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#if defined(__linux__)
+#include <features.h>
+#endif
+#if defined(__GLIBC__)
+#if __GLIBC_PREREQ(2, 33)
+#define PLUVIA_COUNTS_BYTES 1
+#include <malloc.h>
+#endif
+#endif
 
 namespace pluvia {
 
@@ -139,6 +151,36 @@ rust::Vec<bool> steps_alone(bool may_leave, rust::Slice<const double> shared_s,
         sharing.took(sharing.alone() ? alone_s[i] : shared_s[i]);
     }
     return out;
+}
+
+rust::Vec<double> crowd_speeds(rust::Slice<const CrowdProbeBody> bodies,
+                               const std::array<double, 3> &frame, double step, double margin) {
+    std::vector<CrowdBody> members;
+    for (const CrowdProbeBody &body : bodies) {
+        const auto &c = body.centre;
+        members.push_back({{c[0], c[1], c[2]},
+                           three(body.velocity.data()),
+                           body.radius,
+                           body.turning,
+                           body.free});
+    }
+    Crowd crowd;
+    rust::Vec<double> speeds;
+    if (crowd.gather(members, three(frame.data()), step, margin)) {
+        for (std::size_t i = 0; i < members.size(); ++i) {
+            speeds.push_back(crowd.speed(i));
+        }
+    }
+    return speeds;
+}
+
+std::int64_t bytes_handed_out() {
+#if defined(PLUVIA_COUNTS_BYTES)
+    const auto held = mallinfo2();
+    return static_cast<std::int64_t>(held.uordblks + held.hblkhd);
+#else
+    return -1;
+#endif
 }
 
 } // namespace pluvia

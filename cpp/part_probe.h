@@ -1,5 +1,6 @@
-// The threads of a world outside any world, for tests: that they share work
-// without losing any of it, and that what fails in one of them comes back.
+// Parts of a world outside any world, for tests: its threads, that they share work without losing
+// any of it, and that what fails in one of them comes back; the speeds by which boxes stand off;
+// and what the process holds of its allocator, for tests that look for leaks.
 #pragma once
 
 #include "rust/cxx.h"
@@ -9,6 +10,8 @@
 #include <cstdint>
 
 namespace pluvia {
+
+struct CrowdProbeBody;
 
 // Adds up the numbers below `size`, `rounds` times, each number by whichever of
 // `threads` threads comes to it. Throws std::runtime_error when one comes to
@@ -30,5 +33,15 @@ std::array<double, 4> shared_time(std::int32_t threads, rust::Slice<const std::s
 // one thread's so long.
 rust::Vec<bool> steps_alone(bool may_leave, rust::Slice<const double> shared_s,
                             rust::Slice<const double> alone_s);
+
+// The speed of each body, as of Crowd; lengths in any one unit. Empty where
+// Crowd finds none.
+rust::Vec<double> crowd_speeds(rust::Slice<const CrowdProbeBody> bodies,
+                               const std::array<double, 3> &frame, double step, double margin);
+
+// Bytes handed out and not given back, in all arenas and in blocks that the
+// allocator mapped one by one; C++ and Rust share the allocator. -1 where it
+// does not say.
+std::int64_t bytes_handed_out();
 
 } // namespace pluvia
