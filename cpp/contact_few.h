@@ -149,19 +149,18 @@ template <class L> class Few {
             }
             for (int k = ends_[b - 1]; k < ends_[b]; ++k) {
                 const int at = at_[k];
-                const auto number = static_cast<std::size_t>(at / 8);
-                taken_[number] |=
-                    static_cast<std::uint8_t>(p_.awake[number] != 0 ? 1 << at % 8 : 0);
+                if (p_.awake[at / 8] != 0) {
+                    taken_[at / 8] |= static_cast<std::uint8_t>(1 << at % 8);
+                }
             }
         }
     }
 
-    bool is_active(int body) const { return p_.active[body] != 0; }
     int points_of(int pair) const { return contacts_.places[pair].points; }
     void list(int body) {
         std::uint8_t &listed = listed_[body];
         if (!contacts_.moves.still(body) && listed == 0) {
-            listed = is_active(body) ? CHOSEN : BESIDE;
+            listed = p_.active[body] != 0 ? CHOSEN : BESIDE;
             bodies_.push_back(body);
             start_.push_back(p_.bodies.motion[body]);
         }

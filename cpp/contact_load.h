@@ -64,7 +64,6 @@ template <class L> void clear_pack(Pack<L> &pack, int first, int points) {
     pack.first = first;
     pack.points = points;
     pack.still_a = pack.still_b = (1U << Lane<L>::WIDTH) - 1;
-    pack.pressed_a = pack.pressed_b = 0;
     std::fill(pack.pair, pack.pair + Lane<L>::WIDTH, -1);
 }
 

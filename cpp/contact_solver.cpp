@@ -203,13 +203,9 @@ void ContactSolver::read_drives(const Units &units, rust::Vec<DriveRead> &out) c
     const std::size_t first = 1 + moving_.size() + pressed_.size();
     for (std::size_t i = first; i < bodies_.size(); ++i) {
         const SolverBody &body = bodies_[i];
-        DriveRead read{};
-        read.id = static_cast<std::uint32_t>(driving_[i - first]->getUserIndex());
-        read.velocity = units.metres(body.velocity);
-        read.acceleration = units.metres(body.acceleration);
-        read.spin = array(body.spin);
-        read.spin_up = array(body.spin_up);
-        out.push_back(read);
+        const auto id = static_cast<std::uint32_t>(driving_[i - first]->getUserIndex());
+        out.push_back(DriveRead{id, units.metres(body.velocity), units.metres(body.acceleration),
+                                array(body.spin), array(body.spin_up)});
     }
 }
 

@@ -68,16 +68,6 @@ void HullSearch::cull(btBroadphasePair *first, std::size_t count, std::size_t nu
     }
 }
 
-void HullSearch::make(const Fresh &fresh) {
-    Work &work = work_[fresh.at];
-    const PairValue &value =
-        collision_.materials->of(work.a->object->getUserIndex(), work.b->object->getUserIndex());
-    work.algorithm = new (pairs_.room())
-        HullAlgorithm(collision_, value, HullBodies::index(*fresh.pair->m_pProxy0),
-                      HullBodies::index(*fresh.pair->m_pProxy1));
-    fresh.pair->m_algorithm = work.algorithm;
-}
-
 // Sorts the pairs by thread.
 void HullSearch::send_home(const std::vector<std::uint16_t> &homes) {
     const std::size_t threads = scratch_.size();
@@ -160,8 +150,14 @@ void HullSearch::find(btOverlappingPairCache &pairs, const std::vector<std::uint
     workers_.each(blocks_.size(), 1, [&](std::size_t b) { cull(first, count, b); });
     // Room for what pairs carry is given out by one thread.
     for (const Block &block : blocks_) {
-        std::for_each(block.fresh.begin(), block.fresh.end(),
-                      [this](const Fresh &fresh) { make(fresh); });
+        for (const auto &[pair, at] : block.fresh) {
+            Work &work = work_[at];
+            const PairValue &value = collision_.materials->of(work.a->number, work.b->number);
+            work.algorithm = new (pairs_.room())
+                HullAlgorithm(collision_, value, HullBodies::index(*pair->m_pProxy0),
+                              HullBodies::index(*pair->m_pProxy1));
+            pair->m_algorithm = work.algorithm;
+        }
     }
     send_home(homes);
     const Share all{order_.size(), FIND_AT_ONCE, FIND_AT_ONCE, ends_.data()};

@@ -69,7 +69,6 @@ class HullSearch {
 
     void cull(btBroadphasePair *first, std::size_t count, std::size_t block);
     void take(btBroadphasePair &pair, Block &block);
-    void make(const Fresh &fresh);
     void send_home(const std::vector<std::uint16_t> &homes);
     void find(std::size_t begin, std::size_t end, PairScratch &scratch);
     void list_touching();

@@ -196,13 +196,8 @@ void BulletWorld::step() { impl_->world->step(impl_->time_step); }
 BodyRead BulletWorld::read_one_body(std::uint32_t id) const {
     const btRigidBody &body = impl_->body(id);
     const btTransform &pose = body.getWorldTransform();
-    BodyRead read{};
-    read.present = true;
-    read.position = impl_->units.metres(pose.getOrigin());
-    read.rotation = array(pose.getRotation());
-    read.linear_velocity = impl_->units.metres(body.getLinearVelocity());
-    read.angular_velocity = array(body.getAngularVelocity());
-    return read;
+    return {true, impl_->units.metres(pose.getOrigin()), array(pose.getRotation()),
+            impl_->units.metres(body.getLinearVelocity()), array(body.getAngularVelocity())};
 }
 
 void BulletWorld::read_bodies(rust::Vec<BodyRead> &out) const {
