@@ -1,33 +1,26 @@
 #include "hull_axis.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
-#include <new>
 
 namespace pluvia {
 
-namespace {
-constexpr std::size_t ALIGNMENT = 32;
-} // namespace
-
-AxisScratch::~AxisScratch() { ::operator delete(block_, std::align_val_t(ALIGNMENT)); }
-
 void AxisScratch::grow(const HullData &a, const HullData &b) {
     for (const HullData *hull : {&a, &b}) {
-        vertices_ = hull->vertices > vertices_ ? hull->vertices : vertices_;
-        faces_ = hull->faces > faces_ ? hull->faces : faces_;
-        edges_ = hull->edges > edges_ ? hull->edges : edges_;
+        vertices_ = std::max(vertices_, hull->vertices);
+        faces_ = std::max(faces_, hull->faces);
+        edges_ = std::max(edges_, hull->edges);
     }
     const auto v = static_cast<std::size_t>(padded(vertices_));
     const auto f = static_cast<std::size_t>(padded(faces_));
     const auto e = static_cast<std::size_t>(padded(edges_));
     stride = static_cast<int>(e);
-    ::operator delete(block_, std::align_val_t(ALIGNMENT));
-    block_ = nullptr;
+    block_.reset();
     // Four bytes an entry throughout; the lists of two-byte entries fit with room to spare.
-    block_ = ::operator new(sizeof(float) * (5 * v + 6 * f + 26 * e), std::align_val_t(ALIGNMENT));
-    float *next = static_cast<float *>(block_);
+    block_.reset(new LaneRoom[(5 * v + 6 * f + 26 * e) / LANES]);
+    float *next = reinterpret_cast<float *>(block_.get());
     const auto take = [&next](std::size_t count) {
         float *taken = next;
         next += count;

@@ -27,11 +27,6 @@ struct Relative {
 // Buffers of one thread; grown to the largest pair that it has seen.
 class AxisScratch {
   public:
-    AxisScratch() = default;
-    ~AxisScratch();
-    AxisScratch(const AxisScratch &) = delete;
-    AxisScratch &operator=(const AxisScratch &) = delete;
-
     void fit(const HullData &a, const HullData &b) {
         if (a.vertices > vertices_ || b.vertices > vertices_ || a.faces > faces_ ||
             b.faces > faces_ || a.edges > edges_ || b.edges > edges_) {
@@ -54,7 +49,7 @@ class AxisScratch {
 
   private:
     void grow(const HullData &a, const HullData &b);
-    void *block_ = nullptr;
+    std::unique_ptr<LaneRoom[]> block_;
     int vertices_ = 0;
     int faces_ = 0;
     int edges_ = 0;

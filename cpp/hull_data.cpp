@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <new>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -13,7 +12,6 @@ namespace pluvia {
 
 namespace {
 
-constexpr std::size_t ALIGNMENT = 32;
 constexpr std::size_t MOST = std::numeric_limits<std::uint16_t>::max();
 
 // Cosine between an edge and the normals of its faces up to which the edge's
@@ -27,7 +25,9 @@ constexpr double SHARP = 1e-2;
 // Unit vector, or zero for a zero vector.
 Vec unit(const Vec &a) { return length(a) > 0 ? a / length(a) : Vec{0, 0, 0}; }
 
-std::size_t aligned(std::size_t bytes) { return (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT; }
+std::size_t aligned(std::size_t bytes) {
+    return (bytes + sizeof(LaneRoom) - 1) / sizeof(LaneRoom) * sizeof(LaneRoom);
+}
 
 // An edge found while walking round the faces.
 struct Half {
@@ -116,8 +116,6 @@ HullData::HullData(double radius_of_sphere)
     pad();
 }
 
-HullData::~HullData() { ::operator delete(block_, std::align_val_t(ALIGNMENT)); }
-
 void HullData::allocate(int loop_length) {
     const auto reals = [](int n) { return aligned(sizeof(float) * static_cast<std::size_t>(n)); };
     const auto words = [](int n) {
@@ -128,8 +126,8 @@ void HullData::allocate(int loop_length) {
     const int e = padded(edges);
     bytes = 3 * reals(v) + 4 * reals(f) + 3 * reals(e) + words(4 * edges) + words(faces + 1) +
             3 * words(loop_length) + words(vertices + 1);
-    block_ = ::operator new(bytes, std::align_val_t(ALIGNMENT));
-    char *next = static_cast<char *>(block_);
+    block_.reset(new LaneRoom[bytes / sizeof(LaneRoom)]);
+    char *next = reinterpret_cast<char *>(block_.get());
     const auto take = [&next](auto *&array, std::size_t size) {
         array = reinterpret_cast<std::remove_reference_t<decltype(array)>>(next);
         next += size;

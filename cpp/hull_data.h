@@ -13,12 +13,18 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 namespace pluvia {
 
 // Lanes of the widest vectors that walk over the arrays; lengths are padded to it.
 constexpr int LANES = 8;
 constexpr int padded(int count) { return (count + LANES - 1) / LANES * LANES; }
+
+// Room for one of them, of which blocks of arrays are made.
+struct alignas(sizeof(float) * LANES) LaneRoom {
+    std::byte bytes[sizeof(float) * LANES];
+};
 
 struct HullEdge {
     std::uint16_t from, to;    // vertices; the left face's loop runs this way
@@ -37,9 +43,6 @@ class HullData {
              std::size_t face_count, const std::uint32_t *face_vertices, double rounding = 0);
     // A sphere about the origin.
     explicit HullData(double radius);
-    ~HullData();
-    HullData(const HullData &) = delete;
-    HullData &operator=(const HullData &) = delete;
 
     int vertices = 0;
     int faces = 0;
@@ -92,7 +95,7 @@ class HullData {
     }
 
   private:
-    void *block_ = nullptr;
+    std::unique_ptr<LaneRoom[]> block_;
 
     void allocate(int loop_length);
     void set_planes();
