@@ -1,13 +1,34 @@
 // Bodies on their way from Bullet into the solver and back.
 #pragma once
 
-#include "contact_law.h"
+#include "three.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <array>
 
 namespace pluvia {
+
+// A body in the solver; number 0 is the world at rest.
+struct SolverBody {
+    Vec velocity{0, 0, 0};
+    Vec spin{0, 0, 0};
+    double inverse_mass = 0;
+    // Roots of the inertia and of its inverse, in world axes.
+    Symmetric<double> inertia_root{1, 1, 1, 0, 0, 0};
+    Symmetric<double> inverse_inertia_root{1, 1, 1, 0, 0, 0};
+    // By external forces, or of a kinematic body within the step.
+    Vec acceleration{0, 0, 0}, spin_up{0, 0, 0};
+    Vec shift{0, 0, 0}, turn{0, 0, 0}; // gone in the step
+    // Of a pressed body, which moves along one direction alone: its unit vector over the root of
+    // the mass. Else 0. Of one that turns about an axis: the velocity of its origin at unit speed,
+    // and the unit vector of the axis, over the root of the moment of inertia.
+    Vec press{0, 0, 0};
+    Vec press_turn{0, 0, 0};
+
+    bool turned() const { return press_turn.dot(press_turn) > 0; }
+    bool pressed() const { return press.dot(press) > 0 || turned(); }
+};
 
 // Asks the memory for what is read of a body below.
 void prefetch_body(const btRigidBody &body);

@@ -1,6 +1,7 @@
 // Pairs and bodies on their way into the solver's packs and back.
 #pragma once
 
+#include "contact_bodies.h"
 #include "contact_colours.h"
 #include "contact_phases.h"
 #include "hull_algorithm.h"

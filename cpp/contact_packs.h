@@ -1,10 +1,25 @@
-// Pairs and bodies side by side, as the arithmetic of the solver reads them.
+// What the contact solver reads: the law of contacts, and pairs and bodies side by side.
 #pragma once
 
-#include "contact_law.h"
+#include "lanes.h"
 #include "pool.h"
 
 namespace pluvia {
+
+// How contacts yield and rebound; engine units.
+struct ContactLaw {
+    int substeps;         // of a step
+    int iterations;       // over all contacts in a sub-step, at least
+    double stiffness;     // of a contact point, N/m: mass over time squared, whatever the unit
+    double damping_ratio; // of the spring with the bodies it stands between
+    double max_depenetration_velocity; // largest speed at which overlap is pushed apart
+    double restitution_speed;          // approach speed below which nothing rebounds
+    double closed_gap;                 // gap up to which what does not come fast counts as closed
+    double unsolved_gap; // overlap that a sub-step may add before it is iterated further
+    // Of what contacts change of a body in a sub-step, the mean of all: what the last
+    // iteration may change of any.
+    double unsolved_share;
+};
 
 // Pairs beside each other. The normal leads from B to A. Lanes without a pair hold the
 // world with itself, and points that a pair of the pack has less than another are too
