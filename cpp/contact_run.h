@@ -160,8 +160,8 @@ template <class L> class Run {
 
     // Iterations begin without a way.
     void begin_search(const Turn &turn, const std::vector<int> &bodies) {
-        now_.packs(Phase::ClearSearch, turn.packs.data(), turn.packs.size());
-        now_.bodies(Phase::BeginSearch, bodies.data(), bodies.size());
+        now_.packs(Phase::ClearSearch, turn.packs);
+        now_.bodies(Phase::BeginSearch, bodies);
         p_.beta = L{};
     }
 
@@ -205,7 +205,7 @@ template <class L> class Run {
             pace = Pace{};
         };
         now_.packs(Phase::ClearSearch);
-        now_.bodies(Phase::BeginSearch, touched_.data(), touched_.size());
+        now_.bodies(Phase::BeginSearch, touched_);
         p_.beta = L{};
         for (int n = 1; left > 0; ++n) {
             const Turn &turn = over_few ? few_.turn() : all_;
@@ -268,7 +268,7 @@ template <class L> class Run {
     // began anew.
     void extrapolate(const std::vector<int> &bodies, double work, Pace &pace) {
         p_.beta = L{} + static_cast<N>(pace.next(work));
-        now_.bodies(Phase::Extrapolate, bodies.data(), bodies.size());
+        now_.bodies(Phase::Extrapolate, bodies);
     }
 
     // Looks at the pairs that are asleep. Whether one woke.

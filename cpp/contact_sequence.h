@@ -19,9 +19,12 @@ template <class L> class Sequence {
     Sequence(Problem<L> &problem, Kernel<L> kernel, const Contacts &contacts)
         : p_(problem), kernel_(kernel), contacts_(contacts) {}
 
-    // Over listed packs or bodies; over all of `size` where the list is null.
-    void packs(Phase phase, const int *list, std::size_t size) {
-        add(phase, list, size, size, PACKS_AT_ONCE);
+    // Over listed packs or bodies.
+    void packs(Phase phase, const std::vector<int> &list) {
+        add(phase, list.data(), list.size(), list.size(), PACKS_AT_ONCE);
+    }
+    void bodies(Phase phase, const std::vector<int> &list) {
+        add(phase, list.data(), list.size(), list.size(), BODIES_AT_ONCE);
     }
     // Over all packs, each by the thread at which it is at home.
     void packs(Phase phase) {
@@ -29,10 +32,10 @@ template <class L> class Sequence {
         const Homes &homes = contacts_.homes;
         add_at_home(phase, homes.order().data(), homes.order().size(), homes.ends(), Share::ALL);
     }
-    void bodies(Phase phase, const int *list, std::size_t size) {
-        add(phase, list, size, size, BODIES_AT_ONCE);
+    void bodies(Phase phase) {
+        const std::size_t all = p_.bodies.motion.size();
+        add(phase, nullptr, all, all, BODIES_AT_ONCE);
     }
-    void bodies(Phase phase) { bodies(phase, nullptr, p_.bodies.motion.size()); }
 
     // Over packs, one colour after the other; `back`: from the last to the first.
     void colours(Phase phase, const Turn &turn, bool back) {

@@ -37,10 +37,9 @@ struct Half {
 
 } // namespace
 
-HullData::HullData(const double *coordinates, std::size_t vertex_count,
-                   const std::uint32_t *face_starts, std::size_t face_count,
-                   const std::uint32_t *face_vertices, double rounding_radius)
+HullData::HullData(const Polyhedron &polyhedron, double rounding_radius)
     : rounding(rounding_radius) {
+    const auto &[coordinates, vertex_count, face_starts, face_count, face_vertices] = polyhedron;
     const std::size_t loop_length = face_count > 0 ? face_starts[face_count] : 0;
     if (vertex_count > MOST || face_count > MOST || loop_length > MOST) {
         throw std::runtime_error("a hull has more than 65535 vertices, faces or corners of faces");

@@ -31,16 +31,23 @@ struct HullEdge {
     std::uint16_t left, right; // faces, seen from outside
 };
 
+// A polyhedron as it is given: x, y, z of each vertex; the corners of face f are
+// face_vertices[face_starts[f]] up to face_vertices[face_starts[f + 1]],
+// counter-clockwise seen from outside.
+struct Polyhedron {
+    const double *coordinates; // finite
+    std::size_t vertices;
+    const std::uint32_t *face_starts; // faces + 1 entries
+    std::size_t faces;
+    const std::uint32_t *face_vertices;
+};
+
 class HullData {
   public:
-    // `coordinates`: x, y, z of each vertex. Face f has the vertices
-    // face_vertices[face_starts[f]] up to face_vertices[face_starts[f + 1]],
-    // counter-clockwise seen from outside; `face_starts` has faces + 1 entries.
     // Throws std::runtime_error for a surface that is not closed, a face
     // without area, or more than 65535 vertices, faces or edges. `rounding`: radius of the ball
     // that sweeps it.
-    HullData(const double *coordinates, std::size_t vertex_count, const std::uint32_t *face_starts,
-             std::size_t face_count, const std::uint32_t *face_vertices, double rounding = 0);
+    HullData(const Polyhedron &polyhedron, double rounding);
     // A sphere about the origin.
     explicit HullData(double radius);
 

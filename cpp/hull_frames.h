@@ -46,10 +46,8 @@ class PairFrames : protected PairCase {
     // Whether the points of a face contact can stay where they are on their bodies. Corners that
     // were out of the margin when they were found may land now.
     bool holds_face() const {
-        const bool farther =
-            settings.speculative_margin > static_cast<double>(memory.met_margin) + settings.hold;
-        return memory.last.count > 0 && !farther &&
-               !(static_cast<double>(moved(memory.met_at)) > settings.hold);
+        const bool farther = settings.speculative_margin > memory.met_margin + settings.hold;
+        return memory.last.count > 0 && !farther && !(moved(memory.met_at) > settings.hold);
     }
 
     // What `holds_face` goes on with.

@@ -293,8 +293,7 @@ double collide_hulls(const PairCase &pair) {
     Pair(pair).run();
     const PairMemory &memory = pair.memory;
     pair.out.feature = pair.out.count > 0 ? packed(memory.feature, memory.first, memory.second) : 0;
-    return memory.feature == Feature::None && memory.has_axis ? static_cast<double>(memory.widest)
-                                                              : NOT_APART;
+    return memory.feature == Feature::None && memory.has_axis ? memory.widest : NOT_APART;
 }
 
 } // namespace pluvia

@@ -54,8 +54,7 @@ Polyhedron polyhedron(rust::Slice<const double> coordinates,
             face_vertices.data()};
 }
 
-std::unique_ptr<const HullData> make_hull_data(const Units &units, const Polyhedron &p,
-                                               double rounding) {
+std::unique_ptr<const HullData> make_hull_data(const Units &units, Polyhedron p, double rounding) {
     if (!(std::isfinite(rounding) && rounding >= 0)) {
         throw std::runtime_error("the radius of a rounded polyhedron is negative");
     }
@@ -63,8 +62,8 @@ std::unique_ptr<const HullData> make_hull_data(const Units &units, const Polyhed
     for (double &x : scaled) {
         x *= units.scale();
     }
-    return std::make_unique<const HullData>(scaled.data(), p.vertices, p.face_starts, p.faces,
-                                            p.face_vertices, rounding * units.scale());
+    p.coordinates = scaled.data();
+    return std::make_unique<const HullData>(p, rounding * units.scale());
 }
 
 std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyhedron,

@@ -37,26 +37,15 @@ class TightHull final : public btConvexHullShape {
     std::unique_ptr<const HullData> data_;
 };
 
-// A polyhedron as it crosses the bridge: x, y, z of each vertex in metres; the
-// corners of face f are face_vertices[face_starts[f]] up to
-// face_vertices[face_starts[f + 1]], counter-clockwise seen from outside.
-struct Polyhedron {
-    const double *coordinates; // finite
-    std::size_t vertices;
-    const std::uint32_t *face_starts; // faces + 1 entries
-    std::size_t faces;
-    const std::uint32_t *face_vertices;
-};
-
-// The same of three lists. Throws std::runtime_error where one leads out of
-// another, or a coordinate is not finite.
+// A polyhedron as it crosses the bridge, in metres, from three lists. Throws std::runtime_error
+// where one leads out of another, or a coordinate is not finite.
 Polyhedron polyhedron(rust::Slice<const double> coordinates,
                       rust::Slice<const std::uint32_t> face_starts,
                       rust::Slice<const std::uint32_t> face_vertices);
 
 // The polyhedron in engine units for the narrow phase, swept by a ball of a radius in metres.
 // Throws std::runtime_error when its surface is not closed or the radius negative.
-std::unique_ptr<const HullData> make_hull_data(const Units &units, const Polyhedron &polyhedron,
+std::unique_ptr<const HullData> make_hull_data(const Units &units, Polyhedron polyhedron,
                                                double rounding);
 
 // A hull over the polyhedron's vertices, with a collision margin in metres; swept by a ball with a
