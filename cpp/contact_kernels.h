@@ -17,47 +17,41 @@ template <class N> struct LaneLaw {
     double unsolved_share; // of what contacts change of a body, that calls for another iteration
 };
 
-// The motion of the bodies of one side of a pack.
-template <class L> struct Side {
-    Three<L> velocity, spin; // the spin times the root of the inertia
-    L inverse_mass, turns;
-};
-
 template <class L> using Records = Record<typename Lane<L>::Number>;
 
 template <class L> using Bodies = PackedBodies<typename Lane<L>::Number>;
 
-template <class L>
-PLUVIA_INLINE void gather_motion(const Records<L> *motion, const int *index, Side<L> &side) {
-    L f[8];
-    gather(motion, index, f);
-    side.velocity = {f[0], f[1], f[2]};
-    side.inverse_mass = f[3];
-    side.spin = {f[4], f[5], f[6]};
-    side.turns = f[7];
-}
+// The motion of the bodies of one side of a pack.
+template <class L> struct Side {
+    Three<L> velocity, spin; // the spin times the root of the inertia
+    L inverse_mass, turns;
 
-// What does not move may stand in several lanes, and be read by several threads: it is not
-// written.
-template <class L>
-PLUVIA_INLINE void scatter_motion(const Side<L> &side, const int *index, unsigned still,
-                                  Records<L> *motion) {
-    const L f[8] = {side.velocity.x, side.velocity.y, side.velocity.z, side.inverse_mass,
-                    side.spin.x,     side.spin.y,     side.spin.z,     side.turns};
-    scatter(f, index, still, motion);
-}
+    PLUVIA_INLINE Side(const Records<L> *motion, const int *index) {
+        L f[8];
+        gather(motion, index, f);
+        velocity = {f[0], f[1], f[2]};
+        inverse_mass = f[3];
+        spin = {f[4], f[5], f[6]};
+        turns = f[7];
+    }
+    // What does not move may stand in several lanes, and be read by several threads: it is not
+    // written.
+    PLUVIA_INLINE void put_back(const int *index, unsigned still, Records<L> *motion) const {
+        const L f[8] = {velocity.x, velocity.y, velocity.z, inverse_mass,
+                        spin.x,     spin.y,     spin.z,     turns};
+        scatter(f, index, still, motion);
+    }
+};
 
 // Both sides of a pack.
 template <class L> struct Sides {
     Side<L> a, b;
 
-    PLUVIA_INLINE Sides(const Pack<L> &pack, const Records<L> *motion) {
-        gather_motion(motion, pack.a, a);
-        gather_motion(motion, pack.b, b);
-    }
+    PLUVIA_INLINE Sides(const Pack<L> &pack, const Records<L> *motion)
+        : a(motion, pack.a), b(motion, pack.b) {}
     PLUVIA_INLINE void put_back(const Pack<L> &pack, Records<L> *motion) const {
-        scatter_motion(a, pack.a, pack.still_a, motion);
-        scatter_motion(b, pack.b, pack.still_b, motion);
+        a.put_back(pack.a, pack.still_a, motion);
+        b.put_back(pack.b, pack.still_b, motion);
     }
 };
 
