@@ -8,7 +8,6 @@
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 #include <BulletCollision/CollisionShapes/btConvexInternalShape.h>
 
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <utility>

@@ -3,9 +3,8 @@
 use std::thread;
 
 use crate::{
-    BodyDefinition, BodyKind, BulletWorld, CrowdProbeBody, KinematicPose, HullProbePose,
-    HullProbeShape, InertiaRule, PairValue, Tolerances, WorldDefinition, crowd_speeds, new_hull_probe,
-    new_world,
+    BodyDefinition, BodyKind, BodyPose, BulletWorld, CrowdProbeBody, HullProbeShape, InertiaRule,
+    PairValue, Tolerances, WorldDefinition, crowd_speeds, new_hull_probe, new_world,
 };
 
 /// Whether the contacts are Pluvia's own, threads, portable instructions,
@@ -209,7 +208,7 @@ pub fn one(kind: Kind, grains: u32, steps: u32) -> u32 {
     // Some of them of bodies that this world has not.
     second.pin_mut().recall_contacts(&remembered).expect("told");
     second.pin_mut().find_contacts().expect("found");
-    let at = |x| KinematicPose { position: [x, 0.0, -0.01], rotation: STILL };
+    let at = |x| BodyPose { position: [x, 0.0, -0.01], rotation: STILL };
     let ends = [at(0.0), at(1e-4), at(3e-4)];
     second.pin_mut().recall_drive(table, &ends).expect("told");
     assert!(second.pin_mut().recall_drive(table, &ends[..2]).is_err(), "law: three or none");
@@ -299,12 +298,12 @@ pub fn probes() -> usize {
     for (portable, scale) in [(false, 1.0), (false, 100.0), (true, 1.0), (true, 100.0)] {
         let (a, b) = (cuboid([0.02, 0.03, 0.01]), cuboid([0.01, 0.012, 0.02]));
         let mut pair = new_hull_probe(scale, &tolerances(), portable, &a, &b).expect("a pair");
-        let origin = HullProbePose { position: [0.0; 3], rotation: STILL };
+        let origin = BodyPose { position: [0.0; 3], rotation: STILL };
         for i in 0..2000_u32 {
             let t = 0.37 * f64::from(i);
             let turn = [t.sin() * 0.6, t.cos() * (t * 1.3).sin(), 0.3, t.cos()];
             let length = turn.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let at = HullProbePose {
+            let at = BodyPose {
                 position: [
                     0.012 * (t * 0.7).sin(),
                     0.016 * (t * 0.9).cos(),
