@@ -271,8 +271,7 @@ mod bridge {
         ) -> Result<()>;
         /// Tells a new world, before its first step, where a kinematic body was at the
         /// ends of the last three, the last one last.
-        fn recall_drive(self: Pin<&mut BulletWorld>, id: u32, ends: &[BodyPose])
-        -> Result<()>;
+        fn recall_drive(self: Pin<&mut BulletWorld>, id: u32, ends: &[BodyPose]) -> Result<()>;
         /// Lets a kinematic body move along one direction alone from now on, with a mass in kg
         /// and a speed along it in m/s.
         fn press_body(
@@ -338,11 +337,7 @@ mod bridge {
             a: &HullProbeShape,
             b: &HullProbeShape,
         ) -> Result<UniquePtr<HullProbe>>;
-        fn step(
-            self: Pin<&mut HullProbe>,
-            a: &BodyPose,
-            b: &BodyPose,
-        ) -> Vec<HullProbePoint>;
+        fn step(self: Pin<&mut HullProbe>, a: &BodyPose, b: &BodyPose) -> Vec<HullProbePoint>;
         fn set_impulse(
             self: Pin<&mut HullProbe>,
             point: usize,
