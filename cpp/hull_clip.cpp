@@ -153,15 +153,12 @@ void clip_face(const HullData &reference, int reference_face, const HullData &in
 }
 
 int reduce_points(std::vector<ClipPoint> &points, const Vec &normal, double margin, double slack,
-                  const std::uint32_t *known, int known_count) {
+                  const KeptContact &last) {
     const int count = static_cast<int>(points.size());
-    const auto is_known = [&](const ClipPoint &p) {
-        return std::find(known, known + known_count, p.id) != known + known_count;
-    };
     // The more a point is in touch, the more it counts.
     const auto weight = [&](const ClipPoint &p) {
         const double far = std::clamp(p.gap / margin, 0.0, 1.0);
-        return (1 - 0.5 * far) * (is_known(p) ? CHOICE_SLACK : 1);
+        return (1 - 0.5 * far) * (last.has(p.id) ? CHOICE_SLACK : 1);
     };
     const auto area = [&](const ClipPoint &a, const ClipPoint &b, const ClipPoint &c) {
         return (b.x - a.x).cross(c.x - a.x).dot(normal);
@@ -190,7 +187,7 @@ int reduce_points(std::vector<ClipPoint> &points, const Vec &normal, double marg
     if (count == 0) {
         return 0;
     }
-    pick(0, -1e300, [&](const ClipPoint &p) { return -p.gap + (is_known(p) ? slack : 0); });
+    pick(0, -1e300, [&](const ClipPoint &p) { return -p.gap + (last.has(p.id) ? slack : 0); });
     const ClipPoint &first = points[0];
     if (!pick(1, slack * slack, [&](const ClipPoint &p) { return weight(p) * square(first, p); })) {
         return 1;
@@ -211,11 +208,9 @@ int reduce_points(std::vector<ClipPoint> &points, const Vec &normal, double marg
     return fourth ? 4 : 3;
 }
 
-int keep_points(std::vector<ClipPoint> &points, double slack, const std::uint32_t *known,
-                int known_count) {
-    const auto rest = std::stable_partition(points.begin(), points.end(), [&](const ClipPoint &p) {
-        return std::find(known, known + known_count, p.id) != known + known_count;
-    });
+int keep_points(std::vector<ClipPoint> &points, double slack, const KeptContact &last) {
+    const auto rest = std::stable_partition(points.begin(), points.end(),
+                                            [&](const ClipPoint &p) { return last.has(p.id); });
     // Ids may repeat.
     int kept = std::min(MOST_POINTS, static_cast<int>(rest - points.begin()));
     const int most = std::max(kept, std::min(4, static_cast<int>(points.size())));

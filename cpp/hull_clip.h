@@ -11,6 +11,8 @@
 
 namespace pluvia {
 
+struct KeptContact;
+
 // A rigid motion x -> r x + t, r row by row.
 struct Rigid {
     double r[9];
@@ -78,16 +80,15 @@ void clip_face(const HullData &reference, int reference_face, const HullData &in
                int incident_face, const Rigid &pose, double margin, ClipScratch &scratch);
 
 // Picks at most four of the points that hold the bodies best: the deepest,
-// the farthest from it, and those that span the largest area. Points with one
-// of the `known` ids win over others that are better by little (`slack`, a
+// the farthest from it, and those that span the largest area. Points that
+// `last` has win over others that are better by little (`slack`, a
 // length). The picked ones are moved to the front; returns their number.
 int reduce_points(std::vector<ClipPoint> &points, const Vec &normal, double margin, double slack,
-                  const std::uint32_t *known, int known_count);
+                  const KeptContact &last);
 
-// The same where the points with the `known` ids are to be kept whatever else
+// The same where the points that `last` has are to be kept whatever else
 // there is: they come first, then, up to four, those farthest from all before.
-int keep_points(std::vector<ClipPoint> &points, double slack, const std::uint32_t *known,
-                int known_count);
+int keep_points(std::vector<ClipPoint> &points, double slack, const KeptContact &last);
 
 // Where two edges come closest. `pose` leads from B's frame to A's.
 struct EdgeContact {

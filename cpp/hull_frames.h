@@ -92,15 +92,10 @@ class PairFrames : protected PairCase {
 
     // Moves those that hold the bodies best to the front, and returns their number.
     int best_points(const Vec &normal) {
-        std::uint32_t known[MOST_POINTS];
-        const int count = memory.last.count;
-        for (int i = 0; i < count; ++i) {
-            known[i] = memory.last.points[i].id;
-        }
         auto &points = scratch.clip.points;
-        return memory.recalled ? keep_points(points, settings.hysteresis, known, count)
+        return memory.recalled ? keep_points(points, settings.hysteresis, memory.last)
                                : reduce_points(points, normal, settings.speculative_margin,
-                                               settings.hysteresis, known, count);
+                                               settings.hysteresis, memory.last);
     }
 
     // Whether bodies come so fast that corners beside those clipped may land within the step.

@@ -3,6 +3,8 @@
 
 #include "hull_axis.h"
 
+#include <algorithm>
+
 namespace pluvia {
 
 // What touches.
@@ -59,6 +61,10 @@ struct KeptContact {
     KeptPoint points[MOST_POINTS];
 
     void keep(const PairContact &contact);
+    // Whether one of its points has this id.
+    bool has(std::uint32_t id) const {
+        return std::any_of(points, points + count, [id](const KeptPoint &p) { return p.id == id; });
+    }
 };
 
 // What a pair remembers.
