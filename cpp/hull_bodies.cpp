@@ -38,19 +38,7 @@ bool holds(const btBroadphaseProxy &proxy, const HullRange &range) {
     return true;
 }
 
-} // namespace
-
-Rigid rigid(const btTransform &pose) {
-    Rigid out;
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            out.r[3 * i + j] = static_cast<double>(pose.getBasis()[i][j]);
-        }
-    }
-    out.t = three(pose.getOrigin());
-    return out;
-}
-
+// A rigid body whose shape is a TightHull.
 HullBody hull_body(const btCollisionObject &object) {
     const btRigidBody &body = *btRigidBody::upcast(&object);
     const auto &shape = static_cast<const TightHull &>(*object.getCollisionShape());
@@ -65,6 +53,19 @@ HullBody hull_body(const btCollisionObject &object) {
                            : out.hull->is_rounded() ? btScalar(out.hull->core_radius())
                                                     : shape.radius();
     out.turning = static_cast<double>(body.getAngularVelocity().length() * turns);
+    return out;
+}
+
+} // namespace
+
+Rigid rigid(const btTransform &pose) {
+    Rigid out;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            out.r[3 * i + j] = static_cast<double>(pose.getBasis()[i][j]);
+        }
+    }
+    out.t = three(pose.getOrigin());
     return out;
 }
 

@@ -28,9 +28,6 @@ struct HullBody {
     double turning; // speed at which its farthest point turns
 };
 
-// A rigid body whose shape is a TightHull.
-HullBody hull_body(const btCollisionObject &object);
-
 // A length by which points of two bodies can come closer within a step. A
 // pair that may meet within the step has its contact points before it meets,
 // so that it is stopped at the surface and not beyond.

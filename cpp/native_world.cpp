@@ -143,7 +143,10 @@ void NativeWorld::timed_step(btScalar length) {
         solver_.solve(static_cast<double>(length));
     }
     solver_.move_bodies(static_cast<double>(length));
-    end_drives();
+    for (const Kinematic &driven : kinematic_) {
+        driven.body->setWorldTransform(driven.end);
+    }
+    kinematic_.clear();
     collision_.recalled.forget();
 }
 
@@ -177,13 +180,6 @@ void NativeWorld::begin_drives(btScalar step) {
         driven.body->setLinearVelocity(velocity.linear);
         driven.body->setAngularVelocity(velocity.angular);
     }
-}
-
-void NativeWorld::end_drives() {
-    for (const Kinematic &driven : kinematic_) {
-        driven.body->setWorldTransform(driven.end);
-    }
-    kinematic_.clear();
 }
 
 void NativeWorld::damp(btScalar step) {

@@ -102,7 +102,6 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     void search();
     void renew_boxes();
     void begin_drives(btScalar step);
-    void end_drives();
     void damp(btScalar step);
 };
 

@@ -24,12 +24,13 @@ void TightHull::getAabb(const btTransform &pose, btVector3 &low, btVector3 &high
     high += btVector3(margin, margin, margin);
 }
 
-void TightHull::set_radius() {
-    radius_ = 0;
+void TightHull::finish(std::unique_ptr<const HullData> data) {
+    recalcLocalAabb();
     for (int i = 0; i < getNumPoints(); ++i) {
         radius_ = btMax(radius_, getUnscaledPoints()[i].length());
     }
     radius_ += getMargin();
+    data_ = std::move(data);
 }
 
 Polyhedron polyhedron(rust::Slice<const double> coordinates,
@@ -76,15 +77,13 @@ std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyh
         const double *p = polyhedron.coordinates + 3 * i;
         hull->addPoint(units.length({p[0], p[1], p[2]}), false);
     }
-    hull->recalcLocalAabb();
-    hull->set_radius();
     if (hull->getMargin() != units.length(margin)) {
         throw std::runtime_error("Bullet did not keep the collision margin of a hull");
     }
     if (static_cast<std::size_t>(hull->getNumPoints()) != polyhedron.vertices) {
         throw std::runtime_error("Bullet did not keep every vertex of a hull");
     }
-    hull->set_data(make_hull_data(units, polyhedron, rounding));
+    hull->finish(make_hull_data(units, polyhedron, rounding));
     return hull;
 }
 
@@ -102,9 +101,7 @@ std::unique_ptr<btConvexInternalShape> make_sphere(const Units &units, double ra
     auto sphere = std::make_unique<TightHull>();
     sphere->setMargin(units.length(radius));
     sphere->addPoint(btVector3(0, 0, 0), false);
-    sphere->recalcLocalAabb();
-    sphere->set_radius();
-    sphere->set_data(std::make_unique<const HullData>(radius * units.scale()));
+    sphere->finish(std::make_unique<const HullData>(radius * units.scale()));
     return sphere;
 }
 

@@ -25,11 +25,12 @@ class TightHull final : public btConvexHullShape {
     // Radius of the sphere about the origin that holds the hull with its margin, in
     // engine units.
     btScalar radius() const { return radius_; }
-    void set_radius();
 
     // Faces, edges and vertices in engine units, for Pluvia's own hull–hull test.
     const HullData &data() const { return *data_; }
-    void set_data(std::unique_ptr<const HullData> data) { data_ = std::move(data); }
+
+    // To be called when all points are there.
+    void finish(std::unique_ptr<const HullData> data);
 
   private:
     btScalar radius_ = 0;
