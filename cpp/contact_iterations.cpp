@@ -74,14 +74,6 @@ void run_step(Problem<L> &problem, Kernel<L> kernel, const Contacts &contacts, L
 
 } // namespace
 
-bool has_avx2() {
-#if defined(__x86_64__)
-    return __builtin_cpu_supports("avx2");
-#else
-    return false;
-#endif
-}
-
 void Iterations::run(Kernels how, const Contacts &contacts, Look *look) {
     if (how == Kernels::OneByOne) {
         run_step(single_, &run_phase<double>, contacts, look);

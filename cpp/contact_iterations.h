@@ -14,9 +14,6 @@ enum class Kernels {
     Avx2,     // single precision, eight at a time, with AVX2
 };
 
-// Whether this machine has AVX2.
-bool has_avx2();
-
 // Carries bodies and contacts through a step of `law.substeps` sub-steps. In
 // each the gaps and arms are what they have become, the external forces act,
 // the contacts begin with the impulses of the sub-step before (the first with

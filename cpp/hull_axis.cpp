@@ -76,15 +76,21 @@ const AxisKernels KERNELS{&gap_along, &faces, &edges, &box};
 #pragma GCC pop_options
 #endif
 
-const AxisKernels &portable_axis_kernels() { return portable::KERNELS; }
-
-const AxisKernels &axis_kernels() {
+bool has_avx2() {
 #if defined(__x86_64__)
-    static const bool wide = __builtin_cpu_supports("avx2");
-    return wide ? avx2::KERNELS : portable::KERNELS;
+    return __builtin_cpu_supports("avx2");
 #else
-    return portable::KERNELS;
+    return false;
 #endif
+}
+
+const AxisKernels &axis_kernels(bool runs_everywhere) {
+#if defined(__x86_64__)
+    if (!runs_everywhere && has_avx2()) {
+        return avx2::KERNELS;
+    }
+#endif
+    return portable::KERNELS;
 }
 
 } // namespace pluvia

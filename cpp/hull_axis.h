@@ -93,9 +93,10 @@ struct AxisKernels {
     void (*box)(const HullData &hull, const float r[9], float low[3], float high[3]);
 };
 
-// The fastest that this processor runs.
-const AxisKernels &axis_kernels();
-// The one that runs everywhere.
-const AxisKernels &portable_axis_kernels();
+// Whether this machine has AVX2.
+bool has_avx2();
+
+// The fastest that this processor runs, or the one that runs everywhere.
+const AxisKernels &axis_kernels(bool runs_everywhere);
 
 } // namespace pluvia

@@ -14,7 +14,7 @@ HullProbe::HullProbe(double scale, const Tolerances &tolerances, bool portable,
     : units_(scale), a_(std::move(a)), b_(std::move(b)) {
     collision_.settings = pair_settings(tolerances, scale);
     collision_.match = tolerances.match_distance * scale;
-    collision_.kernels = portable ? &portable_axis_kernels() : &axis_kernels();
+    collision_.kernels = &axis_kernels(portable);
 }
 
 rust::Vec<HullProbePoint> HullProbe::step(const BodyPose &a, const BodyPose &b) {

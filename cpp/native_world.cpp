@@ -21,7 +21,7 @@ HullCollision hull_collision(const Units &units, const WorldDefinition &d,
     collision.settings.speculative_margin =
         std::min(d.contact_threshold, d.tolerances.contact_margin) * units.scale();
     collision.match = d.tolerances.match_distance * units.scale();
-    collision.kernels = d.portable ? &portable_axis_kernels() : &axis_kernels();
+    collision.kernels = &axis_kernels(d.portable);
     collision.step = d.time_step;
     return collision;
 }
