@@ -8,6 +8,11 @@ namespace pluvia {
 
 namespace {
 
+// By what every processor has.
+template <class L> void portable(Phase phase, Problem<L> &problem, const Part &part) {
+    run_phase(phase, problem, part);
+}
+
 #if defined(__x86_64__)
 __attribute__((target("avx2"))) void avx2(Phase phase, Problem<Float8> &problem, const Part &part) {
     run_phase(phase, problem, part);
@@ -76,10 +81,10 @@ void run_step(Problem<L> &problem, Kernel<L> kernel, const Contacts &contacts, L
 
 void Iterations::run(Kernels how, const Contacts &contacts, Look *look) {
     if (how == Kernels::OneByOne) {
-        run_step(single_, &run_phase<double>, contacts, look);
+        run_step(single_, &portable<double>, contacts, look);
         return;
     }
-    Kernel<Float8> kernel = &run_phase<Float8>;
+    Kernel<Float8> kernel = &portable<Float8>;
 #if defined(__x86_64__)
     if (how == Kernels::Avx2) {
         kernel = &avx2;
