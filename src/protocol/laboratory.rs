@@ -196,7 +196,7 @@ impl Laboratory<'_> {
             let keeper = StressKeeper::of(keep, self.setup, &specimen);
             course.keeper = Some(keeper.map_err(|reason| self.refused(reason))?);
         }
-        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course)?;
+        let Ended { mut stand, settled, .. } = self.carry_out(specimen, &course)?;
         if limit > 0.0 && !settled {
             stand.warn(not_settled("rest after the motion", limit));
         }
@@ -318,7 +318,7 @@ impl Laboratory<'_> {
     /// Carries a stage out that ends by its condition or when everything has settled.
     fn until_settled(&mut self, specimen: Specimen, limit: f64, what: &str) -> StageResult {
         let course = Course { endings: self.endings(), ..Course::until_settled(limit) };
-        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course)?;
+        let Ended { mut stand, settled, .. } = self.carry_out(specimen, &course)?;
         if !settled && course.endings.is_none() {
             stand.warn(not_settled(what, limit));
         }

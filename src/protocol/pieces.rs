@@ -56,8 +56,8 @@ pub(super) struct Pieces {
     pressed: Vec<Pressed>,
     pressed_work: f64,
     free: Vec<Free>,
-    /// By the condition that it belongs to, those whose force may end the stage, and the impulse
-    /// of the grains on them since somebody asked, in N s.
+    /// By condition, those whose force may end the stage, none of a condition on something else,
+    /// and the impulse of the grains on them since somebody asked, in N s.
     watched: Vec<(Vec<usize>, Vector)>,
     contacts: Vec<Contact>,
 }
@@ -123,11 +123,13 @@ impl Pieces {
         })
     }
 
-    /// Adds up the impulse of the grains on some pieces from now on, for a condition by its number.
-    pub(super) fn feel(&mut self, condition: usize, pieces: &[usize]) {
-        let most = self.watched.len().max(condition + 1);
-        self.watched.resize(most, (Vec::new(), Vector::zeros()));
-        self.watched[condition].0 = pieces.to_vec();
+    /// Adds up the impulse of the grains on pieces from now on, for the conditions on their force.
+    pub(super) fn feel(&mut self, endings: &Endings) {
+        let watched = endings.each.iter().map(|ending| match &ending.subject {
+            Subject::Force(pieces, _) => (pieces.clone(), Vector::zeros()),
+            _ => (Vec::new(), Vector::zeros()),
+        });
+        self.watched = watched.collect();
     }
 
     /// Impulse in N s of the grains on those of a condition since this was asked.

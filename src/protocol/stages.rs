@@ -35,7 +35,7 @@ pub fn run(
         StageSpec::Release { .. } => lab.release(specimen),
         StageSpec::Remove { .. } => lab.remove(specimen),
         StageSpec::Rest { duration_s } => {
-            Ok(lab.carry_out(specimen, 0.0, &Course::of_length(duration_s))?.stand.finish())
+            Ok(lab.carry_out(specimen, &Course::of_length(duration_s))?.stand.finish())
         }
     }
 }
@@ -54,6 +54,8 @@ pub(super) struct Laboratory<'a> {
 
 pub(super) struct Course {
     pub(super) until: Until,
+    /// Height in m of the funnel's collar.
+    pub(super) collar: f64,
     pub(super) motion: Option<TableMotion>,
     pub(super) feed: Option<Feed>,
     pub(super) placing: Option<Placing>,
@@ -67,7 +69,7 @@ pub(super) struct Course {
 impl Course {
     pub(super) fn until(until: Until) -> Self {
         let (motion, feed, placing, drive) = (None, None, None, None);
-        Self { until, motion, feed, placing, drive, endings: None, keeper: None }
+        Self { until, collar: 0.0, motion, feed, placing, drive, endings: None, keeper: None }
     }
 
     pub(super) fn until_settled(limit: f64) -> Self {
@@ -89,7 +91,7 @@ impl Course {
     }
 
     /// What moves, where the condition that ends it held at a time in s.
-    fn drive_after(&self, reached: Option<f64>) -> Option<Drive> {
+    pub(super) fn drive_after(&self, reached: Option<f64>) -> Option<Drive> {
         let mut drive = self.drive.clone()?;
         if let Some(time) = reached {
             drive.motion = drive.motion.ended_at(time);
@@ -111,11 +113,10 @@ pub(super) struct Ended<'a> {
 
 impl<'a> Laboratory<'a> {
     /// Carries a stage out segment by segment, from where it was interrupted or else from
-    /// the specimen, with a funnel's collar of the given height in m.
+    /// the specimen.
     pub(super) fn carry_out(
         &mut self,
         specimen: Specimen,
-        collar: f64,
         course: &Course,
     ) -> Result<Ended<'a>, StageError> {
         let Setup { seed, configuration, .. } = *self.setup;
@@ -124,29 +125,18 @@ impl<'a> Laboratory<'a> {
             Some(midway) => midway.clone(),
             None => Midway {
                 kept_stress: course.keeper.as_ref().map(|(_, kept)| *kept),
-                ..Midway::at_start(state, collar, self.setup)
+                ..Midway::at_start(state, course.collar, self.setup)
             },
         };
         loop {
             let fed = midway.fed.take();
             let part = midway.part;
-            let plate = match course.placing {
-                Some(placing) => placing.plate(&self.setup.plate, part),
-                None => self.setup.plate.clone(),
-            };
-            let mut stand = {
-                let drive = course.drive_after(midway.judged.reached_s);
-                Stand::new(self.setup, self.make_world, grains.clone(), plate, drive, midway)?
-            };
-            if let Some(endings) = &course.endings {
-                stand.end_when(endings.clone());
-            }
-            if let Some((keeper, _)) = &course.keeper {
-                stand.keep_stress(keeper.clone());
-            }
+            let mut stand =
+                Stand::new(self.setup, self.make_world, grains.clone(), course, midway)?;
             let begin = |feed| Feeder::new(stand.specimen(), feed, seed, configuration, fed);
             let mut feeder = course.feed.clone().map(begin);
-            match stand.segment(course, feeder.as_mut(), self.observer, self.cancel)? {
+            let end = stand.segment(course, feeder.as_mut(), self.observer, self.cancel);
+            match end.map_err(|source| failed(source, stand.specimen()))? {
                 LegEnd::OfPart { settled } if part < course.last_part() => {
                     if !settled {
                         stand.warn(not_settled("seating the top plate", course.until.limit));
@@ -157,6 +147,7 @@ impl<'a> Laboratory<'a> {
                 }
                 LegEnd::OfPart { settled } => return Ok(Ended { stand, settled, feeder }),
                 LegEnd::Seam => midway = stand.pause(feeder),
+                LegEnd::Cancelled => return Err(StageError::Cancelled),
             }
             if let ControlFlow::Break(()) = self.observer.seam(&midway) {
                 return Err(StageError::Cancelled);
@@ -164,19 +155,20 @@ impl<'a> Laboratory<'a> {
         }
     }
 
-    /// The same, with a warning where everything had not settled after what was to be done.
+    /// The same, with a warning where everything had not settled within a limit in s after what
+    /// was to be done.
     fn settled(
         &mut self,
         specimen: Specimen,
-        collar: f64,
         course: &Course,
         what: &str,
-    ) -> Result<Stand<'a>, StageError> {
-        let Ended { mut stand, settled, .. } = self.carry_out(specimen, collar, course)?;
-        if !settled {
-            stand.warn(not_settled(what, course.until.limit));
+        limit: f64,
+    ) -> Result<Ended<'a>, StageError> {
+        let mut ended = self.carry_out(specimen, course)?;
+        if !ended.settled {
+            ended.stand.warn(not_settled(what, limit));
         }
-        Ok(stand)
+        Ok(ended)
     }
 
     /// Why the stage cannot be done now.
@@ -210,8 +202,8 @@ impl<'a> Laboratory<'a> {
         specimen.state.cylinder = false;
 
         let collar = highest - bare.top_height;
-        let course = Course::until_settled(limit);
-        Ok(self.settled(specimen, collar, &course, "filling the funnel")?.finish())
+        let course = Course { collar, ..Course::until_settled(limit) };
+        Ok(self.settled(specimen, &course, "filling the funnel", limit)?.stand.finish())
     }
 
     fn slow_pluviation(&mut self, mut specimen: Specimen) -> StageResult {
@@ -256,7 +248,7 @@ impl<'a> Laboratory<'a> {
         what: &str,
         left: &str,
     ) -> StageResult {
-        let Ended { mut stand, settled, feeder } = self.carry_out(specimen, 0.0, course)?;
+        let Ended { mut stand, settled, feeder } = self.carry_out(specimen, course)?;
         let (limit, waiting) = (course.until.limit, feeder.map_or(0, |feeder| feeder.waiting()));
         if waiting > 0 {
             stand.warn(format!("after {limit} s {waiting} grains {left}"));
@@ -282,10 +274,7 @@ impl<'a> Laboratory<'a> {
         specimen.state.cylinder = true;
 
         let course = Course::until_settled(limit);
-        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course)?;
-        if !settled {
-            stand.warn(not_settled("pouring", limit));
-        }
+        let Ended { mut stand, settled, .. } = self.settled(specimen, &course, "pouring", limit)?;
         // The funnel is taken away, with what hangs in it.
         let cylinder = &self.setup.cylinder;
         let (rim, radius) = (cylinder.height, cylinder.radius);
@@ -318,8 +307,9 @@ impl<'a> Laboratory<'a> {
         let height = highest + release + self.setup.plate.thickness / 2.0;
         let pose = placing.pose(specimen.state.table(), height);
         specimen.state.top_plate = Some(BodyState::at_rest(pose));
-        let course = Course { placing: Some(placing), ..Course::until_settled(placing.limit) };
-        Ok(self.settled(specimen, 0.0, &course, "placing the top plate")?.finish())
+        let limit = placing.limit;
+        let course = Course { placing: Some(placing), ..Course::until_settled(limit) };
+        Ok(self.settled(specimen, &course, "placing the top plate", limit)?.stand.finish())
     }
 
     fn vibrate(&mut self, specimen: Specimen) -> StageResult {
@@ -329,10 +319,8 @@ impl<'a> Laboratory<'a> {
         let (shaken, limit) = (motion.total(), self.stage.settle_limit());
         let until = Until { limit: shaken + limit, calm_from: Some(shaken) };
         let course = Course { motion: Some(motion), ..Course::until(until) };
-        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course)?;
-        if !settled {
-            stand.warn(not_settled("rest after the vibration", limit));
-        }
+        let Ended { stand, settled, .. } =
+            self.settled(specimen, &course, "rest after the vibration", limit)?;
         let mut outcome = stand.finish();
         let time_s = outcome.simulated - shaken;
         outcome.settling = Some(Settling { time_s, limit_s: limit, settled });

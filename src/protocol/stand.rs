@@ -2,7 +2,6 @@
 
 mod driven;
 mod ending;
-mod keeping;
 mod reading;
 
 use std::sync::Arc;
@@ -10,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use super::*;
-use crate::specimen::GrainState;
+use crate::specimen::{GrainState, centroids};
 use crate::world::World;
 
 /// A world with everything in it.
@@ -46,6 +45,8 @@ pub(super) enum LegEnd {
     OfPart { settled: bool },
     /// Because its time was up.
     Seam,
+    /// Because it was asked to stop.
+    Cancelled,
 }
 
 /// How long to go on.
@@ -64,22 +65,21 @@ impl<'a> Stand<'a> {
         setup: &'a Setup,
         make_world: WorldMaker,
         grains: Arc<GrainSet>,
-        of_plate: TopPlate,
-        drive: Option<Drive>,
+        course: &Course,
         mut midway: Midway,
     ) -> Result<Self, StageError> {
+        let of_plate = match course.placing {
+            Some(placing) => placing.plate(&setup.plate, midway.part),
+            None => setup.plate.clone(),
+        };
         let nothing = SpecimenState::before_everything(0);
         let mut specimen =
             Specimen { grains, state: std::mem::replace(&mut midway.state, nothing) };
         let under_way = midway.steps > 0;
         let gravity = Vector::new(0.0, 0.0, -setup.gravity);
-        let fail = |source, specimen: &Specimen| StageError::World {
-            source,
-            last_good: Box::new(specimen.clone()),
-        };
         let pairs = base::pairs(setup, &specimen.state);
         let mut world =
-            make_world(&setup.engine, gravity, &pairs).map_err(|source| fail(source, &specimen))?;
+            make_world(&setup.engine, gravity, &pairs).map_err(|source| failed(source, &specimen))?;
         let base = base::base_pieces(&specimen.grains, specimen.state.base.as_ref())?;
         let state = &specimen.state;
         let funnel = state
@@ -90,6 +90,7 @@ impl<'a> Stand<'a> {
             })
             .transpose()?;
 
+        let drive = course.drive_after(midway.judged.reached_s);
         let mut on_table = Vec::new();
         let mut parties = HashMap::new();
         let build = || -> Result<_, WorldError> {
@@ -142,12 +143,12 @@ impl<'a> Stand<'a> {
             }
             Ok((plate, grains, pieces))
         };
-        let (plate, mut grains, pieces) = build().map_err(|source| fail(source, &specimen))?;
+        let (plate, mut grains, mut pieces) = build().map_err(|source| failed(source, &specimen))?;
         parties.extend(plate.map(|id| (Party::Other(Other::TopPlate), id)));
         let present = grains.iter().enumerate();
         parties.extend(present.filter_map(|(n, id)| Some((Party::Grain(n), (*id)?))));
         let remembered = remembered(&state.contacts, &parties);
-        world.recall(&remembered).map_err(|source| fail(source, &specimen))?;
+        world.recall(&remembered).map_err(|source| failed(source, &specimen))?;
         let mut whereabouts = Whereabouts::of(setup, &specimen, funnel.as_ref().map(|(f, _)| f));
         if !setup.pieces.is_empty() {
             whereabouts.floor_at(pieces.lowest());
@@ -169,10 +170,14 @@ impl<'a> Stand<'a> {
                 fallen.extend(id.take());
             }
             for id in fallen {
-                world.remove(id).map_err(|source| fail(source, &specimen))?;
+                world.remove(id).map_err(|source| failed(source, &specimen))?;
             }
         }
+        if let Some(endings) = &course.endings {
+            pieces.feel(endings);
+        }
         Ok(Self {
+            places: centroids(&specimen),
             setup,
             world,
             specimen,
@@ -185,9 +190,8 @@ impl<'a> Stand<'a> {
             whereabouts,
             check: check(setup, 0.0),
             snapshot: Snapshot::new(),
-            endings: None,
-            places: Vec::new(),
-            keeper: None,
+            endings: course.endings.clone(),
+            keeper: course.keeper.as_ref().map(|(keeper, _)| keeper.clone()),
             midway,
         })
     }
@@ -200,7 +204,7 @@ impl<'a> Stand<'a> {
         mut feeder: Option<&mut Feeder>,
         observer: &mut dyn Observer,
         cancel: &AtomicBool,
-    ) -> Result<LegEnd, StageError> {
+    ) -> Result<LegEnd, WorldError> {
         let dt = self.world.time_step();
         let steps_in = |time: f64| (time / dt).round() as u64;
         let part_began = self.midway.part_began;
@@ -238,15 +242,13 @@ impl<'a> Stand<'a> {
             if let Some(motion) = motion {
                 self.move_table(motion.displacement(time))?;
             }
-            self.move_pieces(time)?;
+            self.pieces.advance(self.world.as_mut(), &mut self.specimen.state, time)?;
             let started = Instant::now();
             let stepped = self.world.step();
             self.midway.engine_s += started.elapsed().as_secs_f64();
             self.midway.steps = step;
-            stepped.map_err(|source| self.failed(source))?;
-            let state = &mut self.specimen.state;
-            let gathered = self.pieces.gather(self.world.as_ref(), state);
-            gathered.map_err(|source| self.failed(source))?;
+            stepped?;
+            self.pieces.gather(self.world.as_ref(), &mut self.specimen.state)?;
 
             let due = time >= self.midway.next_sample_s - dt / 2.0;
             let regular = step.is_multiple_of(check_every);
@@ -260,7 +262,7 @@ impl<'a> Stand<'a> {
                 continue;
             }
             if cancel.load(Ordering::Relaxed) {
-                return Err(StageError::Cancelled);
+                return Ok(LegEnd::Cancelled);
             }
             let told = self.midway.warnings.len();
             let finding = self.read_back(time, table_velocity(time))?;
@@ -337,18 +339,17 @@ impl<'a> Stand<'a> {
     }
 
     /// Adds a grain that was waiting.
-    fn let_go(&mut self, index: usize, pose: Pose) -> Result<(), StageError> {
+    fn let_go(&mut self, index: usize, pose: Pose) -> Result<(), WorldError> {
         let state = BodyState::at_rest(pose);
-        let body = free_grain(&self.specimen.grains.grains[index], state);
-        let id = self.world.add(&body).map_err(|source| self.failed(source))?;
+        let grain = &self.specimen.grains.grains[index];
+        let id = self.world.add(&free_grain(grain, state))?;
+        self.midway.watch.let_go((grain.mass, &grain.inertia, &state));
         self.grains[index] = Some(id);
         self.parties.insert(Party::Grain(index), id);
         self.specimen.state.bodies[index] = GrainState { body: state, fate: Fate::Present };
         if let Some(place) = self.places.get_mut(index) {
             *place = Some(pose.translation.vector);
         }
-        let grain = &self.specimen.grains.grains[index];
-        self.midway.watch.let_go((grain.mass, &grain.inertia, &state));
         Ok(())
     }
 
@@ -386,8 +387,9 @@ impl<'a> Stand<'a> {
     pub(super) fn specimen_mut(&mut self) -> &mut Specimen {
         &mut self.specimen
     }
+}
 
-    fn failed(&self, source: WorldError) -> StageError {
-        StageError::World { source, last_good: Box::new(self.specimen.clone()) }
-    }
+/// A world that failed, with the last state of a specimen that was found good.
+pub(super) fn failed(source: WorldError, specimen: &Specimen) -> StageError {
+    StageError::World { source, last_good: Box::new(specimen.clone()) }
 }

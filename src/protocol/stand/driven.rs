@@ -2,13 +2,12 @@
 
 use crate::specimen::PressState;
 
-use super::{Fate, StageError, Stand, TableMotion, Vector, WorldError, moved};
+use super::{Fate, Stand, TableMotion, Vector, WorldError, moved};
 
 impl Stand<'_> {
-    pub(super) fn move_table(&mut self, to: Vector) -> Result<(), StageError> {
+    pub(super) fn move_table(&mut self, to: Vector) -> Result<(), WorldError> {
         for (id, at_rest) in &self.on_table {
-            let driven = self.world.drive(*id, &moved(at_rest, &to));
-            driven.map_err(|source| self.failed(source))?;
+            self.world.drive(*id, &moved(at_rest, &to))?;
         }
         self.midway.watch.table_moved(to - self.specimen.state.table());
         self.specimen.state.set_table(to);
@@ -16,23 +15,15 @@ impl Stand<'_> {
     }
 
     /// Tells a world in which a shaken stage goes on how the table has moved.
-    pub(super) fn recall_table(&mut self, motion: &TableMotion) -> Result<(), StageError> {
+    pub(super) fn recall_table(&mut self, motion: &TableMotion) -> Result<(), WorldError> {
         let dt = self.world.time_step();
         let steps = self.midway.steps;
         let place = |step: u64| motion.displacement(step as f64 * dt);
         let ends = [2, 1, 0].map(|ago| steps.checked_sub(ago).map_or(Vector::zeros(), place));
         for (id, at_rest) in &self.on_table {
-            let ends = ends.map(|at| moved(at_rest, &at));
-            let recalled = self.world.recall_drive(*id, &ends);
-            recalled.map_err(|source| self.failed(source))?;
+            self.world.recall_drive(*id, &ends.map(|at| moved(at_rest, &at)))?;
         }
         Ok(())
-    }
-
-    /// Moves the pieces of a laboratory to where they are at a time in s.
-    pub(super) fn move_pieces(&mut self, time: f64) -> Result<(), StageError> {
-        let moved = self.pieces.advance(self.world.as_mut(), &mut self.specimen.state, time);
-        moved.map_err(|source| self.failed(source))
     }
 
     /// Tells the watch what the pieces have done to the grains.
@@ -48,13 +39,13 @@ impl Stand<'_> {
     }
 
     /// Ends a stage in which a piece was pressed into another: nothing on the way carried it.
-    pub(super) fn look_at_presses(&self, time_s: f64) -> Result<(), StageError> {
+    pub(super) fn look_at_presses(&self, time_s: f64) -> Result<(), WorldError> {
         let into = self.pieces.pressed_into(self.setup, &self.specimen.state);
         let Some((one, other)) = into else { return Ok(()) };
         let name = |n: usize| &self.setup.pieces[n].name;
         let (one, other) = (name(one), name(other));
         let what = format!("`{one}` was pressed into `{other}`: no grains on its way carried it");
-        Err(self.failed(WorldError::Unphysical { time_s, what }))
+        Err(WorldError::Unphysical { time_s, what })
     }
 
     /// Whether a grain has got into a piece, which none should.

@@ -1,21 +1,11 @@
-//! Whether the conditions that end a stage hold.
+//! What looks at the specimen while a stage goes on: whether the conditions that end it hold, and
+//! how pieces are pressed to keep a mean stress.
 
-use super::{Endings, Stand};
+use super::{Stand, centroids};
 use crate::protocol::ending::Subject;
-use crate::specimen::{Opening, centroids};
+use crate::specimen::Opening;
 
 impl Stand<'_> {
-    /// Watches for conditions from now on.
-    pub(in crate::protocol) fn end_when(&mut self, endings: Endings) {
-        for (n, ending) in endings.each.iter().enumerate() {
-            if let Subject::Force(pieces, _) = &ending.subject {
-                self.pieces.feel(n, pieces);
-            }
-        }
-        self.places = centroids(&self.specimen);
-        self.endings = Some(endings);
-    }
-
     /// Looks, at a time in s since the stage began, `every` seconds after the look before, whether
     /// the conditions end it for the first time; from then on what moves dies away.
     pub(super) fn ends_now(&mut self, time: f64, every: f64) -> bool {
@@ -43,5 +33,23 @@ impl Stand<'_> {
             pieces.end_at(time);
         }
         ends
+    }
+
+    /// Says by what forces pieces are pressed until the next look, `every` seconds later. What a
+    /// reader must know is noted, and given back.
+    pub(super) fn keep_mean_stress(&mut self, every: f64) -> Option<String> {
+        let (Some(keeper), Some(mut kept)) = (self.keeper.take(), self.midway.kept_stress) else {
+            return None;
+        };
+        self.specimen.state.contacts = self.contacts();
+        let state = &mut self.specimen.state;
+        let told = keeper.look(&mut kept, &self.midway.pieces_began, state, every);
+        state.contacts.clear();
+        self.midway.kept_stress = Some(kept);
+        self.keeper = Some(keeper);
+        if let Some(told) = &told {
+            self.warn(told.clone());
+        }
+        told
     }
 }

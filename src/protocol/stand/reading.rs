@@ -1,8 +1,8 @@
 //! Reads the world back into the specimen, and watches what it finds.
 
 use super::{
-    BodyId, Fate, Finding, Grain, GrainState, HashMap, Party, SavedContact, Specimen, StageError,
-    Stand, Tally, Vector, WorldError, level, name_of, spring_energy,
+    BodyId, Fate, Finding, Grain, GrainState, HashMap, Party, SavedContact, Specimen, Stand, Tally,
+    Vector, WorldError, level, name_of, spring_energy,
 };
 
 impl Stand<'_> {
@@ -72,19 +72,19 @@ impl Stand<'_> {
         &mut self,
         time: f64,
         table: Vector,
-    ) -> Result<Option<String>, StageError> {
+    ) -> Result<Option<String>, WorldError> {
         self.world.read(&mut self.snapshot);
         let name = |index: usize| self.name_of(BodyId(index as u32));
-        let checked = self.check.check(&self.snapshot, time, name);
-        checked.map_err(|source| self.failed(source))?;
+        self.check.check(&self.snapshot, time, name)?;
+        let unphysical = |what: String| WorldError::Unphysical { time_s: time, what };
         let held = |id: &BodyId| self.snapshot.get(id.0 as usize).is_some_and(Option::is_some);
         if let Some(lost) = self.grains.iter().flatten().chain(&self.plate).find(|id| !held(id)) {
             let what = format!("{} is no longer in the engine", self.name_of(*lost));
-            return Err(self.failed(WorldError::Unphysical { time_s: time, what }));
+            return Err(unphysical(what));
         }
         let lowest = self.whereabouts.lowest();
         if let Some(what) = self.pieces.lost(self.setup, lowest, &self.specimen.state) {
-            return Err(self.failed(WorldError::Unphysical { time_s: time, what }));
+            return Err(unphysical(what));
         }
         let now = self.tally();
         self.note_work();
@@ -93,9 +93,7 @@ impl Stand<'_> {
         let finding = match watch.look(&now, table, self.midway.began_s + time) {
             Finding::Nothing => None,
             Finding::Warning(text) => Some(format!("at {time:.3} s {text}")),
-            Finding::Runaway(what) => {
-                return Err(self.failed(WorldError::Unphysical { time_s: time, what }));
-            }
+            Finding::Runaway(what) => return Err(unphysical(what)),
         };
         let mut gone = false;
         let table_x = self.specimen.state.table_x;
@@ -114,7 +112,7 @@ impl Stand<'_> {
                 state.fate = fate;
                 self.grains[index] = None;
                 gone = true;
-                self.world.remove(id).map_err(|source| self.failed(source))?;
+                self.world.remove(id)?;
                 if fate == Fate::ThroughWall {
                     self.midway.watch.through_walls += 1;
                     let at = body.pose.translation.vector * 1e3;
