@@ -180,8 +180,7 @@ impl Ending {
             let name = until.piece.as_ref()?;
             let group = setup.measures.groups.iter().find(|group| group.name == *name);
             let names = group.map_or(std::slice::from_ref(name), |group| &group.pieces);
-            let number = |name: &String| setup.pieces.iter().position(|p| p.name == *name);
-            names.iter().map(number).collect::<Option<Vec<usize>>>()
+            setup.numbers(names)
         };
         let force = || Some(Subject::Force(pieces()?, direction?));
         let flow = || {

@@ -174,7 +174,7 @@ impl Laboratory<'_> {
         let held = |n: &usize| stands(n) && specimen.state.pieces[*n].is_held();
         let pieces: Vec<usize> = match names.is_empty() {
             true => (0..specimen.state.pieces.len()).filter(held).collect(),
-            false => self.numbers(names).filter(|p| p.iter().all(stands)).unwrap_or_default(),
+            false => self.setup.numbers(names).filter(|p| p.iter().all(stands)).unwrap_or_default(),
         };
         if pieces.is_empty() {
             return Err(self.refused("its pieces do not stand"));
@@ -210,8 +210,7 @@ impl Laboratory<'_> {
             return Err(self.refused("it needs loads"));
         };
         for load in loads {
-            let name = std::slice::from_ref(&load.piece);
-            let number = self.numbers(name).map(|numbers| numbers[0]);
+            let number = self.setup.number(&load.piece);
             let number = number.filter(|n| specimen.state.pieces[*n].present);
             let n = number.ok_or_else(|| self.refused("its pieces do not stand"))?;
             let (piece, state) = (&self.setup.pieces[n], &mut specimen.state.pieces[n]);
@@ -276,7 +275,8 @@ impl Laboratory<'_> {
         let StageSpec::Release { pieces: names, mass_g, time_limit_s, .. } = self.stage else {
             return Err(self.refused("it needs pieces"));
         };
-        let pieces = self.numbers(names).ok_or_else(|| self.refused("there is no such piece"))?;
+        let pieces = self.setup.numbers(names);
+        let pieces = pieces.ok_or_else(|| self.refused("there is no such piece"))?;
         let solid = self.setup.pieces.iter().map(|p| RigidPiece { may_cross: false, ..p.clone() });
         let solid: Vec<RigidPiece> = solid.collect();
         let states = &mut specimen.state.pieces;
@@ -304,7 +304,8 @@ impl Laboratory<'_> {
         let StageSpec::Remove { pieces: names, time_limit_s, .. } = self.stage else {
             return Err(self.refused("it needs pieces"));
         };
-        let pieces = self.numbers(names).ok_or_else(|| self.refused("there is no such piece"))?;
+        let pieces = self.setup.numbers(names);
+        let pieces = pieces.ok_or_else(|| self.refused("there is no such piece"))?;
         for n in pieces {
             let piece = &mut specimen.state.pieces[n];
             if !piece.present {
@@ -328,12 +329,6 @@ impl Laboratory<'_> {
     /// What ends a stage before its time.
     fn endings(&self) -> Option<Endings> {
         Endings::of(self.stage.until()?, self.setup)
-    }
-
-    /// Numbers of pieces by their names; none where one is not known.
-    fn numbers(&self, names: &[String]) -> Option<Vec<usize>> {
-        let number = |name: &String| self.setup.pieces.iter().position(|p| &p.name == name);
-        names.iter().map(number).collect()
     }
 }
 

@@ -61,8 +61,7 @@ impl StressKeeper {
     ) -> Result<(Self, KeptStress), &'static str> {
         let named = setup.measures.regions.iter().find(|region| region.name == spec.region);
         let region = region(named.ok_or("there is no region of that name")?);
-        let number = |name: &String| setup.pieces.iter().position(|piece| piece.name == *name);
-        let pieces: Option<Vec<usize>> = spec.pieces.iter().map(number).collect();
+        let pieces = setup.numbers(&spec.pieces);
         let pieces = pieces.ok_or("a piece that is to keep a mean stress is not there")?;
         let by_force = |n: &usize| {
             let piece = &specimen.state.pieces[*n];

@@ -92,6 +92,16 @@ impl Setup {
             sample_interval: SAMPLE_INTERVAL,
         })
     }
+
+    /// Number of a piece by its name.
+    pub(super) fn number(&self, name: &str) -> Option<usize> {
+        self.pieces.iter().position(|piece| piece.name == name)
+    }
+
+    /// Numbers of pieces by their names; none where one is not known.
+    pub(super) fn numbers(&self, names: &[String]) -> Option<Vec<usize>> {
+        names.iter().map(|name| self.number(name)).collect()
+    }
 }
 
 fn pair_table(contact: &ContactSpec) -> PairTable {
