@@ -151,23 +151,25 @@ impl Endings {
 
     /// What is reported of them.
     pub(super) fn found(&self, judged: &Judged) -> UntilFound {
+        let at_s = judged.reached_s;
+        let whole = UntilFound { reached: at_s.is_some(), at_s, ..UntilFound::default() };
         if self.rule == Rule::Single {
-            return self.each[0].found(judged);
+            return UntilFound { found: self.each[0].found(judged.last), ..whole };
         }
-        let nothing = Judged::default();
         let of = |(k, ending): (usize, &Ending)| {
-            let found = ending.found(judged.each.get(k).unwrap_or(&nothing));
+            let judged = judged.each.get(k);
+            let at_s = judged.and_then(|judged| judged.reached_s);
             ConditionFound {
                 condition: ending.name.clone(),
-                reached: found.reached,
-                at_s: found.at_s,
-                found: found.found,
+                reached: at_s.is_some(),
+                at_s,
+                found: ending.found(judged.and_then(|judged| judged.last)),
             }
         };
         UntilFound {
             conditions: self.each.iter().enumerate().map(of).collect(),
             all_of: self.rule == Rule::All,
-            ..UntilFound::nothing(judged)
+            ..whole
         }
     }
 }
@@ -212,31 +214,22 @@ impl Ending {
         Some(Self { name, subject, condition, window: until.window() })
     }
 
-    /// What is reported of it.
-    pub(super) fn found(&self, judged: &Judged) -> UntilFound {
-        let last = judged.last;
-        let found = match (&self.subject, self.condition) {
-            (_, Condition::Steady(_)) => {
-                Found { change_percent: last.map(|share| 100.0 * share), ..Found::default() }
-            }
-            (Subject::Force(..), _) => Found { force_n: last, ..Found::default() },
-            (Subject::Turn(_), _) => {
-                Found { turned_deg: last.map(f64::to_degrees), ..Found::default() }
-            }
-            (Subject::Way(..), _) => Found { moved_mm: last.map(to_mm), ..Found::default() },
-            (Subject::Flow(_), _) => Found { flow_g_per_s: last.map(to_g), ..Found::default() },
+    /// What is reported of it, by what was found last.
+    fn found(&self, last: Option<f64>) -> Found {
+        let mut found = Found::default();
+        let (number, value) = match (&self.subject, self.condition) {
+            (_, Condition::Steady(_)) => (&mut found.change_percent, last.map(|x| 100.0 * x)),
+            (Subject::Force(..), _) => (&mut found.force_n, last),
+            (Subject::Turn(_), _) => (&mut found.turned_deg, last.map(f64::to_degrees)),
+            (Subject::Way(..), _) => (&mut found.moved_mm, last.map(to_mm)),
+            (Subject::Flow(_), _) => (&mut found.flow_g_per_s, last.map(to_g)),
         };
-        UntilFound { found, ..UntilFound::nothing(judged) }
+        *number = value;
+        found
     }
 }
 
 impl UntilFound {
-    /// When something held, and nothing of what was found.
-    fn nothing(judged: &Judged) -> Self {
-        let at_s = judged.reached_s;
-        Self { reached: at_s.is_some(), at_s, ..Self::default() }
-    }
-
     /// What was found, with its unit, for a reader. Of several conditions those that held come
     /// first.
     pub fn line(&self) -> String {
@@ -351,11 +344,10 @@ impl Judged {
 
     /// Whether a stage can go on from it.
     pub(super) fn check(&self) -> Result<(), String> {
-        let numbers = self.amounts.iter().chain(&self.last).chain(&self.reached_s);
-        match numbers.into_iter().all(|x| x.is_finite()) {
-            true => Ok(()),
-            false => Err("`judged` holds what is no number".to_owned()),
-        }?;
+        let mut numbers = self.amounts.iter().chain(&self.last).chain(&self.reached_s);
+        if !numbers.all(|x| x.is_finite()) {
+            return Err("`judged` holds what is no number".to_owned());
+        }
         self.each.iter().try_for_each(Self::check)
     }
 }
