@@ -102,7 +102,8 @@ pub(super) struct Feeder {
     landed_after: f64,
     /// Highest point of the base in m.
     base_top: f64,
-    so_far: Fed,
+    /// What has changed so far.
+    pub(super) so_far: Fed,
 }
 
 /// What changes about a spout.
@@ -166,11 +167,6 @@ impl Feeder {
             }),
             feed,
         }
-    }
-
-    /// What has changed so far.
-    pub(super) fn into_fed(self) -> Fed {
-        self.so_far
     }
 
     pub(super) fn is_empty(&self) -> bool {

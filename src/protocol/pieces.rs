@@ -41,7 +41,7 @@ struct Pressed {
 pub(super) struct Pieces {
     /// Of each piece its parts with their places in its frame; none of one that is removed.
     parts: Vec<Vec<(BodyId, Pose)>>,
-    solids: Solids,
+    pub(super) solids: Solids,
     of_body: HashMap<BodyId, usize>,
     drive: Option<Drive>,
     /// Where the pieces were when the stage began.
@@ -50,11 +50,11 @@ pub(super) struct Pieces {
     before: Vec<Pose>,
     loads: Vec<Load>,
     steps: u32,
-    /// Work of the pieces on the grains since somebody asked, in J.
-    work: f64,
-    /// Those that are pressed, and the work done on them since somebody asked, in J.
+    /// Work of the pieces on the grains since it was taken, in J.
+    pub(super) work: f64,
+    /// Those that are pressed, and the work done on them since it was taken, in J.
     pressed: Vec<Pressed>,
-    pressed_work: f64,
+    pub(super) pressed_work: f64,
     free: Vec<Free>,
     /// By condition, those whose force may end the stage, none of a condition on something else,
     /// and the impulse of the grains on them since somebody asked, in N s.
@@ -300,7 +300,9 @@ impl Pieces {
             for (body, impulse) in [(contact.a, contact.impulse), (contact.b, -contact.impulse)] {
                 let Some(&n) = self.of_body.get(&body) else { continue };
                 let now = state.pieces[n].pose;
-                self.loads[n].add(&contact.point, &now.translation.vector, impulse);
+                let load = &mut self.loads[n];
+                load.impulse += impulse;
+                load.moment += (contact.point - now.translation.vector).cross(&impulse);
                 for (_, felt) in self.watched.iter_mut().filter(|(of, _)| of.contains(&n)) {
                     *felt += impulse;
                 }
@@ -332,11 +334,6 @@ impl Pieces {
         self.steps = 0;
     }
 
-    /// Work of the pieces on the grains since this was asked, in J.
-    pub(super) fn take_work(&mut self) -> f64 {
-        std::mem::take(&mut self.work)
-    }
-
     /// A piece that is pressed and stands in another, which it does not feel: both by number.
     pub(super) fn pressed_into(
         &self,
@@ -352,15 +349,6 @@ impl Pieces {
             state.pieces.iter().map(|piece| stands(piece).then_some(piece.pose)).collect();
         let into = |p: &Pressed| Some((p.piece, stands_in(&setup.pieces, &at, p.piece)?));
         self.pressed.iter().find_map(into)
-    }
-
-    /// Work in J done on the pieces that are pressed since this was asked.
-    pub(super) fn take_pressed_work(&mut self) -> f64 {
-        std::mem::take(&mut self.pressed_work)
-    }
-
-    pub(super) fn solids(&self) -> &Solids {
-        &self.solids
     }
 }
 
@@ -421,13 +409,6 @@ impl Solids {
 
 /// Moments at which the way of a piece is looked at for its lowest place.
 const SAMPLES_OF_WAY: u32 = 64;
-
-impl Load {
-    fn add(&mut self, point: &Vector, origin: &Vector, impulse: Vector) {
-        self.impulse += impulse;
-        self.moment += (point - origin).cross(&impulse);
-    }
-}
 
 /// The half-spaces of a part in the frame of its piece.
 fn planes(part: &Piece) -> Vec<(Vector, f64)> {

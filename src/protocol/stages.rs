@@ -133,10 +133,10 @@ impl<'a> Laboratory<'a> {
             let part = midway.part;
             let mut stand =
                 Stand::new(self.setup, self.make_world, grains.clone(), course, midway)?;
-            let begin = |feed| Feeder::new(stand.specimen(), feed, seed, configuration, fed);
+            let begin = |feed| Feeder::new(&stand.specimen, feed, seed, configuration, fed);
             let mut feeder = course.feed.clone().map(begin);
             let end = stand.segment(course, feeder.as_mut(), self.observer, self.cancel);
-            match end.map_err(|source| failed(source, stand.specimen()))? {
+            match end.map_err(|source| failed(source, &stand.specimen))? {
                 LegEnd::OfPart { settled } if part < course.last_part() => {
                     if !settled {
                         stand.warn(not_settled("seating the top plate", course.until.limit));
@@ -278,7 +278,7 @@ impl<'a> Laboratory<'a> {
         // The funnel is taken away, with what hangs in it.
         let cylinder = &self.setup.cylinder;
         let (rim, radius) = (cylinder.height, cylinder.radius);
-        let state = &mut stand.specimen_mut().state;
+        let state = &mut stand.specimen.state;
         state.funnel = None;
         let mut hanging = 0;
         for grain in state.bodies.iter_mut().filter(|s| s.fate == Fate::Present) {

@@ -16,7 +16,8 @@ use crate::world::World;
 pub(super) struct Stand<'a> {
     setup: &'a Setup,
     world: Box<dyn World + Send>,
-    specimen: Specimen,
+    /// As last read.
+    pub(super) specimen: Specimen,
     /// Bodies of the grains; `None` for those no longer present.
     grains: Vec<Option<BodyId>>,
     plate: Option<BodyId>,
@@ -299,7 +300,7 @@ impl<'a> Stand<'a> {
             }
             if let Some(feeder) = feeder.as_deref_mut().filter(|_| step < last_step) {
                 let state = &self.specimen.state;
-                let clear = |at: &Vector, r: f64| self.pieces.solids().is_clear(at, r, state);
+                let clear = |at: &Vector, r: f64| self.pieces.solids.is_clear(at, r, state);
                 for (grain, pose) in feeder.due(&self.specimen, time, &clear) {
                     self.let_go(grain, pose)?;
                     observer.let_go(grain, &pose.translation.vector);
@@ -334,7 +335,7 @@ impl<'a> Stand<'a> {
         let mut midway = self.midway;
         midway.state = self.specimen.state;
         midway.state.contacts = contacts;
-        midway.fed = feeder.map(Feeder::into_fed);
+        midway.fed = feeder.map(|feeder| feeder.so_far);
         midway
     }
 
@@ -377,15 +378,6 @@ impl<'a> Stand<'a> {
     /// Keeps a finding for the reader.
     pub(super) fn warn(&mut self, warning: String) {
         self.midway.warnings.push(warning);
-    }
-
-    /// The specimen as last read.
-    pub(super) fn specimen(&self) -> &Specimen {
-        &self.specimen
-    }
-
-    pub(super) fn specimen_mut(&mut self) -> &mut Specimen {
-        &mut self.specimen
     }
 }
 

@@ -115,9 +115,7 @@ impl Tally {
             }
         })
     }
-}
 
-impl Tally {
     /// With a kinetic energy in J beside, of what moves at up to a speed in m/s.
     pub(super) fn and(self, kinetic: f64, fastest: f64) -> Self {
         Self { energy: self.energy + kinetic, fastest: self.fastest.max(fastest), ..self }
@@ -186,11 +184,9 @@ impl Watch {
     /// Takes work in J into account that was done on pressed pieces.
     pub(super) fn pressed(&mut self, work: f64) {
         if let Some(budget) = &mut self.budget {
-            budget.energy += work;
             budget.available += work.max(0.0);
-            self.balance.input += work;
-            budget.store(work);
         }
+        self.given(work);
     }
 
     /// Takes a body that is let go into account.
@@ -215,8 +211,11 @@ impl Watch {
     pub(super) fn given(&mut self, work: f64) {
         if let Some(budget) = &mut self.budget {
             budget.energy += work;
-            budget.store(work);
             self.balance.input += work;
+            // As much may have gone into the springs of contacts.
+            if let Some(stored) = &mut budget.stored {
+                *stored += work.max(0.0);
+            }
         }
     }
 
@@ -287,13 +286,6 @@ impl Budget {
         self.available += 0.5 * mass * (square + self.table_peak * self.table_peak)
             + state.rotational_energy(inertia)
             + mass * self.gravity * height;
-    }
-
-    /// Work in J that may have gone into the springs of contacts.
-    fn store(&mut self, work: f64) {
-        if let Some(stored) = &mut self.stored {
-            *stored += work.max(0.0);
-        }
     }
 
     fn follow(&mut self, now: &Tally, table: Vector, time: f64, balance: &mut EnergyBalance) {

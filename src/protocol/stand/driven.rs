@@ -26,18 +26,6 @@ impl Stand<'_> {
         Ok(())
     }
 
-    /// Tells the watch what the pieces have done to the grains.
-    pub(super) fn note_work(&mut self) {
-        let work = self.pieces.take_work();
-        if work != 0.0 {
-            self.midway.watch.given(work);
-        }
-        let pressed = self.pieces.take_pressed_work();
-        if pressed != 0.0 {
-            self.midway.watch.pressed(pressed);
-        }
-    }
-
     /// Ends a stage in which a piece was pressed into another: nothing on the way carried it.
     pub(super) fn look_at_presses(&self, time_s: f64) -> Result<(), WorldError> {
         let into = self.pieces.pressed_into(self.setup, &self.specimen.state);
@@ -46,11 +34,6 @@ impl Stand<'_> {
         let (one, other) = (name(one), name(other));
         let what = format!("`{one}` was pressed into `{other}`: no grains on its way carried it");
         Err(WorldError::Unphysical { time_s, what })
-    }
-
-    /// Whether a grain has got into a piece, which none should.
-    pub(super) fn is_in_a_piece(&self, place: &Vector) -> bool {
-        self.pieces.solids().holds(place, &self.specimen.state)
     }
 
     /// Whether every body is slow enough to count as settled just now.

@@ -87,8 +87,9 @@ impl Stand<'_> {
             return Err(unphysical(what));
         }
         let now = self.tally();
-        self.note_work();
         let watch = &mut self.midway.watch;
+        watch.given(std::mem::take(&mut self.pieces.work));
+        watch.pressed(std::mem::take(&mut self.pieces.pressed_work));
         watch.checks += 1;
         let finding = match watch.look(&now, table, self.midway.began_s + time) {
             Finding::Nothing => None,
@@ -100,28 +101,29 @@ impl Stand<'_> {
         for index in 0..self.grains.len() {
             let Some(id) = self.grains[index] else { continue };
             let Some(body) = self.snapshot[id.0 as usize] else { continue };
-            let place = level(body.pose.translation.vector, &self.specimen.state);
-            let state = &mut self.specimen.state.bodies[index];
-            state.body = body;
+            let at = body.pose.translation.vector;
+            let place = level(at, &self.specimen.state);
+            self.specimen.state.bodies[index].body = body;
             let mut fate = self.whereabouts.note(index, &place, table_x);
-            if fate == Fate::Present && self.is_in_a_piece(&body.pose.translation.vector) {
+            // No grain should get into a piece.
+            if fate == Fate::Present && self.pieces.solids.holds(&at, &self.specimen.state) {
                 fate = Fate::ThroughWall;
             }
-            let state = &mut self.specimen.state.bodies[index];
-            if fate != Fate::Present {
-                state.fate = fate;
-                self.grains[index] = None;
-                gone = true;
-                self.world.remove(id)?;
-                if fate == Fate::ThroughWall {
-                    self.midway.watch.through_walls += 1;
-                    let at = body.pose.translation.vector * 1e3;
-                    self.midway.warnings.push(format!(
-                        "grain {index} passed through a wall at {time:.3} s, last seen at \
-                         ({:.1}, {:.1}, {:.1}) mm",
-                        at.x, at.y, at.z
-                    ));
-                }
+            if fate == Fate::Present {
+                continue;
+            }
+            self.specimen.state.bodies[index].fate = fate;
+            self.grains[index] = None;
+            gone = true;
+            self.world.remove(id)?;
+            if fate == Fate::ThroughWall {
+                self.midway.watch.through_walls += 1;
+                let at = at * 1e3;
+                self.midway.warnings.push(format!(
+                    "grain {index} passed through a wall at {time:.3} s, last seen at \
+                     ({:.1}, {:.1}, {:.1}) mm",
+                    at.x, at.y, at.z
+                ));
             }
         }
         if let Some(id) = self.plate {
