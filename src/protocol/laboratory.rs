@@ -183,13 +183,8 @@ impl Laboratory<'_> {
             specimen.state.pieces[n].hold();
         }
         let limit = self.stage.settle_limit();
-        let mut course = match limit > 0.0 {
-            true => Course::until(Until {
-                limit: motion.duration + limit,
-                calm_from: Some(motion.duration),
-            }),
-            false => Course::of_length(motion.duration),
-        };
+        let calm_from = (limit > 0.0).then_some(motion.duration);
+        let mut course = Course::until(Until { limit: motion.duration + limit, calm_from });
         course.drive = Some(Drive { pieces, motion });
         course.endings = self.endings();
         if let Some(keep) = keep_mean_stress {
