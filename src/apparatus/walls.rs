@@ -112,11 +112,6 @@ impl Cylinder {
         let pieces = build().map_err(unbuilt("cylinder"))?;
         Ok(Self { radius, height, pieces })
     }
-
-    /// Cross-sectional area inside in m²; the polygon's is the same.
-    pub fn area(&self) -> f64 {
-        PI * self.radius * self.radius
-    }
 }
 
 /// The funnel: a cone, and above it a collar as high as is asked for.
@@ -254,7 +249,6 @@ mod tests {
         for p in &cylinder.pieces {
             p.shape.sanity_check().expect("a sound piece");
         }
-        assert!((cylinder.area() - 103.87e-4).abs() < 1e-6, "area {} m²", cylinder.area());
     }
 
     #[test]

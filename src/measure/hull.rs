@@ -72,11 +72,6 @@ impl WorldHull {
         let (low, high) = (low - reach, high + reach);
         Self { vertices, faces, edges, low, high, rounding, sphere: None }
     }
-
-    /// Lowest and highest corner of the axis-aligned bounding box, exact, in m.
-    pub fn bounding_box(&self) -> (Point, Point) {
-        (self.low.into(), self.high.into())
-    }
 }
 
 /// Largest coordinate of any of the points along a direction.
@@ -138,7 +133,8 @@ mod tests {
                 assert_near("edge in the left plane", 0.0, e.direction.dot(&e.left), 1e-9);
             }
             let moved = shape.transformed(&pose);
-            assert_eq!(hull.bounding_box(), moved.bounding_box());
+            let (low, high) = moved.bounding_box();
+            assert_eq!((hull.low, hull.high), (low.coords, high.coords));
             for (f, (normal, offset)) in hull.faces.iter().enumerate() {
                 let (n, d) = moved.plane(f).unwrap();
                 assert_near("normal", 0.0, (n - normal).norm(), 1e-9);

@@ -62,7 +62,7 @@ pub use repose::{
     FLANK, NoPile, PileSurface, Repose, Sector, base_level, over, pile_surface, pile_top,
 };
 pub use rotation::rotations;
-pub use separation::{Separation, penetration_depth, separation, separation_within};
+pub use separation::{Separation, separation, separation_within};
 pub use settlement::{HeightSample, Period, Settlement, settlement};
 pub use stress::{Stress, stress_in};
 pub use void_ratio::{Voids, void_ratio};

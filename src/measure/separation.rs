@@ -54,13 +54,6 @@ pub fn separation_within(a: &WorldHull, b: &WorldHull, most: f64) -> Option<Sepa
     (found.gap <= most).then_some(found)
 }
 
-/// Smallest translation in m that separates two overlapping polyhedra; `None`
-/// when they do not overlap. Bodies that just touch do not overlap.
-pub fn penetration_depth(a: &WorldHull, b: &WorldHull) -> Option<f64> {
-    let found = search(a, b, 0.0);
-    (found.gap < 0.0).then_some(-found.gap)
-}
-
 /// Searches all axes for the widest gap, ending early when it exceeds `enough`. Between rounded
 /// bodies it is exact, as moving two cores towards each other or apart moves what their balls
 /// sweep.

@@ -81,22 +81,14 @@ pub fn settlement(series: &[HeightSample], periods: &[Period]) -> Result<Settlem
         at_end,
         end_of_shaking,
         after_5_s,
-        share_after_5_s: after_5_s.and_then(|part| share(part, at_end)),
+        share_after_5_s: after_5_s.filter(|_| at_end > 0.0).map(|part| part / at_end),
         after_each_period,
     })
-}
-
-/// A part of the final settlement as a share of it.
-fn share(part: f64, whole: f64) -> Option<f64> {
-    (whole > 0.0).then(|| part / whole)
 }
 
 /// The moment at which the table has shaken for `seconds` in all; the end of a period is read
 /// in the rest that follows it, of the last one at the end of the series.
 fn shaking_clock(periods: &[Period], seconds: f64, end: f64) -> Option<f64> {
-    if seconds < 0.0 || seconds.is_nan() {
-        return None;
-    }
     let mut left = seconds;
     for (n, p) in periods.iter().enumerate() {
         let length = p.end - p.start;
@@ -166,7 +158,7 @@ mod tests {
         let start = height_clamped(series, periods[0].start);
         let last = series[series.len() - 1];
         let time = shaking_clock(periods, seconds, last.time)?;
-        share(start - height_clamped(series, time), start - last.height)
+        Some((start - height_clamped(series, time)) / (start - last.height))
     }
 
     fn series(points: &[(f64, f64)]) -> Vec<HeightSample> {
@@ -245,7 +237,6 @@ mod tests {
         let share = share_after(&s, &shaken, 5.9).unwrap();
         assert_near("share above one", 19.8 / 18.0, share, 1e-12);
         assert_eq!(share_after(&s, &shaken, 6.1), None, "longer than the vibration");
-        assert_eq!(share_after(&s, &shaken, -1.0), None);
     }
 
     /// Law: shaking of 2 s and a rest, in which what was thrown up comes down, give the value at rest as

@@ -28,7 +28,6 @@ fn distances_of_rounded_cubes_are_exact() {
         assert_near(what, gap, there.gap, 1e-12);
         assert_near(what, gap, back.gap, 1e-12);
         assert_near("axes are opposite", 0.0, (there.axis + back.axis).norm(), 1e-12);
-        assert_eq!(penetration_depth(&one, &two).is_some(), gap < 0.0, "law: {what}");
     }
     let ball = |pose| WorldHull::new(&ConvexPolyhedron::ball(0.5), &pose);
     let corner = separation(&one, &ball(at(1.0 + 2.0, 1.0 + 3.0, 1.0 + 6.0)));
