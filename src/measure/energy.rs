@@ -20,17 +20,6 @@ impl Energy {
     }
 }
 
-impl std::ops::Add for Energy {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self {
-            translational: self.translational + other.translational,
-            rotational: self.rotational + other.rotational,
-            potential: self.potential + other.potential,
-        }
-    }
-}
-
 /// Energy of a body of the given mass (kg) and principal moments of inertia
 /// about its body axes (kg m²), relative to a table that moves at
 /// `table_velocity` (m/s) without turning; `gravity` in m/s² acts along −z.
@@ -50,14 +39,15 @@ pub fn body_energy(
 
 /// Energy of all grains that take part, wherever they are; arguments as in [`body_energy`].
 pub fn grain_energy(specimen: &Specimen, gravity: f64, table_velocity: &Vector) -> Energy {
-    specimen
-        .present()
-        .map(|i| {
-            let grain = &specimen.grains.grains[i];
-            let state = &specimen.state.bodies[i].body;
-            body_energy(state, grain.mass, &grain.inertia, gravity, table_velocity)
-        })
-        .fold(Energy::default(), |sum, e| sum + e)
+    let mut sum = Energy::default();
+    for i in specimen.present() {
+        let (grain, state) = (&specimen.grains.grains[i], &specimen.state.bodies[i].body);
+        let own = body_energy(state, grain.mass, &grain.inertia, gravity, table_velocity);
+        sum.translational += own.translational;
+        sum.rotational += own.rotational;
+        sum.potential += own.potential;
+    }
+    sum
 }
 
 /// Largest speed of any grain's centroid relative to the table, in m/s; 0

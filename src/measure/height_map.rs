@@ -65,7 +65,13 @@ impl HeightMap {
         container: &Container,
         cell: f64,
     ) -> Result<Self, MeasureError> {
-        let mut surface = empty(container, cell)?;
+        container.check()?;
+        let radius = container.radius;
+        let diameter = 2.0 * radius / cell;
+        if !(1.0..=MOST_ACROSS as f64).contains(&diameter) {
+            return Err(MeasureError::BadCell { cell, radius, most: MOST_ACROSS });
+        }
+        let mut surface = Surface::flat(diameter);
         let mut highest = 0.0f64;
         let mut vertices: Vec<Vector> = vec![];
         let middle = (surface.across - 1) as f64 / 2.0;
@@ -141,17 +147,6 @@ impl HeightMap {
             highest: self.highest,
         }
     }
-}
-
-/// The floor of a container, in cells of the given side.
-fn empty(container: &Container, cell: f64) -> Result<Surface, MeasureError> {
-    container.check()?;
-    let radius = container.radius;
-    let diameter = 2.0 * radius / cell;
-    if !(1.0..=MOST_ACROSS as f64).contains(&diameter) {
-        return Err(MeasureError::BadCell { cell, radius, most: MOST_ACROSS });
-    }
-    Ok(Surface::flat(diameter))
 }
 
 #[cfg(test)]

@@ -45,15 +45,9 @@ pub fn loaded_contacts(
     contacts: &[SavedContact],
     friction: impl Fn(&[Party; 2]) -> f64,
 ) -> Vec<LoadedContact> {
-    struct Sum {
-        between: [Party; 2],
-        weighted: Vector,
-        pressing: Vector,
-        force: f64,
-        slides: bool,
-    }
     let mut number: HashMap<[Party; 2], usize> = HashMap::new();
-    let mut sums: Vec<Sum> = Vec::new();
+    // Sums over points: of places and normals times their normal forces, and of these.
+    let mut sums: Vec<LoadedContact> = Vec::new();
     for contact in contacts {
         let normal_force = contact.force_n.dot(&contact.normal);
         let grains = contact.between.iter().any(|party| matches!(party, Party::Grain(_)));
@@ -67,26 +61,22 @@ pub fn loaded_contacts(
             None => (*number.entry([a, b]).or_insert(sums.len()), 1.0),
         };
         if known == sums.len() {
-            let (weighted, pressing) = (Vector::zeros(), Vector::zeros());
-            sums.push(Sum { between: [a, b], weighted, pressing, force: 0.0, slides: true });
+            let (point, normal) = (Vector::zeros(), Vector::zeros());
+            let between = [a, b];
+            sums.push(LoadedContact { between, point, normal, normal_force: 0.0, slides: true });
         }
         let tangential = (contact.force_n - contact.normal * normal_force).norm();
         let sum = &mut sums[known];
-        sum.weighted += contact.point_m * normal_force;
-        sum.pressing += contact.normal * (sign * normal_force);
-        sum.force += normal_force;
+        sum.point += contact.point_m * normal_force;
+        sum.normal += contact.normal * (sign * normal_force);
+        sum.normal_force += normal_force;
         sum.slides &= tangential >= SLIDING * friction(&contact.between) * normal_force;
     }
     let done = sums.into_iter().filter_map(|sum| {
-        let normal_force = sum.pressing.norm();
+        let normal_force = sum.normal.norm();
+        let (point, normal) = (sum.point / sum.normal_force, sum.normal / normal_force);
         // Points that press against each other have no normal in common.
-        (normal_force > 0.0).then(|| LoadedContact {
-            between: sum.between,
-            point: sum.weighted / sum.force,
-            normal: sum.pressing / normal_force,
-            normal_force,
-            slides: sum.slides,
-        })
+        (normal_force > 0.0).then_some(LoadedContact { point, normal, normal_force, ..sum })
     });
     done.collect()
 }

@@ -15,10 +15,8 @@ pub struct LinearModel {
     coefficients: DVector<f64>,
     /// (XᵀX)⁻¹.
     inverse: DMatrix<f64>,
-    residual: f64,
     freedom: f64,
-    explained: f64,
-    predicted: f64,
+    quality: LinearFit,
 }
 
 /// How well a [`LinearModel`] fits.
@@ -84,29 +82,28 @@ impl LinearModel {
             scales,
             coefficients,
             inverse,
-            residual: (sum / freedom).sqrt(),
             freedom,
-            explained: share(sum),
-            predicted: share(unseen),
+            quality: LinearFit {
+                count: rows.len(),
+                residual_standard_deviation: (sum / freedom).sqrt(),
+                explained: share(sum),
+                predicted: share(unseen),
+            },
         })
     }
 
     /// How well it fits.
     pub fn quality(&self) -> LinearFit {
-        LinearFit {
-            count: self.freedom as usize + self.coefficients.len(),
-            residual_standard_deviation: self.residual,
-            explained: self.explained,
-            predicted: self.predicted,
-        }
+        self.quality
     }
 
     /// Change of the result over the range of each factor in the data, with half of its 95 %
     /// confidence interval.
     pub fn effects(&self) -> Vec<(f64, f64)> {
         let t = t_quantile(0.975, self.freedom).unwrap_or(f64::NAN);
+        let residual = self.quality.residual_standard_deviation;
         let of = |n: usize| {
-            let error = self.residual * self.inverse[(n + 1, n + 1)].sqrt();
+            let error = residual * self.inverse[(n + 1, n + 1)].sqrt();
             (2.0 * self.coefficients[n + 1], 2.0 * t * error)
         };
         (0..self.scales.len()).map(of).collect()
@@ -122,7 +119,7 @@ impl LinearModel {
     /// they are infinite.
     pub fn in_spreads(&self, point: &[f64], low: f64, high: f64) -> [f64; 2] {
         let row = self.row(point);
-        let spread = self.residual * (1.0 + self.leverage(&row)).sqrt();
+        let spread = self.quality.residual_standard_deviation * (1.0 + self.leverage(&row)).sqrt();
         let middle = row.dot(&self.coefficients);
         if spread > 0.0 {
             return [(low - middle) / spread, (high - middle) / spread];
@@ -155,7 +152,7 @@ impl LinearModel {
     /// studentised: Cook & Weisberg 1982). No number where there is no scatter.
     pub fn studentised(&self, point: &[f64], result: f64) -> f64 {
         let row = self.row(point);
-        let spread = self.residual * (1.0 - self.leverage(&row)).sqrt();
+        let spread = self.quality.residual_standard_deviation * (1.0 - self.leverage(&row)).sqrt();
         (result - row.dot(&self.coefficients)) / spread
     }
 
@@ -227,7 +224,8 @@ mod tests {
         let share = |x: &[f64]| 1.0 - model.leverage(&model.row(x));
         let sum: f64 = rows.iter().map(|(x, y)| model.studentised(x, *y).powi(2) * share(x)).sum();
         assert_near("Σ r² (1 − h) is the freedom", model.freedom(), sum, 1e-10);
-        let still = LinearModel { residual: 0.0, ..model };
+        let quality = LinearFit { residual_standard_deviation: 0.0, ..model.quality() };
+        let still = LinearModel { quality, ..model };
         let middle = still.at(&[1.0, 10.0]);
         let of = |low: f64, high: f64| still.probability(&[1.0, 10.0], middle + low, middle + high);
         assert_near("inside", 1.0, of(-1.0, 1.0), 0.0);

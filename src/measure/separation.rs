@@ -132,22 +132,15 @@ fn distance(a: &WorldHull, b: &WorldHull, along: &Separation) -> Separation {
 /// Searches the axes of faces and pairs of edges.
 fn along_axes(a: &WorldHull, b: &WorldHull, enough: f64) -> Separation {
     let mut best = Separation { gap: f64::NEG_INFINITY, axis: Vector::zeros() };
-    for (normal, top) in &a.faces {
-        let gap = lowest_along(&b.vertices, normal) - top;
-        if gap > best.gap {
-            best = Separation { gap, axis: *normal };
-        }
-        if best.gap > enough {
-            return best;
-        }
-    }
-    for (normal, top) in &b.faces {
-        let gap = lowest_along(&a.vertices, normal) - top;
-        if gap > best.gap {
-            best = Separation { gap, axis: -normal };
-        }
-        if best.gap > enough {
-            return best;
+    for (body, other, sign) in [(a, b, 1.0), (b, a, -1.0)] {
+        for (normal, top) in &body.faces {
+            let gap = lowest_along(&other.vertices, normal) - top;
+            if gap > best.gap {
+                best = Separation { gap, axis: normal * sign };
+            }
+            if best.gap > enough {
+                return best;
+            }
         }
     }
     for e in &a.edges {
