@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::{Matrix3, Translation3, UnitQuaternion};
 
-use super::walls::{half_width, piece, polygon, ring, unbuilt};
+use super::walls::{cone, half_width, piece, polygon, unbuilt, vessel};
 use super::{ApparatusError, Piece};
 use crate::geometry::{ConvexPolyhedron, MassProperties, Point, PolyhedronError, Pose, Vector};
 use crate::scenario::{
@@ -172,16 +172,8 @@ fn walls_of_box(spec: &BoxSpec) -> Parts {
 
 fn cylinder(spec: &CylinderPieceSpec) -> Parts {
     let (radius, height) = (from_mm(spec.inner_diameter_mm) / 2.0, from_mm(spec.height_mm));
-    let t = from_mm(spec.wall_mm);
-    let mut parts = ring(spec.sides, (0.0, height), (radius, radius), t)?;
-    let across = polygon(radius + t, spec.sides);
-    if !spec.open_bottom {
-        parts.push(piece(ConvexPolyhedron::prism(&across, -t, 0.0)?));
-    }
-    if !spec.open_top {
-        parts.push(piece(ConvexPolyhedron::prism(&across, height, height + t)?));
-    }
-    Ok(parts)
+    let closed = [!spec.open_bottom, !spec.open_top];
+    vessel(spec.sides, radius, (0.0, height), from_mm(spec.wall_mm), closed)
 }
 
 fn disc(spec: &DiscSpec) -> Parts {
@@ -197,12 +189,7 @@ fn hopper(spec: &HopperSpec) -> Parts {
     // The angle is that of the flats, which are nearer to the axis than the circle.
     let share = half_width(1.0, spec.sides);
     let height = share * (top - opening) / angle.tan();
-    let mut parts = ring(spec.sides, (0.0, height), (opening, top), t / angle.cos())?;
-    let collar = from_mm(spec.collar_mm);
-    if collar > 0.0 {
-        parts.extend(ring(spec.sides, (height, height + collar), (top, top), t)?);
-    }
-    Ok(parts)
+    cone(spec.sides, (0.0, height), (opening, top), from_mm(spec.collar_mm), t, angle)
 }
 
 /// A triangle in x and z, with its right angle at high x, drawn along y.
@@ -219,10 +206,7 @@ fn wedge(spec: &WedgeSpec) -> Parts {
 fn drum(spec: &DrumSpec) -> Parts {
     let (radius, t) = (from_mm(spec.inner_diameter_mm) / 2.0, from_mm(spec.wall_mm));
     let half = from_mm(spec.length_mm) / 2.0;
-    let mut parts = ring(spec.sides, (-half, half), (radius, radius), t)?;
-    let across = polygon(radius + t, spec.sides);
-    parts.push(piece(ConvexPolyhedron::prism(&across, -half - t, -half)?));
-    parts.push(piece(ConvexPolyhedron::prism(&across, half, half + t)?));
+    let mut parts = vessel(spec.sides, radius, (-half, half), t, [true; 2])?;
     let high = from_mm(spec.lifter_mm);
     // Their outer side lies within the wall, however its flats lie.
     let (inner, outer) = (radius - high, radius + t / 2.0);

@@ -65,6 +65,45 @@ pub(super) fn ring(
         .collect()
 }
 
+/// An upright cylinder between two heights, of an inner radius, with its bottom and its top where
+/// these are closed; all in m.
+pub(super) fn vessel(
+    sides: u32,
+    radius: f64,
+    (low, high): (f64, f64),
+    thickness: f64,
+    [bottom, top]: [bool; 2],
+) -> Result<Vec<Piece>, PolyhedronError> {
+    let mut pieces = ring(sides, (low, high), (radius, radius), thickness)?;
+    let across = polygon(radius + thickness, sides);
+    if bottom {
+        pieces.push(piece(ConvexPolyhedron::prism(&across, low - thickness, low)?));
+    }
+    if top {
+        pieces.push(piece(ConvexPolyhedron::prism(&across, high, high + thickness)?));
+    }
+    Ok(pieces)
+}
+
+/// A cone between two heights that widens upwards by its half angle in rad from one inner radius to
+/// another, and above it an upright collar of a height; all in m, the thickness along the wall's
+/// normal.
+pub(super) fn cone(
+    sides: u32,
+    heights: (f64, f64),
+    radii: (f64, f64),
+    collar: f64,
+    thickness: f64,
+    angle: f64,
+) -> Result<Vec<Piece>, PolyhedronError> {
+    let mut pieces = ring(sides, heights, radii, thickness / angle.cos())?;
+    if collar > 0.0 {
+        let heights = (heights.1, heights.1 + collar);
+        pieces.extend(ring(sides, heights, (radii.1, radii.1), thickness)?);
+    }
+    Ok(pieces)
+}
+
 /// A round floor about the z axis with its upper face at z = 0; radius and
 /// thickness in m.
 ///
@@ -103,13 +142,8 @@ impl Cylinder {
     pub fn new(spec: &CylinderSpec) -> Result<Self, ApparatusError> {
         let (radius, height) = (from_mm(spec.inner_diameter_mm) / 2.0, from_mm(spec.height_mm));
         let thickness = from_mm(spec.wall_thickness_mm);
-        let build = || -> Result<_, PolyhedronError> {
-            let mut pieces = ring(spec.wall_pieces, (0.0, height), (radius, radius), thickness)?;
-            let floor = polygon(radius + thickness, spec.wall_pieces);
-            pieces.push(piece(ConvexPolyhedron::prism(&floor, -thickness, 0.0)?));
-            Ok(pieces)
-        };
-        let pieces = build().map_err(unbuilt("cylinder"))?;
+        let pieces = vessel(spec.wall_pieces, radius, (0.0, height), thickness, [true, false]);
+        let pieces = pieces.map_err(unbuilt("cylinder"))?;
         Ok(Self { radius, height, pieces })
     }
 }
@@ -149,21 +183,8 @@ impl Funnel {
         let top_height = opening_height + (top_radius - opening) / angle.tan();
         let sides = spec.wall_pieces;
         let build = || -> Result<_, PolyhedronError> {
-            // The thickness is measured along the wall's normal.
-            let mut pieces = ring(
-                sides,
-                (opening_height, top_height),
-                (opening, top_radius),
-                thickness / angle.cos(),
-            )?;
-            if collar > 0.0 {
-                pieces.extend(ring(
-                    sides,
-                    (top_height, top_height + collar),
-                    (top_radius, top_radius),
-                    thickness,
-                )?);
-            }
+            let (heights, radii) = ((opening_height, top_height), (opening, top_radius));
+            let pieces = cone(sides, heights, radii, collar, thickness, angle)?;
             let lid = polygon(opening + thickness, sides);
             let lid = ConvexPolyhedron::prism(&lid, opening_height - thickness, opening_height)?;
             Ok((pieces, piece(lid)))
