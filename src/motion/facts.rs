@@ -4,7 +4,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Start, TableMotion, Waveform};
-use crate::geometry::Vector;
 use crate::units::to_mm;
 
 /// Standard gravity in m/s², by which accelerations are given in g (CGPM 1901).
@@ -112,7 +111,7 @@ fn peaks(motion: &TableMotion) -> (f64, f64, f64, String) {
     if let (Waveform::Sine(Start::Middle | Start::TurningPoint), true) = (&motion.waveform, plain) {
         return (amplitude * omega, amplitude * omega * omega, 0.0, "formula".to_owned());
     }
-    let fastest = motion.fastest().max(f64::MIN_POSITIVE);
+    let fastest = motion.fastest().unwrap_or(0.0).max(f64::MIN_POSITIVE);
     // A cycle between the ramps is like the others, but for a vertical component of another frequency.
     let edge = motion.ramp + 1.0 / motion.frequency;
     let spans = if motion.vertical.is_none() && 2.0 * edge < motion.duration {
@@ -125,9 +124,8 @@ fn peaks(motion: &TableMotion) -> (f64, f64, f64, String) {
         let points = ((to - from) * fastest * POINTS_A_CYCLE).ceil().clamp(1.0, MOST_POINTS);
         for n in 0..=points as u64 {
             let at = motion.course(from + (to - from) * n as f64 / points);
-            let length = |v: &Vector| v.norm();
-            speed = speed.max(length(&at.velocity));
-            acceleration = acceleration.max(length(&at.acceleration));
+            speed = speed.max(at.velocity.norm());
+            acceleration = acceleration.max(at.acceleration.norm());
         }
     }
     let mut found = format!("{POINTS_A_CYCLE} points a cycle, {MOST_POINTS} at most");
@@ -136,11 +134,4 @@ fn peaks(motion: &TableMotion) -> (f64, f64, f64, String) {
         found = format!("acceleration by formula, speed at {found}");
     }
     (speed, acceleration, 0.0, found)
-}
-
-impl TableMotion {
-    /// The fastest component of waveforms that have one, frames aside.
-    fn fastest(&self) -> f64 {
-        Self { frames_per_s: None, ..self.clone() }.fastest_component().unwrap_or(0.0)
-    }
 }

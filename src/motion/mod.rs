@@ -62,7 +62,7 @@ pub struct Vertical {
 }
 
 /// Displacement in m, velocity in m/s and acceleration in m/s² at one moment.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Course {
     /// Displacement.
     pub displacement: Vector,
@@ -70,14 +70,6 @@ pub struct Course {
     pub velocity: Vector,
     /// Acceleration.
     pub acceleration: Vector,
-}
-
-impl Course {
-    const STILL: Self = Self {
-        displacement: Vector::new(0.0, 0.0, 0.0),
-        velocity: Vector::new(0.0, 0.0, 0.0),
-        acceleration: Vector::new(0.0, 0.0, 0.0),
-    };
 }
 
 impl TableMotion {
@@ -156,8 +148,12 @@ impl TableMotion {
     /// Frequency in Hz of the fastest component, the first overtone of a slider-crank
     /// included; `None` where the velocity may change as it likes from step to step.
     pub fn fastest_component(&self) -> Option<f64> {
+        if self.frames_per_s.is_some() { None } else { self.fastest() }
+    }
+
+    /// The same, whatever frames make of it.
+    fn fastest(&self) -> Option<f64> {
         let along = match self.waveform {
-            _ if self.frames_per_s.is_some() => return None,
             Waveform::Recorded(_) => return None,
             Waveform::Sine(_) => self.frequency,
             Waveform::SliderCrank { .. } => 2.0 * self.frequency,
@@ -182,10 +178,10 @@ impl TableMotion {
 
     /// The waveform at a time in s within a period, its end included.
     fn course(&self, t: f64) -> Course {
-        let mut course = Course::STILL;
         if let Waveform::Recorded(motion) = &self.waveform {
             return motion.at(t);
         }
+        let mut course = Course::default();
         let ramp = self.share(t);
         let phase = self.waveform.phase(2.0 * PI * self.frequency * t);
         let (x, v, a) = ramp.of(self.amplitude, 2.0 * PI * self.frequency, phase);
