@@ -15,7 +15,7 @@ pub use region::Region;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    geometry::{Pose, Vector},
+    geometry::{ConvexPolyhedron, Pose, Vector},
     grains::GrainSet,
     world::BodyState,
 };
@@ -228,13 +228,23 @@ impl Specimen {
             .filter(|(_, g)| g.fate == Fate::Present)
             .map(|(i, _)| i)
     }
-}
 
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
-}
+    /// Shape and pose of a grain.
+    pub fn placed(&self, grain: usize) -> (&ConvexPolyhedron, &Pose) {
+        (self.grains.grains[grain].shape.as_ref(), &self.state.bodies[grain].body.pose)
+    }
 
-impl Specimen {
+    /// Where the centroid of a grain is, in m.
+    pub fn centroid(&self, grain: usize) -> Vector {
+        self.state.bodies[grain].body.pose.translation.vector
+    }
+
+    /// Height in m of the highest point of a grain.
+    pub fn top(&self, grain: usize) -> f64 {
+        let (shape, pose) = self.placed(grain);
+        shape.heights(pose).1
+    }
+
     /// The same with the table brought back along y and z, where it is off there: what is
     /// measured about an axis that moves along x alone, above a floor at z = 0.
     pub fn on_level_table(&self) -> Cow<'_, Self> {
@@ -243,6 +253,10 @@ impl Specimen {
             Cow::Owned(state) => Cow::Owned(Self { grains: self.grains.clone(), state }),
         }
     }
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl SpecimenState {

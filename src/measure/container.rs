@@ -24,9 +24,8 @@ impl Container {
     pub fn around(specimen: &Specimen) -> Self {
         let (mut radius, mut height) = (0.0_f64, 0.0_f64);
         for i in specimen.present() {
-            let pose = &specimen.state.bodies[i].body.pose;
+            let (shape, pose) = specimen.placed(i);
             if pose.translation.z > 0.0 {
-                let shape = &specimen.grains.grains[i].shape;
                 radius = radius.max(reach_from_axis(shape, pose));
                 height = height.max(shape.heights(pose).1);
             }
@@ -67,7 +66,7 @@ impl Container {
         specimen
             .present()
             .filter(|&i| {
-                let centroid = Point::from(specimen.state.bodies[i].body.pose.translation.vector);
+                let centroid = Point::from(specimen.centroid(i));
                 centroid.z < opening
                     && self.holds(&centroid, specimen.grains.grains[i].equivalent_diameter)
             })

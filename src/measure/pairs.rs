@@ -25,12 +25,11 @@ pub struct PairGap {
 /// of the distance: a corner facing a corner may count as touching while
 /// somewhat farther away than `most` (at most √3 times for cubes).
 pub fn pairs_within(specimen: &Specimen, grains: &[usize], most: f64) -> Vec<PairGap> {
-    let hulls: Vec<WorldHull> = grains
-        .iter()
-        .map(|&i| {
-            WorldHull::new(&specimen.grains.grains[i].shape, &specimen.state.bodies[i].body.pose)
-        })
-        .collect();
+    let hull = |&i: &usize| {
+        let (shape, pose) = specimen.placed(i);
+        WorldHull::new(shape, pose)
+    };
+    let hulls: Vec<WorldHull> = grains.iter().map(hull).collect();
     let mut pairs: Vec<PairGap> = pairs_within_of(&hulls, most)
         .into_iter()
         .map(|(i, j, gap)| {

@@ -95,8 +95,7 @@ struct Solid {
 }
 
 fn solid(specimen: &Specimen, grain: usize) -> Solid {
-    let shape = &specimen.grains.grains[grain].shape;
-    let pose = &specimen.state.bodies[grain].body.pose;
+    let (shape, pose) = specimen.placed(grain);
     let corners = corners_at(shape, pose);
     // The mesh of a sphere reaches beyond it, that of a rounded polyhedron as well.
     let meshed = shape.sphere().is_some() || shape.rounded().is_some();

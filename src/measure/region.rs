@@ -63,13 +63,11 @@ pub(super) fn volume(faces: &[Vec<Vector>], about: &Vector) -> f64 {
 
 /// Void ratio e = V/Vₛ − 1 of the grains present within a region; `None` where no grain is.
 pub fn void_ratio_in(specimen: &Specimen, region: &Region) -> Option<f64> {
-    let solids: f64 = specimen
-        .present()
-        .map(|i| {
-            let pose = &specimen.state.bodies[i].body.pose;
-            region.volume_of(&specimen.grains.grains[i].shape, pose)
-        })
-        .sum();
+    let part = |i: usize| {
+        let (shape, pose) = specimen.placed(i);
+        region.volume_of(shape, pose)
+    };
+    let solids: f64 = specimen.present().map(part).sum();
     // What is left of rounding is no grain.
     (solids > 1e-9 * region.volume()).then(|| region.volume() / solids - 1.0)
 }
@@ -77,7 +75,7 @@ pub fn void_ratio_in(specimen: &Specimen, region: &Region) -> Option<f64> {
 /// Height in m to which grains reach within a region; `None` where no grain is.
 pub fn grains_reach(specimen: &Specimen, region: &Region) -> Option<f64> {
     let top = |i: usize| {
-        let (shape, pose) = (&specimen.grains.grains[i].shape, &specimen.state.bodies[i].body.pose);
+        let (shape, pose) = specimen.placed(i);
         let corners = || corners_at(shape, pose).into_iter();
         (region.volume_of(shape, pose) > 0.0)
             .then(|| corners().map(|c| c.z).fold(f64::MIN, f64::max))

@@ -184,8 +184,7 @@ pub fn pile_top(specimen: &Specimen) -> Option<f64> {
     let SpecimenState { bodies, .. } = &specimen.state;
     let slow = specimen.grains.of_size(&scale::SLOW);
     let lying = specimen.present().filter(|&i| bodies[i].body.linear_velocity.norm() < slow);
-    let tops = lying.map(|i| specimen.grains.grains[i].shape.heights(&bodies[i].body.pose).1);
-    tops.fold(None, |top, z| Some(top.map_or(z, |t: f64| t.max(z))))
+    lying.map(|i| specimen.top(i)).reduce(f64::max)
 }
 
 impl PileSurface {

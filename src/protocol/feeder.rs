@@ -221,7 +221,7 @@ impl Feeder {
     fn top_of_pile(&self, specimen: &Specimen) -> f64 {
         let landed =
             specimen.present().filter(|i| !self.so_far.falling.iter().any(|(g, _)| g == i));
-        landed.map(|i| highest_point(specimen, i)).fold(self.base_top, f64::max)
+        landed.map(|i| specimen.top(i)).fold(self.base_top, f64::max)
     }
 
     /// A place for a grain above the top of the pile, clear of every other grain.
@@ -245,18 +245,10 @@ impl Feeder {
             let clear = |other: usize, at: &Vector| {
                 (at - place).norm_squared() > (radius + self.radii[other]).powi(2)
             };
-            let present = specimen
-                .present()
-                .all(|i| clear(i, &specimen.state.bodies[i].body.pose.translation.vector));
+            let present = specimen.present().all(|i| clear(i, &specimen.centroid(i)));
             let place_is_clear =
                 present && released.iter().all(|(i, pose)| clear(*i, &pose.translation.vector));
             (place_is_clear && clear_of_apparatus(&place, radius)).then_some(place)
         })
     }
-}
-
-/// Height of a grain's highest point in m.
-pub(super) fn highest_point(specimen: &Specimen, grain: usize) -> f64 {
-    let pose = &specimen.state.bodies[grain].body.pose;
-    specimen.grains.grains[grain].shape.heights(pose).1
 }

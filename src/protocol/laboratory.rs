@@ -125,10 +125,8 @@ impl Laboratory<'_> {
         let radius = |grain: usize| set.grains[grain].shape.radius_about_origin() + clearance;
         let largest = chosen.iter().map(|&grain| radius(grain)).fold(0.0, f64::max);
         let solids = Solids::of(self.setup);
-        let there: Vec<(Vector, f64)> = specimen
-            .present()
-            .map(|n| (specimen.state.bodies[n].body.pose.translation.vector, radius(n)))
-            .collect();
+        let there: Vec<(Vector, f64)> =
+            specimen.present().map(|n| (specimen.centroid(n), radius(n))).collect();
         let state = &specimen.state;
         let clear = |place: &Vector| solids.is_clear(place, largest, state);
         // What a piece parts from the area lies outside of the drum or box that is to be filled.

@@ -301,8 +301,7 @@ impl<'a> Laboratory<'a> {
         let Some(placing) = Placing::of(self.stage, self.setup).filter(|_| poured) else {
             return Err(self.refused("it needs grains poured into the cylinder"));
         };
-        let tops = specimen.present().map(|i| highest_point(&specimen, i));
-        let highest = tops.fold(0.0, f64::max);
+        let highest = specimen.present().map(|i| specimen.top(i)).fold(0.0, f64::max);
         let release = scale::PLATE_RELEASE.at(&self.setup.scale);
         let height = highest + release + self.setup.plate.thickness / 2.0;
         let pose = placing.pose(specimen.state.table(), height);

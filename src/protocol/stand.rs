@@ -157,8 +157,8 @@ impl<'a> Stand<'a> {
         if under_way {
             // Whoever leaves must have been seen inside.
             for index in specimen.present() {
-                let position = state.bodies[index].body.pose.translation.vector;
-                whereabouts.note(index, &level(position, state), state.table_x);
+                let place = level(specimen.centroid(index), state);
+                whereabouts.note(index, &place, state.table_x);
             }
         } else if !setup.pieces.is_empty() {
             // What pieces carried that are gone is below all that there is.

@@ -32,9 +32,8 @@ impl Opening {
     /// `before` has their places at the first, of those that were there.
     pub fn mass_passed(&self, before: &[Option<Vector>], specimen: &Specimen) -> f64 {
         let passed = |i: usize| {
-            let after = specimen.state.bodies[i].body.pose.translation.vector;
             let before = before.get(i).copied().flatten()?;
-            Some(self.passed(&before, &after) * specimen.grains.grains[i].mass)
+            Some(self.passed(&before, &specimen.centroid(i)) * specimen.grains.grains[i].mass)
         };
         specimen.present().filter_map(passed).sum()
     }
@@ -44,7 +43,7 @@ impl Opening {
 pub fn centroids(specimen: &Specimen) -> Vec<Option<Vector>> {
     let mut places = vec![None; specimen.state.bodies.len()];
     for i in specimen.present() {
-        places[i] = Some(specimen.state.bodies[i].body.pose.translation.vector);
+        places[i] = Some(specimen.centroid(i));
     }
     places
 }
