@@ -52,8 +52,7 @@ impl Surface {
             tiles,
             rows: vec![],
         };
-        let all = 0..surface.tiles;
-        surface.update_tiles(all.clone(), all);
+        surface.update_tiles(&Vector::zeros(), &Vector::repeat(across as f64));
         surface
     }
 
@@ -61,7 +60,7 @@ impl Surface {
     /// does, so that laying it on would change nothing. The body lies between
     /// the corners of a box (x and y in cells, z in m).
     pub fn hides(&self, low: &Vector, high: &Vector) -> bool {
-        let (columns, rows) = (self.tiles_over(low.x, high.x), self.tiles_over(low.y, high.y));
+        let [columns, rows] = self.tiles_over(low, high);
         rows.into_iter()
             .all(|row| self.low[row * self.tiles..][columns.clone()].iter().all(|&l| l >= high.z))
     }
@@ -77,7 +76,7 @@ impl Surface {
         let (true, Some(&first)) = (raised, vertices.first()) else { return };
         let (low, high) =
             vertices.iter().fold((first, first), |(lo, hi), v| (lo.inf(v), hi.sup(v)));
-        self.update_tiles(self.tiles_over(low.x, high.x), self.tiles_over(low.y, high.y));
+        self.update_tiles(&low, &high);
     }
 
     /// Lays a sphere on, exactly: its centre has x and y in cells, z in m; its radius in m is
@@ -113,19 +112,22 @@ impl Surface {
             }
         }
         if raised {
-            self.update_tiles(self.tiles_over(low.x, high.x), self.tiles_over(low.y, high.y));
+            self.update_tiles(&low, &high);
         }
     }
 
-    /// Tiles that an interval of cell coordinates touches.
-    fn tiles_over(&self, low: f64, high: f64) -> Range<usize> {
+    /// Columns and rows of the tiles that a box touches; its corners have x and y in cells.
+    fn tiles_over(&self, low: &Vector, high: &Vector) -> [Range<usize>; 2] {
         let last = self.across as f64;
-        let first = low.clamp(0.0, last) as usize / TILE;
-        let end = (high.clamp(-1.0, last) + 1.0) as usize;
-        first..end.div_ceil(TILE).clamp(first, self.tiles.max(first))
+        [0, 1].map(|axis| {
+            let first = low[axis].clamp(0.0, last) as usize / TILE;
+            let end = (high[axis].clamp(-1.0, last) + 1.0) as usize;
+            first..end.div_ceil(TILE).clamp(first, self.tiles.max(first))
+        })
     }
 
-    fn update_tiles(&mut self, columns: Range<usize>, rows: Range<usize>) {
+    fn update_tiles(&mut self, low: &Vector, high: &Vector) {
+        let [columns, rows] = self.tiles_over(low, high);
         for tile_row in rows {
             for tile_column in columns.clone() {
                 let mut lowest = f64::INFINITY;
@@ -333,7 +335,7 @@ mod tests {
                 body.vertices().iter().map(|v| v.coords + Vector::new(18.0, 18.0, 0.0)).collect();
             surface.lay(&vertices, body.faces());
             let kept = surface.low.clone();
-            surface.update_tiles(0..surface.tiles, 0..surface.tiles);
+            surface.update_tiles(&Vector::zeros(), &Vector::repeat(surface.across as f64));
             assert_eq!(kept, surface.low);
         }
         assert!(surface.heights.iter().any(|&h| h > 5.0), "nothing was laid on");

@@ -128,14 +128,12 @@ impl<'a> Stand<'a> {
                     })
                 })
                 .transpose()?;
-            let mut grains = Vec::with_capacity(specimen.grains.grains.len());
-            for (grain, s) in specimen.grains.grains.iter().zip(&state.bodies) {
-                let id = match s.fate {
-                    Fate::Present => Some(world.add(&free_grain(grain, s.body))?),
-                    _ => None,
-                };
-                grains.push(id);
-            }
+            let grains = specimen.grains.grains.iter().zip(&state.bodies);
+            let grains = grains.map(|(grain, s)| match s.fate {
+                Fate::Present => world.add(&free_grain(grain, s.body)).map(Some),
+                _ => Ok(None),
+            });
+            let grains = grains.collect::<Result<Vec<_>, WorldError>>()?;
             let began = &midway.pieces_began;
             let world = world.as_mut();
             let pieces = Pieces::add(world, setup, state, began, drive, &mut parties)?;
