@@ -20,8 +20,6 @@ pub(super) struct Feed {
     pub outlet: Outlet,
     /// Which grains, in their order; left out, all of them as they are mixed.
     pub grains: Option<Vec<usize>>,
-    /// Gravitational acceleration in m/s².
-    pub gravity: f64,
 }
 
 /// How fast grains are fed.
@@ -92,6 +90,8 @@ impl Area {
 /// Grains waiting in the spout.
 pub(super) struct Feeder {
     feed: Feed,
+    /// Gravitational acceleration in m/s².
+    gravity: f64,
     order: Vec<usize>,
     orientations: Vec<UnitQuaternion<f64>>,
     /// Mass in kg of the first grains of the order, by their number.
@@ -132,13 +132,8 @@ impl Fed {
 
 impl Feeder {
     /// All grains of a specimen, mixed, of which some may have been let go.
-    pub(super) fn new(
-        specimen: &Specimen,
-        feed: Feed,
-        seed: u64,
-        configuration: u32,
-        so_far: Option<Fed>,
-    ) -> Self {
+    pub(super) fn new(setup: &Setup, specimen: &Specimen, feed: Feed, so_far: Option<Fed>) -> Self {
+        let Setup { seed, configuration, gravity, .. } = *setup;
         let set = &specimen.grains;
         let fixed = specimen.state.base.iter().flat_map(|base| &base.fixed_grains);
         let base_top =
@@ -157,7 +152,7 @@ impl Feeder {
             masses: masses.collect(),
             order,
             orientations,
-            landed_after: scale::LANDED_AFTER.at(&set.scale(feed.gravity)),
+            landed_after: scale::LANDED_AFTER.at(&set.scale(gravity)),
             radii: set.grains.iter().map(radius).collect(),
             base_top,
             so_far: so_far.unwrap_or_else(|| Fed {
@@ -166,6 +161,7 @@ impl Feeder {
                 rng: stream(seed, &format!("places under the spout of mixing {configuration}")),
             }),
             feed,
+            gravity,
         }
     }
 
@@ -201,7 +197,7 @@ impl Feeder {
             let room = self.find_room(grain, top, specimen, &released, clear);
             let Some(place) = room else { break };
             let pose = Pose::from_parts(place.into(), self.orientations[grain]);
-            let fall = (2.0 * (drop_height + self.radii[grain]) / self.feed.gravity).sqrt();
+            let fall = (2.0 * (drop_height + self.radii[grain]) / self.gravity).sqrt();
             self.so_far.falling.push((grain, time + FALLS * fall + self.landed_after));
             released.push((grain, pose));
             self.so_far.count += 1;

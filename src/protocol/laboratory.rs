@@ -64,7 +64,6 @@ impl Laboratory<'_> {
                     rate: Rate::Mass(from_g(rate)),
                     outlet: Outlet::Area(area),
                     grains: Some(chosen),
-                    gravity: self.setup.gravity,
                 });
             }
             (DepositKind::Rain, None) => return Err(self.refused("rain needs a rate")),

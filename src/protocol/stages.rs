@@ -119,7 +119,6 @@ impl<'a> Laboratory<'a> {
         specimen: Specimen,
         course: &Course,
     ) -> Result<Ended<'a>, StageError> {
-        let Setup { seed, configuration, .. } = *self.setup;
         let Specimen { grains, state } = specimen;
         let mut midway = match &self.midway {
             Some(midway) => midway.clone(),
@@ -133,7 +132,7 @@ impl<'a> Laboratory<'a> {
             let part = midway.part;
             let mut stand =
                 Stand::new(self.setup, self.make_world, grains.clone(), course, midway)?;
-            let begin = |feed| Feeder::new(&stand.specimen, feed, seed, configuration, fed);
+            let begin = |feed| Feeder::new(self.setup, &stand.specimen, feed, fed);
             let mut feeder = course.feed.clone().map(begin);
             let end = stand.segment(course, feeder.as_mut(), self.observer, self.cancel);
             match end.map_err(|source| failed(source, &stand.specimen))? {
@@ -218,7 +217,7 @@ impl<'a> Laboratory<'a> {
         else {
             return Err(self.refused("it needs a feed and a base"));
         };
-        let Setup { seed, configuration, gravity, .. } = *self.setup;
+        let Setup { seed, configuration, .. } = *self.setup;
         let state = &mut specimen.state;
         *state = SpecimenState::before_everything(state.bodies.len());
         for grain in &mut state.bodies {
@@ -233,7 +232,6 @@ impl<'a> Laboratory<'a> {
                 radius: from_mm(spout_diameter_mm) / 2.0,
             },
             grains: None,
-            gravity,
         };
         let course = Course { feed: Some(feed), ..Course::until_settled(time_limit_s) };
         let left = "had not been fed: each waits until the one before it is out of its way";
