@@ -38,13 +38,6 @@ fn go(specimen: Specimen, value: Value) -> StageOutcome {
     try_go(None, specimen, None, value).0.expect("it runs")
 }
 
-fn near(what: &str, got: f64, expected: f64, tolerance: f64) {
-    assert!(
-        (got - expected).abs() <= tolerance,
-        "law: {what}: expected {expected} to {tolerance}, got {got}"
-    );
-}
-
 fn release(names: &[&str], mass_g: f64) -> Value {
     json!({ "stage": "release", "pieces": names, "mass_g": mass_g, "time_limit_s": 4 })
 }

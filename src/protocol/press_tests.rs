@@ -1,44 +1,26 @@
 //! Pieces that are pressed, in the engine.
 
-use std::ops::ControlFlow;
-use std::sync::{Arc, atomic::AtomicBool};
-
+use super::testing::*;
 use super::*;
-use crate::geometry::Vector;
-use crate::grains::generate;
-use crate::scenario::{GrainsSpec, Scenario, StageSpec};
-use crate::specimen::SpecimenState;
+use crate::scenario::Scenario;
 
 /// A smooth box of 50 mm with a lid that fills it, and a few grains.
 fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
-    let mut scenario: Scenario = serde_json::from_value(serde_json::json!({
-        "name": "test",
-        "grains": {
-            "total_mass_g": 60, "density_kg_per_m3": 2650,
-            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-        },
+    let mut scenario = scenario_of(json!({
+        "grains": { "total_mass_g": 60, "density_kg_per_m3": 2650 },
         "contact": { "grain_wall_friction": 0.0 },
         "pieces": [
             { "name": "box", "shape": { "box": { "inner_mm": [50, 50, 140] } } },
             { "name": "lid", "shape": { "plate": { "size_mm": [49, 49, 10] } },
               "at_mm": [0, 0, 130] }
-        ],
-        "stages": []
-    }))
-    .expect("a scenario");
+        ]
+    }));
     scenario.engine.native.checkpoint_every_s = checkpoint_every_s;
     scenario
 }
 
 fn before_everything() -> Specimen {
-    let GrainsSpec::Sieved(spec) = scenario(None).grains else { panic!("sieved") };
-    let grains = Arc::new(generate(&spec, 1).expect("grains"));
-    let state = SpecimenState::before_everything(grains.grains.len());
-    Specimen { grains, state }
-}
-
-fn stage(value: serde_json::Value) -> StageSpec {
-    serde_json::from_value(value).expect("a stage")
+    specimen_of(&scenario(None), 1)
 }
 
 /// Keeps what it is shown.
@@ -66,36 +48,35 @@ impl Observer for Seen {
     }
 }
 
+fn go_in(
+    scenario: &Scenario,
+    specimen: Specimen,
+    midway: Option<Midway>,
+    value: Value,
+) -> (StageOutcome, Seen) {
+    let (make, mut seen) = (&crate::world::create, Seen::default());
+    let outcome = run_stage(scenario, make, specimen, &stage(value), midway, &mut seen);
+    (outcome.expect("it runs"), seen)
+}
+
 fn go(
     every: Option<f64>,
     specimen: Specimen,
     midway: Option<Midway>,
-    value: serde_json::Value,
+    value: Value,
 ) -> (StageOutcome, Seen) {
-    let setup = Setup::new(&scenario(every)).expect("a laboratory");
-    let mut seen = Seen::default();
-    let make = &crate::world::create;
-    let never = AtomicBool::new(false);
-    let outcome = run(&setup, make, specimen, &stage(value), midway, &mut seen, &never);
-    (outcome.expect("it runs"), seen)
+    go_in(&scenario(every), specimen, midway, value)
 }
 
 fn filled() -> Specimen {
-    let rain = serde_json::json!({ "stage": "deposit", "at_mm": [0, 0, 85], "area_mm": [10, 10],
+    let rain = json!({ "stage": "deposit", "at_mm": [0, 0, 85], "area_mm": [10, 10],
         "rate_g_per_s": 200, "time_limit_s": 4 });
     go(None, before_everything(), None, rain).0.specimen
 }
 
-fn press(stress_kpa: f64) -> serde_json::Value {
-    serde_json::json!({ "stage": "press", "time_limit_s": 4,
+fn press(stress_kpa: f64) -> Value {
+    json!({ "stage": "press", "time_limit_s": 4,
         "loads": [{ "piece": "lid", "stress_kpa": stress_kpa }] })
-}
-
-fn near(what: &str, got: f64, expected: f64, tolerance: f64) {
-    assert!(
-        (got - expected).abs() <= tolerance,
-        "law: {what}: expected {expected} to {tolerance}, got {got}"
-    );
 }
 
 #[test]
@@ -132,8 +113,8 @@ fn the_floor_bears_the_pressed_stress_and_the_weight_of_the_grains() {
 fn a_load_that_is_not_reached_is_told() {
     let _turn = crate::world::shared_turn();
     let mut short = press(10.0);
-    short["time_limit_s"] = serde_json::json!(0.3);
-    short["ramp_s"] = serde_json::json!(3);
+    short["time_limit_s"] = json!(0.3);
+    short["ramp_s"] = json!(3);
     let told = go(None, filled(), None, short).0.warnings.join("; ");
     assert!(
         told.contains("`lid` is pressed with ") && told.contains("of the 24.01 asked"),
@@ -146,10 +127,8 @@ fn a_load_that_is_not_reached_is_told() {
 #[test]
 fn a_lid_that_nothing_carries_is_an_error_that_names_both_pieces() {
     let _turn = crate::world::shared_turn();
-    let setup = Setup::new(&scenario(None)).expect("a laboratory");
-    let (make, never) = (&crate::world::create, AtomicBool::new(false));
-    let empty = laboratory::begun(&setup, before_everything());
-    let got = run(&setup, make, empty, &stage(press(10.0)), None, &mut Seen::default(), &never);
+    let (make, press) = (&crate::world::create, stage(press(10.0)));
+    let got = run_stage(&scenario(None), make, before_everything(), &press, None, &mut Unseen);
     let told = got.expect_err("law: it ends").to_string();
     assert!(told.contains("`lid` was pressed into `box`"), "law: who and where, got {told}");
 }
@@ -174,7 +153,7 @@ fn a_pressed_lid_goes_on_from_a_checkpoint_with_the_same_bits() {
 fn a_lid_stays_pressed_until_it_is_locked_or_moved() {
     let _turn = crate::world::shared_turn();
     let pressed = go(None, filled(), None, press(5.0)).0.specimen;
-    let rest = serde_json::json!({ "stage": "rest", "duration_s": 0.2 });
+    let rest = json!({ "stage": "rest", "duration_s": 0.2 });
     let rested = go(None, pressed.clone(), None, rest).0.specimen;
     let force = 5e3 * 0.049 * 0.049;
     near("still pressed, N", rested.state.pieces[1].force_n.z, force, 0.01 * force);
@@ -183,17 +162,17 @@ fn a_lid_stays_pressed_until_it_is_locked_or_moved() {
     let more = go(None, rested, None, press(8.0)).0.specimen;
     let sunk = |s: &Specimen| s.state.pieces[1].pose.translation.z;
     assert!(sunk(&more) < sunk(&pressed), "law: more stress, deeper");
-    let lock = serde_json::json!({ "stage": "press", "time_limit_s": 2,
+    let lock = json!({ "stage": "press", "time_limit_s": 2,
         "loads": [{ "piece": "lid", "locked": true }] });
     let locked = go(None, more.clone(), None, lock).0.specimen;
     assert_eq!(locked.state.pieces[1].pose, more.state.pieces[1].pose, "law: it stays");
     assert_eq!(locked.state.pieces[1].press, None, "law: and is pressed no more");
-    let raise = serde_json::json!({ "stage": "move", "pieces": ["lid"],
+    let raise = json!({ "stage": "move", "pieces": ["lid"],
         "velocity_mm_per_s": [0, 0, 20], "travel_mm": 5 });
     let raised = go(None, more.clone(), None, raise).0.specimen;
     near("raised by 5 mm", sunk(&raised) - sunk(&more), 0.005, 1e-9);
     assert_eq!(raised.state.pieces[1].press, None, "law: what is moved is not pressed");
-    let all = serde_json::json!({ "stage": "move", "velocity_mm_per_s": [0, 0, 10],
+    let all = json!({ "stage": "move", "velocity_mm_per_s": [0, 0, 10],
         "travel_mm": 1, "settle_limit_s": 2 });
     let lifted = go(None, more, None, all).0.specimen;
     assert!(lifted.state.pieces[1].press.is_some(), "law: all that stand, less what is pressed");
@@ -207,7 +186,7 @@ fn a_locked_lid_is_pressed_on_from_what_it_bears() {
     let _turn = crate::world::shared_turn();
     let height = |s: &Specimen| s.state.pieces[1].pose.translation.z;
     let pressed = go(None, filled(), None, press(8.0)).0.specimen;
-    let lock = serde_json::json!({ "stage": "press", "time_limit_s": 2,
+    let lock = json!({ "stage": "press", "time_limit_s": 2,
         "loads": [{ "piece": "lid", "locked": true }] });
     let locked = go(None, pressed.clone(), None, lock).0.specimen;
     let (again, seen) = go(None, locked, None, press(8.0));
@@ -223,7 +202,7 @@ fn a_locked_lid_is_pressed_on_from_what_it_bears() {
 fn grains_under_a_lid_that_is_raised_give_back_what_they_hold() {
     let _turn = crate::world::shared_turn();
     let pressed = go(None, filled(), None, press(50.0)).0.specimen;
-    let raise = serde_json::json!({ "stage": "move", "pieces": ["lid"],
+    let raise = json!({ "stage": "move", "pieces": ["lid"],
         "velocity_mm_per_s": [0, 0, 2], "travel_mm": 0.5, "ramp_s": 0.05 });
     let raised = go(None, pressed, None, raise).0;
     assert_eq!(raised.watch.energy.beyond, 0, "law: none is unexplained, {:?}", raised.warnings);
@@ -236,7 +215,7 @@ fn a_lid_without_load_does_not_fly_away() {
     let height = |s: &Specimen| s.state.pieces[1].pose.translation.z;
     let pressed = go(None, filled(), None, press(8.0)).0.specimen;
     let free = go(None, pressed.clone(), None, press(0.0)).0.specimen;
-    let rest = serde_json::json!({ "stage": "rest", "duration_s": 0.5 });
+    let rest = json!({ "stage": "rest", "duration_s": 0.5 });
     let later = go(None, free.clone(), None, rest).0.specimen;
     near("it stays, m", height(&later), height(&free), 1e-6);
     near("near to where it was, m", height(&free), height(&pressed), 3e-3);
@@ -245,7 +224,7 @@ fn a_lid_without_load_does_not_fly_away() {
 /// A vane stands in the middle of the box while grains fall around it, and is turned.
 fn vane(checkpoint_every_s: Option<f64>) -> Scenario {
     let mut scenario = scenario(checkpoint_every_s);
-    let vane = serde_json::json!({ "name": "lid", "at_mm": [0, 0, 40],
+    let vane = json!({ "name": "lid", "at_mm": [0, 0, 40],
         "shape": { "plate": { "size_mm": [30, 4, 70] } } });
     scenario.pieces[1] = serde_json::from_value(vane).expect("a piece");
     scenario
@@ -254,18 +233,12 @@ fn vane(checkpoint_every_s: Option<f64>) -> Scenario {
 #[test]
 fn grains_resist_the_moment_that_turns_a_vane_and_an_interruption_changes_nothing() {
     let _turn = crate::world::shared_turn();
-    let go = |every: Option<f64>, specimen: Specimen, midway, value: serde_json::Value| {
-        let setup = Setup::new(&vane(every)).expect("a laboratory");
-        let (mut seen, never) = (Seen::default(), AtomicBool::new(false));
-        let make = &crate::world::create;
-        let outcome = run(&setup, make, specimen, &stage(value), midway, &mut seen, &never);
-        (outcome.expect("it runs"), seen)
-    };
-    let rain = serde_json::json!({ "stage": "deposit", "at_mm": [0, 0, 110], "area_mm": [34, 34],
+    let go = |every, specimen, midway, value| go_in(&vane(every), specimen, midway, value);
+    let rain = json!({ "stage": "deposit", "at_mm": [0, 0, 110], "area_mm": [34, 34],
         "rate_g_per_s": 150, "time_limit_s": 4 });
     let filled = go(None, before_everything(), None, rain).0.specimen;
     let moment = 1.5e-3;
-    let turn = serde_json::json!({ "stage": "press", "time_limit_s": 4, "ramp_s": 0.3,
+    let turn = json!({ "stage": "press", "time_limit_s": 4, "ramp_s": 0.3,
         "loads": [{ "piece": "lid", "moment_n_m": moment, "axis": [0, 0, -2],
                     "about_mm": [0, 0, 0] }] });
     let (whole, seen) = go(Some(0.25), filled.clone(), None, turn.clone());

@@ -57,6 +57,15 @@ pub(super) fn scripted_worlds(
     move |_, _, _| Ok(Box::new(make()) as Box<dyn World + Send>)
 }
 
+/// Asserts that a number is what it should be, to a tolerance.
+#[track_caller]
+pub(super) fn near(what: &str, got: f64, expected: f64, tolerance: f64) {
+    assert!(
+        (got - expected).abs() <= tolerance,
+        "law: {what}: expected {expected} to {tolerance}, got {got}"
+    );
+}
+
 /// Sees nothing.
 pub(super) struct Unseen;
 
