@@ -4,10 +4,7 @@
 
 /// Arithmetic mean; `None` of no values.
 pub fn mean(values: &[f64]) -> Option<f64> {
-    if values.is_empty() {
-        return None;
-    }
-    Some(values.iter().sum::<f64>() / values.len() as f64)
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
 /// Sample standard deviation, with n − 1 in the denominator; `None` of fewer

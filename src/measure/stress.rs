@@ -49,10 +49,7 @@ impl Stress {
 /// The contacts' own momentum alone: what moving grains carry along does not count.
 pub fn stress_in(specimen: &Specimen, region: &Region) -> Option<Stress> {
     let state = &specimen.state;
-    if state.contacts.is_empty() {
-        return None;
-    }
-    Some(Stress::of(&region.stress_of(state)))
+    (!state.contacts.is_empty()).then(|| Stress::of(&region.stress_of(state)))
 }
 
 #[cfg(test)]

@@ -28,10 +28,7 @@ pub fn void_ratio(specimen: &Specimen, container: &Container, mean_surface: f64)
         container.members(specimen).iter().map(|&i| specimen.grains.grains[i].volume).sum();
     let total_volume = container.area() * mean_surface;
     let positive = |v: f64| v.is_finite() && v > 0.0;
-    if !positive(solids_volume) || !positive(total_volume) {
-        return None;
-    }
-    Some(Voids {
+    (positive(solids_volume) && positive(total_volume)).then(|| Voids {
         void_ratio: total_volume / solids_volume - 1.0,
         porosity: 1.0 - solids_volume / total_volume,
         solids_volume,

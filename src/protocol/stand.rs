@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use super::*;
-use crate::specimen::{GrainState, centroids};
+use crate::specimen::{FunnelState, GrainState, centroids};
 use crate::world::World;
 
 /// A world with everything in it.
@@ -83,13 +83,8 @@ impl<'a> Stand<'a> {
             make_world(&setup.engine, gravity, &pairs).map_err(|source| failed(source, &specimen))?;
         let base = base::base_pieces(&specimen.grains, specimen.state.base.as_ref())?;
         let state = &specimen.state;
-        let funnel = state
-            .funnel
-            .map(|f| {
-                Funnel::new(&setup.funnel, f.opening_height, midway.collar_m)
-                    .map(|built| (built, f.lid))
-            })
-            .transpose()?;
+        let up = |f: FunnelState| Funnel::new(&setup.funnel, f.opening_height, midway.collar_m);
+        let funnel = state.funnel.map(up).transpose()?;
 
         let drive = course.drive_after(midway.judged.reached_s);
         let mut on_table = Vec::new();
@@ -106,8 +101,8 @@ impl<'a> Stand<'a> {
                     on_table.push((id, piece.pose));
                 }
             }
-            if let Some((funnel, lid)) = &funnel {
-                let lid = lid.then_some(&funnel.lid);
+            if let Some(funnel) = &funnel {
+                let lid = state.funnel.filter(|f| f.lid).map(|_| &funnel.lid);
                 for (n, piece) in funnel.pieces.iter().chain(lid).enumerate() {
                     let id = world.add(&wall_piece(piece, Motion::Static))?;
                     parties.insert(Party::Other(Other::Funnel(n)), id);
@@ -148,7 +143,7 @@ impl<'a> Stand<'a> {
         parties.extend(present.filter_map(|(n, id)| Some((Party::Grain(n), (*id)?))));
         let remembered = remembered(&state.contacts, &parties);
         world.recall(&remembered).map_err(|source| failed(source, &specimen))?;
-        let mut whereabouts = Whereabouts::of(setup, &specimen, funnel.as_ref().map(|(f, _)| f));
+        let mut whereabouts = Whereabouts::of(setup, &specimen, funnel.as_ref());
         if !setup.pieces.is_empty() {
             whereabouts.floor_at(pieces.lowest());
         }
