@@ -122,15 +122,9 @@ impl Tally {
     }
 }
 
-#[derive(Debug, PartialEq)]
-pub(super) enum Finding {
-    /// All is as it should be, or was told of before.
-    Nothing,
-    /// A reader must know, for the first time in this stage.
-    Warning(String),
-    /// No use going on.
-    Runaway(String),
-}
+/// What a reader must know, for the first time in this stage, where there is something; an error
+/// where it is no use going on.
+pub(super) type Finding = Result<Option<String>, String>;
 
 impl Watch {
     /// Begins, where that has not been done, with the bodies of a stage, a table
@@ -241,7 +235,7 @@ impl Watch {
     /// Looks: at sums, with the table's velocity in m/s, at a time in s
     /// since the first stage began.
     pub(super) fn look(&mut self, now: &Tally, table: Vector, time: f64) -> Finding {
-        let Some(budget) = &mut self.budget else { return Finding::Nothing };
+        let Some(budget) = &mut self.budget else { return Ok(None) };
         budget.follow(now, table, time, &mut self.balance);
         let (gained, available, natural) = (budget.gained, budget.available, budget.speed);
         let fast = self.speed.note(now.fastest, SPEED_FACTOR * natural, time);
@@ -262,16 +256,16 @@ impl Watch {
         };
         // Written so that what is no number counts as too much.
         if !(gained <= ENERGY_RUNAWAY * available) {
-            return Finding::Runaway(energy());
+            return Err(energy());
         }
         if !(now.fastest <= SPEED_RUNAWAY * natural) {
-            return Finding::Runaway(speed());
+            return Err(speed());
         }
-        match (energetic, fast) {
-            (true, _) => Finding::Warning(energy()),
-            (false, true) => Finding::Warning(speed()),
-            (false, false) => Finding::Nothing,
-        }
+        Ok(match (energetic, fast) {
+            (true, _) => Some(energy()),
+            (false, true) => Some(speed()),
+            (false, false) => None,
+        })
     }
 }
 

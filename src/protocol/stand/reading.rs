@@ -1,8 +1,8 @@
 //! Reads the world back into the specimen, and watches what it finds.
 
 use super::{
-    BodyId, Fate, Finding, Grain, GrainState, HashMap, Party, SavedContact, Specimen, Stand, Tally,
-    Vector, WorldError, level, name_of, spring_energy,
+    BodyId, Fate, Grain, GrainState, HashMap, Party, SavedContact, Specimen, Stand, Tally, Vector,
+    WorldError, level, name_of, spring_energy,
 };
 
 impl Stand<'_> {
@@ -91,11 +91,7 @@ impl Stand<'_> {
         watch.given(std::mem::take(&mut self.pieces.work));
         watch.pressed(std::mem::take(&mut self.pieces.pressed_work));
         watch.checks += 1;
-        let finding = match watch.look(&now, table, self.midway.began_s + time) {
-            Finding::Nothing => None,
-            Finding::Warning(text) => Some(format!("at {time:.3} s {text}")),
-            Finding::Runaway(what) => return Err(unphysical(what)),
-        };
+        let finding = watch.look(&now, table, self.midway.began_s + time).map_err(unphysical)?;
         let mut gone = false;
         let table_x = self.specimen.state.table_x;
         for index in 0..self.grains.len() {
@@ -134,6 +130,6 @@ impl Stand<'_> {
             let left = self.tally();
             self.midway.watch.taken_away(left);
         }
-        Ok(finding)
+        Ok(finding.map(|text| format!("at {time:.3} s {text}")))
     }
 }
