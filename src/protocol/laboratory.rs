@@ -192,7 +192,7 @@ impl Laboratory<'_> {
         if limit > 0.0 && !settled {
             stand.warn(not_settled("rest after the motion", limit));
         }
-        Ok(finished(stand))
+        Ok(stand.finish())
     }
 
     /// Presses pieces, or locks what was pressed.
@@ -315,7 +315,7 @@ impl Laboratory<'_> {
         if !settled && course.endings.is_none() {
             stand.warn(not_settled(what, limit));
         }
-        Ok(finished(stand))
+        Ok(stand.finish())
     }
 
     /// What ends a stage before its time.
@@ -365,13 +365,4 @@ fn lacking(name: &str, press: PressState) -> Option<String> {
         true => format!("`{name}` is pressed with {target} {unit}, but nothing carries it yet"),
         false => format!("`{name}` is pressed with {force} {unit} of the {target} asked for"),
     })
-}
-
-/// The end of a stage, with a warning where it was to be another.
-fn finished(stand: Stand) -> StageOutcome {
-    let mut outcome = stand.finish();
-    if let Some(found) = outcome.until.as_ref().filter(|found| !found.reached) {
-        outcome.warnings.push(found.line());
-    }
-    outcome
 }

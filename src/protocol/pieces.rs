@@ -12,17 +12,6 @@ pub(super) struct Drive {
     pub motion: PieceMotion,
 }
 
-impl Drive {
-    /// Largest speed in m/s of any point of them, from where they begin.
-    pub(super) fn peak_speed(&self, setup: &Setup, began: &[PieceState]) -> f64 {
-        let farthest = self.pieces.iter().map(|&n| {
-            let origin = Point::from(began[n].pose.translation.vector);
-            self.motion.from_axis(&origin) + setup.pieces[n].radius
-        });
-        self.motion.peak_speed(farthest.fold(0.0, f64::max))
-    }
-}
-
 /// Impulse and its moment since a sample, in N s and N m s.
 #[derive(Debug, Clone, Copy, Default)]
 struct Load {
@@ -189,8 +178,12 @@ impl Pieces {
         let pressed = self.began.iter().filter_map(|piece| piece.press);
         let approach = pressed.map(|press| press.of_points(press.approach_m_per_s));
         let approach = approach.fold(0.0, f64::max);
-        let driven = self.drive.as_ref();
-        driven.map_or(0.0, |drive| drive.peak_speed(setup, &self.began)).max(approach)
+        let Some(Drive { pieces, motion }) = &self.drive else { return approach };
+        let farthest = pieces.iter().map(|&n| {
+            let origin = Point::from(self.began[n].pose.translation.vector);
+            motion.from_axis(&origin) + setup.pieces[n].radius
+        });
+        motion.peak_speed(farthest.fold(0.0, f64::max)).max(approach)
     }
 
     /// Kinetic energy in J of the pieces that are pressed, and the speed in m/s of the fastest;

@@ -347,8 +347,13 @@ impl<'a> Stand<'a> {
         Ok(())
     }
 
-    /// Takes the specimen out of the world.
+    /// Takes the specimen out of the world, with a warning where a condition was to end the stage
+    /// and did not.
     pub(super) fn finish(mut self) -> StageOutcome {
+        let until = self.endings.as_ref().map(|endings| endings.found(&self.midway.judged));
+        if let Some(found) = until.as_ref().filter(|found| !found.reached) {
+            self.warn(found.line());
+        }
         self.specimen.state.contacts = self.contacts();
         let mut corners = Vec::new();
         self.world.corners(&mut corners);
@@ -356,7 +361,7 @@ impl<'a> Stand<'a> {
         StageOutcome {
             corners: self.grains.iter().map(of_grain).collect(),
             settling: None,
-            until: self.endings.as_ref().map(|endings| endings.found(&self.midway.judged)),
+            until,
             simulated: self.midway.steps as f64 * self.world.time_step(),
             effective: self.world.effective(),
             specimen: self.specimen,

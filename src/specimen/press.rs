@@ -140,15 +140,12 @@ mod tests {
         let press = PressState {
             direction: Vector::z(),
             mass_kg: 0.2,
-            area_m2: 0.01,
             target_n: 100.0,
             rate_n_per_s: 500.0,
             approach_m_per_s: 0.05,
-            arrived: false,
             force_n: 40.0,
             resistance_n: 40.0,
-            speed_m_per_s: 0.0,
-            turns: None,
+            ..PressState::default()
         };
         let step = 0.002;
         let next = |change: PressState| change.next_force(step);
@@ -203,15 +200,9 @@ mod tests {
         let press = PressState {
             direction: Vector::z(),
             mass_kg: 2e-4,
-            area_m2: 0.0,
-            target_n: 1.0,
-            rate_n_per_s: 1.0,
-            approach_m_per_s: 1.0,
-            arrived: false,
-            force_n: 0.0,
-            resistance_n: 0.0,
             speed_m_per_s: -4.0,
             turns: Some(turns),
+            ..PressState::default()
         };
         assert_eq!(press.of_points(press.speed_m_per_s), 0.2, "law: ω r");
         let along = PressState { turns: None, ..press };
