@@ -7,12 +7,12 @@
 
 mod bootstrap;
 mod container;
+mod content;
 mod coordination;
 mod energy;
 mod estimate;
 mod flow;
 mod height_map;
-mod heights;
 mod hull;
 pub mod inference;
 mod inverse;
@@ -36,16 +36,15 @@ pub mod statistics;
 mod stress;
 #[cfg(test)]
 pub(crate) mod testing;
-mod void_ratio;
 
 pub use bootstrap::bootstrap_interval;
 pub use container::Container;
+pub use content::{Content, Voids, content, mean_grain_height, void_ratio};
 pub use coordination::{Coordination, coordination};
 pub use energy::{Energy, body_energy, grain_energy, largest_speed};
 pub use estimate::{Estimate, change_for_one_unit, paired_difference};
 pub use flow::steady_rate;
 pub use height_map::{HeightMap, StandingHeight, height_cell};
-pub use heights::{Content, content, mean_grain_height};
 pub use hull::WorldHull;
 pub use inverse::{InversePrediction, bend_pattern, inverse_prediction};
 pub use loads::{
@@ -65,7 +64,6 @@ pub use rotation::rotations;
 pub use separation::{Separation, separation, separation_within};
 pub use settlement::{HeightSample, Period, Settlement, settlement};
 pub use stress::{Stress, stress_in};
-pub use void_ratio::{Voids, void_ratio};
 
 // What its parts are made of, too.
 use statrs::distribution::StudentsT;
