@@ -1,5 +1,7 @@
 //! How many neighbours a grain touches.
 
+use std::collections::BTreeMap;
+
 use super::*;
 
 /// Contacts a grain, over the grains looked at.
@@ -21,21 +23,15 @@ pub struct Coordination {
 /// with floor, wall and plate do not count, so that the mean of a bed lies
 /// below that of its inside. Pairs with a grain not listed are left out.
 pub fn coordination(grains: &[usize], pairs: &[PairGap]) -> Coordination {
-    let size = grains.iter().max().map_or(0, |m| m + 1);
-    let mut contacts: Vec<Option<usize>> = vec![None; size];
-    for &i in grains {
-        contacts[i] = Some(0);
-    }
-    let listed =
-        |contacts: &[Option<usize>], i: usize| contacts.get(i).is_some_and(Option::is_some);
+    let mut contacts: BTreeMap<usize, usize> = grains.iter().map(|&i| (i, 0)).collect();
     for p in pairs {
-        if listed(&contacts, p.a) && listed(&contacts, p.b) {
+        if contacts.contains_key(&p.a) && contacts.contains_key(&p.b) {
             for i in [p.a, p.b] {
-                contacts[i] = contacts[i].map(|n| n + 1);
+                *contacts.entry(i).or_default() += 1;
             }
         }
     }
-    let counts: Vec<usize> = contacts.into_iter().flatten().collect();
+    let counts: Vec<usize> = contacts.into_values().collect();
     let mut distribution = vec![0; counts.iter().max().map_or(0, |m| m + 1)];
     for &n in &counts {
         distribution[n] += 1;
