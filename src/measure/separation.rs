@@ -59,13 +59,11 @@ pub fn separation_within(a: &WorldHull, b: &WorldHull, most: f64) -> Option<Sepa
 /// sweep.
 fn search(a: &WorldHull, b: &WorldHull, enough: f64) -> Separation {
     let radii = a.rounding + b.rounding;
-    if let Some(sphere) = a.sphere {
-        let Separation { gap, axis } = from_body(b, &sphere.centre.coords);
-        return Separation { gap: gap - sphere.radius - radii, axis: -axis };
-    }
-    if let Some(sphere) = b.sphere {
-        let Separation { gap, axis } = from_body(a, &sphere.centre.coords);
-        return Separation { gap: gap - sphere.radius - radii, axis };
+    for (one, other, sign) in [(a, b, -1.0), (b, a, 1.0)] {
+        if let Some(sphere) = one.sphere {
+            let Separation { gap, axis } = from_body(other, &sphere.centre.coords);
+            return Separation { gap: gap - sphere.radius - radii, axis: axis * sign };
+        }
     }
     let found = along_axes(a, b, enough + radii);
     if radii == 0.0 || found.gap <= 0.0 || found.gap > enough + radii {
