@@ -6,13 +6,7 @@
 
 use std::{collections::HashMap, sync::Arc};
 
-use super::{
-    StudyError,
-    begin::Begun,
-    run::kind_of,
-    stage_key::{EngineKey, MadeBy, StageKey},
-    summarise::grains_hash,
-};
+use super::{StudyError, begin::Begun, stage_key::identity, summarise::grains_hash};
 use crate::grains::GrainSet;
 use crate::protocol::{Setup, segments};
 use crate::record::{RunKind, StageIdentity};
@@ -38,6 +32,22 @@ impl PlannedRun {
     /// A run by the scenario's engine alone, of the kind that its stages say.
     pub fn new(name: String, scenario: Scenario, grains: Arc<GrainSet>) -> Self {
         Self { name, kind: kind_of(&scenario), scenario, grains, prepared: None }
+    }
+}
+
+/// What a scenario is in the paper's programme, by its stages.
+fn kind_of(scenario: &Scenario) -> RunKind {
+    let of_stage = |stage: &StageSpec| match stage {
+        StageSpec::Vibrate { periods, .. } => *periods,
+        _ => 0,
+    };
+    if scenario.stages.iter().any(|stage| matches!(stage, StageSpec::SlowPluviation { .. })) {
+        return RunKind::Repose;
+    }
+    match scenario.stages.iter().map(of_stage).sum::<u32>() {
+        0 => RunKind::Pluviation,
+        1 => RunKind::VibrationContinuous,
+        _ => RunKind::VibrationIntermittent,
     }
 }
 
@@ -100,25 +110,6 @@ pub struct Plan {
     pub runs: Vec<RunNodes>,
 }
 
-/// A scenario with its laboratory built.
-struct Laboratory {
-    scenario: Scenario,
-    setup: Arc<Setup>,
-}
-
-/// What the first stage of a run begins with.
-struct Start<'a> {
-    grains_hash: &'a str,
-    begun: Option<&'a Arc<Begun>>,
-}
-
-impl Laboratory {
-    fn new(scenario: &Scenario) -> Result<Self, StudyError> {
-        let setup = Arc::new(Setup::new(scenario).map_err(StudyError::apparatus)?);
-        Ok(Self { scenario: scenario.clone(), setup })
-    }
-}
-
 impl Plan {
     /// Plans runs; an error where a scenario's apparatus cannot be built.
     pub fn new(runs: &[PlannedRun]) -> Result<Self, StudyError> {
@@ -126,36 +117,61 @@ impl Plan {
         let mut known: HashMap<String, usize> = HashMap::new();
         // Runs share their grains: each set is named once.
         let mut names: HashMap<*const GrainSet, String> = HashMap::new();
-        for run in runs {
+        let laboratory =
+            |of: &Scenario| Setup::new(of).map(Arc::new).map_err(StudyError::apparatus);
+        for PlannedRun { scenario, grains, prepared, .. } in runs {
             let grains_hash: &str =
-                names.entry(Arc::as_ptr(&run.grains)).or_insert_with(|| grains_hash(&run.grains));
-            let own = Laboratory::new(&run.scenario)?;
-            let other = run.prepared.as_ref().map(|p| {
-                let scenario = Scenario { engine: p.engine.clone(), ..run.scenario.clone() };
-                Ok::<_, StudyError>((p.stages, Laboratory::new(&scenario)?))
+                names.entry(Arc::as_ptr(grains)).or_insert_with(|| grains_hash(grains));
+            let own = laboratory(scenario)?;
+            let other = prepared.as_ref().map(|Prepared { stages, engine }| {
+                let scenario = Scenario { engine: engine.clone(), ..scenario.clone() };
+                Ok::<_, StudyError>((*stages, laboratory(&scenario)?))
             });
             let other = other.transpose()?;
             let by = |index: usize| match &other {
                 Some((stages, laboratory)) if index < *stages => laboratory,
                 _ => &own,
             };
-            let begin = run.scenario.begin.as_ref();
-            let begun = begin
-                .map(|spec| Begun::read(spec, &run.grains, grains_hash, &by(0).setup))
-                .transpose()?;
-            let start = Start { grains_hash, begun: begun.as_ref() };
-            let mut parent = None;
-            let mut stages = Vec::new();
-            for (index, stage) in run.scenario.stages.iter().enumerate() {
-                let node = plan.add(&mut known, run, by(index), &start, parent, stage);
-                stages.push(node);
-                parent = Some(node);
+            let begin = scenario.begin.as_ref();
+            let begun = begin.map(|spec| Begun::read(spec, grains, grains_hash, by(0)));
+            let begun = begun.transpose()?;
+            let rest = StageSpec::Rest { duration_s: scenario.rest_test_s };
+            let rest = Some(rest).filter(|_| scenario.rest_test_s > 0.0);
+            let mut nodes: Vec<usize> = Vec::new();
+            for (index, stage) in scenario.stages.iter().chain(&rest).enumerate() {
+                let (setup, parent) = (by(index), nodes.last().copied());
+                let begun = begun.as_ref().filter(|_| parent.is_none());
+                let before = parent.map(|parent| plan.nodes[parent].key());
+                let before = before.or(begun.map(|begun| begun.key.as_str()));
+                let segment_steps = segments(setup, grains.grains.len(), stage);
+                let of_grains = (&**grains, grains_hash);
+                let identity = identity(scenario, setup, of_grains, before, stage, segment_steps);
+                let next = plan.nodes.len();
+                let node = *known.entry(identity.key.clone()).or_insert(next);
+                nodes.push(node);
+                if node < next {
+                    continue;
+                }
+                let expected = expected_time(stage);
+                plan.nodes.push(Node {
+                    identity,
+                    parent,
+                    begun: begun.cloned(),
+                    stage: stage.clone(),
+                    setup: setup.clone(),
+                    grains: grains.clone(),
+                    has_segments: segment_steps.is_some(),
+                    label: format!(
+                        "configuration {}, {}",
+                        scenario.configuration,
+                        stage_label(stage)
+                    ),
+                    expected,
+                    remaining: expected,
+                });
             }
-            let rest_test = (run.scenario.rest_test_s > 0.0).then(|| {
-                let rest = StageSpec::Rest { duration_s: run.scenario.rest_test_s };
-                plan.add(&mut known, run, &own, &start, parent, &rest)
-            });
-            plan.runs.push(RunNodes { stages, rest_test });
+            let rest_test = rest.and_then(|_| nodes.pop());
+            plan.runs.push(RunNodes { stages: nodes, rest_test });
         }
         plan.name_engines();
         for index in (0..plan.nodes.len()).rev() {
@@ -200,59 +216,6 @@ impl Plan {
             Node { parent: node.parent.and_then(place), ..node }
         };
         kept.iter().map(node).collect()
-    }
-
-    fn add(
-        &mut self,
-        known: &mut HashMap<String, usize>,
-        run: &PlannedRun,
-        laboratory: &Laboratory,
-        start: &Start,
-        parent: Option<usize>,
-        stage: &StageSpec,
-    ) -> usize {
-        let scenario = &laboratory.scenario;
-        let segment_steps = segments(&laboratory.setup, run.grains.grains.len(), stage);
-        let begun = start.begun.filter(|_| parent.is_none());
-        let before = parent.map(|p| self.nodes[p].key().to_owned());
-        let before = before.or_else(|| begun.map(|begun| begun.key.clone()));
-        let key = StageKey {
-            made_by: MadeBy::THIS,
-            backend: &crate::world::info(scenario.engine.backend),
-            apparatus: &scenario.apparatus,
-            contact: &scenario.contact,
-            engine: EngineKey::of(&scenario.engine),
-            settle: &scenario.settle,
-            gravity_m_per_s2: scenario.gravity_m_per_s2,
-            scale: (laboratory.setup.scale, run.grains.sizes()),
-            seed: scenario.seed,
-            configuration: scenario.configuration,
-            pieces: &scenario.pieces,
-            measures: &scenario.measures,
-            parent: before.as_deref().unwrap_or(start.grains_hash),
-            stage,
-            segment_steps,
-        };
-        let grains = (run.grains.grains.len(), start.grains_hash);
-        let identity = key.identity(grains, before.as_deref());
-        if let Some(&node) = known.get(&identity.key) {
-            return node;
-        }
-        let expected = expected_time(stage);
-        known.insert(identity.key.clone(), self.nodes.len());
-        self.nodes.push(Node {
-            identity,
-            parent,
-            begun: begun.cloned(),
-            stage: stage.clone(),
-            setup: laboratory.setup.clone(),
-            grains: run.grains.clone(),
-            has_segments: segment_steps.is_some(),
-            label: format!("configuration {}, {}", run.scenario.configuration, stage_label(stage)),
-            expected,
-            remaining: expected,
-        });
-        self.nodes.len() - 1
     }
 }
 

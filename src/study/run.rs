@@ -21,12 +21,12 @@ use crate::grains::{self, GrainSet, ParticleSizeDistribution};
 use crate::motion::MotionFacts;
 use crate::protocol::{Progress, WorldMaker};
 use crate::record::{
-    FileError, LaboratoryRow, RunKind, RunRecord, StageStore, StoredStage, create_folder,
+    FileError, LaboratoryRow, RunRecord, StageStore, StoredStage, create_folder,
     distributions, grains_csv, hash_bytes, json_text, read_json, series_csv, to_csv, with_energy,
     with_laboratory, write_file, write_json,
 };
 use crate::scale;
-use crate::scenario::{GrainsSpec, Scenario, StageSpec};
+use crate::scenario::{GrainsSpec, Scenario};
 use crate::world::EffectiveSettings;
 
 /// The file that holds a run's grains.
@@ -262,26 +262,6 @@ pub fn write_grains(out: &Path, scenario: &Scenario, set: &GrainSet) -> Result<(
         write_file(&out.join(name), &content)?;
     }
     Ok(())
-}
-
-/// What a scenario is in the paper's programme, by its stages.
-pub(super) fn kind_of(scenario: &Scenario) -> RunKind {
-    let periods: u32 = scenario
-        .stages
-        .iter()
-        .map(|s| match s {
-            StageSpec::Vibrate { periods, .. } => *periods,
-            _ => 0,
-        })
-        .sum();
-    if scenario.stages.iter().any(|s| matches!(s, StageSpec::SlowPluviation { .. })) {
-        return RunKind::Repose;
-    }
-    match periods {
-        0 => RunKind::Pluviation,
-        1 => RunKind::VibrationContinuous,
-        _ => RunKind::VibrationIntermittent,
-    }
 }
 
 /// Measures a finished run and writes its files into a folder.

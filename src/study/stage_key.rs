@@ -1,13 +1,15 @@
 //! Under which key the store holds a stage: everything that determines its result, and nothing
 //! else.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer, ser::Error};
 
+use crate::grains::GrainSet;
+use crate::protocol::Setup;
 use crate::record::StageIdentity;
 use crate::scale::{GrainSizes, Scale};
 use crate::scenario::{
-    ApparatusSpec, Backend, ContactSolver, ContactSpec, EngineSettings, MeasuresSpec,
-    NativeSettings, PieceSpec, RapierSettings, SettleSpec, StageSpec, StockSettings,
+    ApparatusSpec, ContactSpec, EngineSettings, MeasuresSpec, PieceSpec, Scenario, SettleSpec,
+    StageSpec,
 };
 use crate::world::BackendInfo;
 
@@ -18,112 +20,90 @@ const FORMAT: u32 = 19;
 /// Everything that determines a stage's result. The grains are named by the parent of the first
 /// stage; names, notes and the later stages of the scenario do not act on it.
 #[derive(Serialize)]
-pub(super) struct StageKey<'a> {
-    #[serde(flatten)]
-    pub made_by: MadeBy,
-    pub backend: &'a BackendInfo,
-    pub apparatus: &'a ApparatusSpec,
-    pub contact: &'a ContactSpec,
-    pub engine: EngineKey<'a>,
-    pub settle: &'a SettleSpec,
-    pub gravity_m_per_s2: f64,
-    pub scale: (Scale, GrainSizes),
-    pub seed: u64,
-    pub configuration: u32,
+struct StageKey<'a> {
+    format: u32,
+    /// Of this program.
+    version: &'static str,
+    backend: BackendInfo,
+    apparatus: &'a ApparatusSpec,
+    contact: &'a ContactSpec,
+    engine: EngineKey<'a>,
+    settle: &'a SettleSpec,
+    gravity_m_per_s2: f64,
+    scale: (Scale, GrainSizes),
+    seed: u64,
+    configuration: u32,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
-    pub pieces: &'a [PieceSpec],
+    pieces: &'a [PieceSpec],
     #[serde(skip_serializing_if = "MeasuresSpec::is_empty")]
-    pub measures: &'a MeasuresSpec,
+    measures: &'a MeasuresSpec,
     /// Key of the stage before or, for the first, the hash of the grains.
-    pub parent: &'a str,
-    pub stage: &'a StageSpec,
+    parent: &'a str,
+    stage: &'a StageSpec,
     /// Steps of a segment; left out where the stage is over within one, whose bits
     /// do not depend on it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub segment_steps: Option<u64>,
+    segment_steps: Option<u64>,
 }
 
-/// The program that made a stage.
-#[derive(Serialize)]
-pub(super) struct MadeBy {
-    format: u32,
-    version: &'static str,
+/// Names a stage of a scenario in a laboratory, whose engine may be another than the scenario's;
+/// of grains with their hash, after the stage of a key.
+pub(super) fn identity(
+    scenario: &Scenario,
+    setup: &Setup,
+    (grains, grains_sha256): (&GrainSet, &str),
+    after: Option<&str>,
+    stage: &StageSpec,
+    segment_steps: Option<u64>,
+) -> StageIdentity {
+    let key = StageKey {
+        format: FORMAT,
+        version: env!("CARGO_PKG_VERSION"),
+        backend: crate::world::info(setup.engine.backend),
+        apparatus: &scenario.apparatus,
+        contact: &scenario.contact,
+        engine: EngineKey(&setup.engine),
+        settle: &scenario.settle,
+        gravity_m_per_s2: scenario.gravity_m_per_s2,
+        scale: (setup.scale, grains.sizes()),
+        seed: scenario.seed,
+        configuration: scenario.configuration,
+        pieces: &scenario.pieces,
+        measures: &scenario.measures,
+        parent: after.unwrap_or(grains_sha256),
+        stage,
+        segment_steps,
+    };
+    StageIdentity::new(stage.name(), (grains.grains.len(), grains_sha256), after, &key)
 }
 
-impl MadeBy {
-    /// This program.
-    pub const THIS: Self = Self { format: FORMAT, version: env!("CARGO_PKG_VERSION") };
-}
+/// The settings of the engine that act on a stage: what all engines read, and what the one that
+/// carries the grains asks for alone. Those of others change no key.
+struct EngineKey<'a>(&'a EngineSettings);
 
-impl StageKey<'_> {
-    /// Names the stage of so many grains, whose hash is given, after the stage of a key.
-    pub fn identity(&self, grains: (usize, &str), after: Option<&str>) -> StageIdentity {
-        StageIdentity::new(self.stage.name(), grains, after, self)
-    }
-}
-
-/// What all engines read, each setting once. A new one is named here, or the program does not
-/// build.
-macro_rules! engine_key {
-    ($($setting:ident: $kind:ty,)*) => {
-        /// The settings of the engine that act on a stage: what all engines read, and what the
-        /// one that carries the grains asks for alone. Those of others change no key.
-        #[derive(Serialize)]
-        pub(super) struct EngineKey<'a> {
-            $($setting: $kind,)*
-            #[serde(flatten)]
-            own: OwnSettings<'a>,
-        }
-
-        impl<'a> EngineKey<'a> {
-            /// Of all settings those that act.
-            pub fn of(settings: &'a EngineSettings) -> Self {
-                let &EngineSettings { $($setting,)* ref stock, ref native, ref rapier } = settings;
-                let own = match (settings.backend, settings.contact_solver) {
-                    (Backend::Rapier, _) => OwnSettings::Rapier(rapier),
-                    (Backend::Bullet, ContactSolver::Native) => OwnSettings::Native(native),
-                    (Backend::Bullet, ContactSolver::Stock) => OwnSettings::Stock(stock),
-                };
-                Self { $($setting,)* own }
+impl Serialize for EngineKey<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        // The derived function, which writes defaults as well.
+        let all = EngineSettings::serialize(self.0, serde_json::value::Serializer);
+        let mut acting = all.map_err(S::Error::custom)?;
+        if let Some(fields) = acting.as_object_mut() {
+            for group in ["stock", "native", "rapier"] {
+                if group != self.0.solver_name() {
+                    fields.shift_remove(group);
+                }
             }
         }
-    };
-}
-
-engine_key! {
-    backend: Backend,
-    contact_solver: ContactSolver,
-    grain_size_mm: f64,
-    rate_hz: f64,
-    iterations: u32,
-    length_scale: f64,
-    friction_directions: u32,
-    contact_threshold_mm: f64,
-    erp: f64,
-    warm_start: f64,
-    split_impulse: bool,
-    restitution_velocity_threshold_m_per_s: f64,
-    linear_damping: f64,
-    angular_damping: f64,
-    gyroscopic: bool,
-    allow_coarse_steps: bool,
-}
-
-/// What one engine or solver asks for alone.
-#[derive(Serialize)]
-#[serde(rename_all = "snake_case")]
-enum OwnSettings<'a> {
-    Native(&'a NativeSettings),
-    Stock(&'a StockSettings),
-    Rapier(&'a RapierSettings),
+        acting.serialize(serializer)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenario::{Backend, ContactSolver, RapierSettings};
 
     fn key(settings: &EngineSettings) -> String {
-        serde_json::to_string(&EngineKey::of(settings)).expect("a key has JSON")
+        serde_json::to_string(&EngineKey(settings)).expect("a key has JSON")
     }
 
     /// Law: settings that act on a stage change its key, those of another engine do not.
