@@ -1,11 +1,7 @@
 //! Stored stages that were crafted, with every hash as it should be, are reported
 //! and made anew; the run ends with the same bits.
 
-use std::{
-    fs,
-    path::Path,
-    sync::{Arc, atomic::AtomicBool},
-};
+use std::{fs, path::Path, sync::Arc};
 
 #[path = "crafts_tests.rs"]
 mod crafts;
@@ -20,9 +16,8 @@ use crate::record::{
 use crate::specimen::{Base, Fate, FixedGrain};
 use crate::study::{
     believed::held,
-    execute::execute,
     plan::Plan,
-    tests::{Heard, planned, scenario},
+    tests::{Heard, planned, scenario, shop},
 };
 
 /// Runs a plan; gives its stages, and what was reported of stored ones.
@@ -30,8 +25,7 @@ fn run(plan: &Plan, folder: &Path) -> (Vec<Arc<StoredStage>>, Vec<String>) {
     let _turn = crate::world::shared_turn();
     let store = StageStore::open(folder).expect("a store");
     let heard = Heard::default();
-    let make = &crate::world::create;
-    let done = execute(plan, &store, 2, make, &AtomicBool::new(false), &heard).expect("done");
+    let done = shop(&store, 2, &crate::world::create, &heard).execute(plan).expect("done");
     let mut reported = heard.told();
     reported.retain(|text| text.contains("stored"));
     (done, reported)

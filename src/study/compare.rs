@@ -47,7 +47,7 @@ pub fn compare(
     let plan = Plan::new(&runs)?;
     write_grains(&options.out, scenario, &grains)?;
     tell_warnings(runs.iter().map(|run| &run.scenario), options.progress.as_ref());
-    let records = carry_out(&plan, &runs, options, |run| folder_of(&options.out, run))?.records;
+    let (records, _) = carry_out(&plan, &runs, options, |run| folder_of(&options.out, run))?;
     for record in &records {
         let folder = options.out.join("runs").join(&record.name).join("figures");
         report::run_figures(&folder, record)?;

@@ -1,6 +1,7 @@
 //! Runs a plan on several threads, taking from the store what is there.
 
 use std::{
+    path::PathBuf,
     sync::{
         Arc, Condvar, Mutex, MutexGuard, PoisonError,
         atomic::{AtomicBool, Ordering},
@@ -46,99 +47,83 @@ pub struct Executed {
     pub cancelled: bool,
 }
 
-/// Runs every stage of a plan; gives the finished stages by node. `jobs` cores are used: by so many
-/// stages at the same time or, where fewer are left, by several threads of one.
-///
-/// When a stage fails, the stages that need it are not begun, all others are finished and stored,
-/// and the first failure is returned.
-pub fn execute(
-    plan: &Plan,
-    store: &StageStore,
-    jobs: usize,
-    make_world: WorldMaker,
-    cancel: &AtomicBool,
-    progress: &dyn Progress,
-) -> Result<Vec<Arc<StoredStage>>, StudyError> {
-    let mut executed = execute_each(plan, store, jobs, make_world, cancel, progress);
-    if !executed.failed.is_empty() {
-        return Err(executed.failed.remove(0).1);
-    }
-    executed.done.into_iter().collect::<Option<Vec<_>>>().ok_or(StudyError::Cancelled)
-}
-
-/// The same, giving what was finished also where something failed.
-pub fn execute_each(
-    plan: &Plan,
-    store: &StageStore,
-    jobs: usize,
-    make_world: WorldMaker,
-    cancel: &AtomicBool,
-    progress: &dyn Progress,
-) -> Executed {
-    let shop = Shop { store, make_world, cancel, progress, cores: jobs.max(1) };
-    let roots = (0..plan.nodes.len()).filter(|&n| plan.nodes[n].parent.is_none()).collect();
-    let executed = Executed { done: vec![None; plan.nodes.len()], ..Executed::default() };
-    let board = Mutex::new(Board { executed, ready: roots, running: 0 });
-    let changed = Condvar::new();
-    progress.begin_work(plan.nodes.iter().map(|node| node.expected).sum());
-    tell_of_threads(plan, progress);
-    thread::scope(|scope| {
-        let work = || shop.work(plan, &board, &changed);
-        // This thread is one of them, so that work is done even where there is no other.
-        for at_once in 1..shop.cores.min(plan.nodes.len()) {
-            let begun = thread::Builder::new().name("stages".to_owned()).spawn_scoped(scope, work);
-            if let Err(error) = begun {
-                progress.message(&format!(
-                    "warning: only {at_once} of {} stages run in parallel: {error}",
-                    shop.cores
-                ));
-                break;
-            }
-        }
-        work();
-    });
-    progress.end_work();
-    board.into_inner().unwrap_or_else(PoisonError::into_inner).executed
-}
-
-/// The processors that this process may use: by its affinity mask and its control group's quota.
-pub fn available_cores() -> usize {
-    thread::available_parallelism().map_or(1, usize::from)
-}
-
-/// Warns once of scenarios that ask for more threads than can run at the same time.
-fn tell_of_threads(plan: &Plan, progress: &dyn Progress) {
-    static TOLD: AtomicBool = AtomicBool::new(false);
-    let there = available_cores();
-    let asked = plan.nodes.iter().filter_map(|node| node.setup.engine.native.threads).max();
-    let asked = asked.filter(|asked| *asked as usize > there);
-    if let Some(asked) = asked.filter(|_| !TOLD.swap(true, Ordering::Relaxed)) {
-        progress.message(&format!(
-            "warning: engine.native.threads = {asked} exceeds the {there} available cores; using \
-             {there}"
-        ));
-    }
-}
-
-/// Threads of a world: those typed or else as many as help, but no more than there are cores.
-fn threads_of(typed: Option<u32>, automatic: u32, cores: usize) -> u32 {
-    typed.unwrap_or(automatic).min(u32::try_from(cores).unwrap_or(u32::MAX))
-}
-
-fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
-    board.lock().unwrap_or_else(PoisonError::into_inner)
+/// How to run runs.
+pub struct RunOptions {
+    /// Folder for results; what is finished there is not done again.
+    pub out: PathBuf,
+    /// Cores: so many stages that do not need each other run at the same time; where there are
+    /// fewer, each gets its share as threads of its world.
+    pub jobs: usize,
+    /// Whether stages keep frames, for pictures and the viewer: about 20 bytes a
+    /// grain and sample.
+    pub frames: bool,
+    /// Set to stop at the next check.
+    pub cancel: Arc<AtomicBool>,
+    /// Told of what goes on.
+    pub progress: Arc<dyn Progress>,
 }
 
 /// What every thread works with.
-struct Shop<'a> {
-    store: &'a StageStore,
-    make_world: WorldMaker<'a>,
-    cancel: &'a AtomicBool,
-    progress: &'a dyn Progress,
-    cores: usize,
+pub struct Shop<'a> {
+    /// Where stages are stored.
+    pub store: &'a StageStore,
+    /// Makes the worlds.
+    pub make_world: WorldMaker<'a>,
+    /// Set to stop at the next check.
+    pub cancel: &'a AtomicBool,
+    /// Told of what goes on.
+    pub progress: &'a dyn Progress,
+    /// Cores, at least 1: used by so many stages at the same time or, where fewer are left, by
+    /// several threads of one.
+    pub cores: usize,
 }
 
-impl Shop<'_> {
+impl<'a> Shop<'a> {
+    /// With the cores of such runs, told and stopped as they are.
+    pub fn new(store: &'a StageStore, make_world: WorldMaker<'a>, options: &'a RunOptions) -> Self {
+        let RunOptions { jobs, cancel, progress, .. } = options;
+        Self { store, make_world, cancel, progress: progress.as_ref(), cores: (*jobs).max(1) }
+    }
+
+    /// Runs every stage of a plan; gives the finished stages by node.
+    ///
+    /// When a stage fails, the stages that need it are not begun, all others are finished and
+    /// stored, and the first failure is returned.
+    pub fn execute(&self, plan: &Plan) -> Result<Vec<Arc<StoredStage>>, StudyError> {
+        let mut executed = self.execute_each(plan);
+        if !executed.failed.is_empty() {
+            return Err(executed.failed.remove(0).1);
+        }
+        executed.done.into_iter().collect::<Option<Vec<_>>>().ok_or(StudyError::Cancelled)
+    }
+
+    /// The same, giving what was finished also where something failed.
+    pub fn execute_each(&self, plan: &Plan) -> Executed {
+        let roots = (0..plan.nodes.len()).filter(|&n| plan.nodes[n].parent.is_none()).collect();
+        let executed = Executed { done: vec![None; plan.nodes.len()], ..Executed::default() };
+        let board = Mutex::new(Board { executed, ready: roots, running: 0 });
+        let changed = Condvar::new();
+        self.progress.begin_work(plan.nodes.iter().map(|node| node.expected).sum());
+        tell_of_threads(plan, self.progress);
+        thread::scope(|scope| {
+            let work = || self.work(plan, &board, &changed);
+            // This thread is one of them, so that work is done even where there is no other.
+            for at_once in 1..self.cores.min(plan.nodes.len()) {
+                let thread = thread::Builder::new().name("stages".to_owned());
+                if let Err(error) = thread.spawn_scoped(scope, work) {
+                    self.progress.message(&format!(
+                        "warning: only {at_once} of {} stages run in parallel: {error}",
+                        self.cores
+                    ));
+                    break;
+                }
+            }
+            work();
+        });
+        self.progress.end_work();
+        board.into_inner().unwrap_or_else(PoisonError::into_inner).executed
+    }
+
     /// Takes one stage after the other until none is left.
     fn work(&self, plan: &Plan, board: &Mutex<Board>, changed: &Condvar) {
         loop {
@@ -350,6 +335,34 @@ impl Shop<'_> {
             None => self.store.frames(grains, pieces),
         }
     }
+}
+
+/// The processors that this process may use: by its affinity mask and its control group's quota.
+pub fn available_cores() -> usize {
+    thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Warns once of scenarios that ask for more threads than can run at the same time.
+fn tell_of_threads(plan: &Plan, progress: &dyn Progress) {
+    static TOLD: AtomicBool = AtomicBool::new(false);
+    let there = available_cores();
+    let asked = plan.nodes.iter().filter_map(|node| node.setup.engine.native.threads).max();
+    let asked = asked.filter(|asked| *asked as usize > there);
+    if let Some(asked) = asked.filter(|_| !TOLD.swap(true, Ordering::Relaxed)) {
+        progress.message(&format!(
+            "warning: engine.native.threads = {asked} exceeds the {there} available cores; using \
+             {there}"
+        ));
+    }
+}
+
+/// Threads of a world: those typed or else as many as help, but no more than there are cores.
+fn threads_of(typed: Option<u32>, automatic: u32, cores: usize) -> u32 {
+    typed.unwrap_or(automatic).min(u32::try_from(cores).unwrap_or(u32::MAX))
+}
+
+fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
+    board.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Sieves the grains that the engine held; nothing where it held none.

@@ -47,12 +47,12 @@ pub use density::{
     DensityOptions, DensityStudy, IndexDensities, IndexState, OfStates, index_densities,
 };
 pub use design::SpecimenDesign;
-pub use execute::available_cores;
+pub use execute::{RunOptions, available_cores};
 pub use interpretations::Interpretation;
 pub use presets::preset;
 pub use recorder::container;
 pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
-pub use run::{ReadyRun, RunOptions, grain_files, make_grains};
+pub use run::{ReadyRun, grain_files, make_grains};
 pub use sensitivity::{Parameter, ParameterDesign, SensitivityDesign, SensitivityStudy};
 pub use side_by_side::{InterpretationsOptions, InterpretationsOutcome, interpretations};
 pub use slurm::{SlurmJob, SlurmRequest, quoted, submit as submit_to_slurm, this_program};

@@ -8,14 +8,14 @@ use std::{
 };
 
 use super::{
-    StudyError,
+    RunOptions, StudyError,
     accuracy::standard,
     beside,
     described::described,
     interpretations::Interpretation,
     plan::{Plan, PlannedRun},
     presets::preset,
-    run::{CarriedOut, RunOptions, carry_out, folder_of, make_grains, write_grains},
+    run::{carry_out, folder_of, make_grains, write_grains},
     told::tell_warnings,
 };
 use crate::grains::{GrainSet, ParticleSizeDistribution};
@@ -76,7 +76,7 @@ pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyEr
     let plan = Plan::new(&runs)?;
     write_grains(&options.run.out, &scenarios.pluviation, &grains)?;
     tell_warnings(runs.iter().map(|run| &run.scenario), options.run.progress.as_ref());
-    let CarriedOut { records, effective } =
+    let (records, effective) =
         carry_out(&plan, &runs, &options.run, |run| folder_of(&options.run.out, run))?;
     finish(options, &scenarios, &grains, records, &effective)
 }

@@ -3,7 +3,7 @@
 use std::{
     collections::{BTreeMap, HashMap},
     path::{Path, PathBuf},
-    sync::{Arc, atomic::AtomicBool},
+    sync::Arc,
 };
 
 use serde_json::json;
@@ -11,7 +11,7 @@ use serde_json::json;
 use super::{
     StudyError, begin,
     described::described,
-    execute::{Executed, execute, execute_each},
+    execute::{Executed, RunOptions, Shop},
     inside, laboratory,
     plan::{Plan, PlannedRun, RunNodes},
     summarise::{Summarised, summarise},
@@ -19,11 +19,11 @@ use super::{
 };
 use crate::grains::{self, GrainSet, ParticleSizeDistribution};
 use crate::motion::MotionFacts;
-use crate::protocol::{Progress, WorldMaker};
+use crate::protocol::WorldMaker;
 use crate::record::{
-    FileError, LaboratoryRow, RunRecord, StageStore, StoredStage, create_folder,
-    distributions, grains_csv, hash_bytes, json_text, read_json, series_csv, to_csv, with_energy,
-    with_laboratory, write_file, write_json,
+    FileError, LaboratoryRow, RunRecord, StageStore, StoredStage, create_folder, distributions,
+    grains_csv, hash_bytes, json_text, read_json, series_csv, to_csv, with_energy, with_laboratory,
+    write_file, write_json,
 };
 use crate::scale;
 use crate::scenario::{GrainsSpec, Scenario};
@@ -31,22 +31,6 @@ use crate::world::EffectiveSettings;
 
 /// The file that holds a run's grains.
 const GRAINS_FILE: &str = "grains.json";
-
-/// How to run a run.
-pub struct RunOptions {
-    /// Folder for results; what is finished there is not done again.
-    pub out: PathBuf,
-    /// Cores: so many stages that do not need each other run at the same time; where there are
-    /// fewer, each gets its share as threads of its world.
-    pub jobs: usize,
-    /// Whether stages keep frames, for pictures and the viewer: about 20 bytes a
-    /// grain and sample.
-    pub frames: bool,
-    /// Set to stop at the next check.
-    pub cancel: Arc<AtomicBool>,
-    /// Told of what goes on.
-    pub progress: Arc<dyn Progress>,
-}
 
 /// A scenario whose grains are made and whose laboratory is built: what can refuse it has been
 /// tried, and nothing is written yet.
@@ -83,8 +67,8 @@ impl ReadyRun {
             options.progress.message(&format!("stage {n}, vibrate: {}", facts.line()));
         }
         let runs = std::slice::from_ref(&self.run);
-        let mut done = carry_out(&self.plan, runs, options, |_| options.out.clone())?;
-        let record = done.records.remove(0);
+        let (mut records, _) = carry_out(&self.plan, runs, options, |_| options.out.clone())?;
+        let record = records.remove(0);
         let (figures, known) = (options.out.join("figures"), described(grains));
         crate::report::run_figures(&figures, &record)?;
         let specified = ParticleSizeDistribution::of(grains).ok();
@@ -98,31 +82,17 @@ impl ReadyRun {
     }
 }
 
-/// Runs run together.
-pub(super) struct CarriedOut {
-    /// In the order of the runs.
-    pub records: Vec<RunRecord>,
-    /// The engine's settings as read back in the first stage.
-    pub effective: EffectiveSettings,
-}
-
 /// Runs the runs of a plan, taking from the store in the output folder what is there,
-/// and writes each run's files into its folder.
+/// and writes each run's files into its folder. Gives their records, in their order, and the
+/// engine's settings as read back in the first stage.
 pub(super) fn carry_out(
     plan: &Plan,
     runs: &[PlannedRun],
     options: &RunOptions,
     folder: impl Fn(&PlannedRun) -> PathBuf,
-) -> Result<CarriedOut, StudyError> {
+) -> Result<(Vec<RunRecord>, EffectiveSettings), StudyError> {
     let store = StageStore::open(&options.out.join("stages"))?.with_frames(options.frames);
-    let done = execute(
-        plan,
-        &store,
-        options.jobs,
-        &crate::world::create,
-        &options.cancel,
-        options.progress.as_ref(),
-    )?;
+    let done = Shop::new(&store, &crate::world::create, options).execute(plan)?;
     let records = runs
         .iter()
         .zip(&plan.runs)
@@ -130,7 +100,7 @@ pub(super) fn carry_out(
         .collect::<Result<_, StudyError>>()
         .map_err(|error| error.keeping(&store))?;
     let effective = done.first().map(|d| d.record.effective.clone()).unwrap_or_default();
-    Ok(CarriedOut { records, effective })
+    Ok((records, effective))
 }
 
 /// Runs all runs of a plan and writes their folders under `runs/`, each by itself: its record, or
@@ -145,9 +115,8 @@ pub(super) fn carry_out_each(
     store: &StageStore,
     options: &RunOptions,
 ) -> Result<Vec<Result<RunRecord, String>>, StudyError> {
-    let progress = options.progress.as_ref();
     let Executed { done, failed, cancelled } =
-        execute_each(plan, store, options.jobs, make_world, &options.cancel, progress);
+        Shop::new(store, make_world, options).execute_each(plan);
     let mut reasons = HashMap::new();
     for (node, error) in failed {
         if !is_of_the_run(&error) {

@@ -3,13 +3,13 @@
 use std::{path::PathBuf, sync::Arc};
 
 use super::{
-    StudyError,
+    RunOptions, StudyError,
     accuracy::standard,
     beside,
     interpretations::Interpretation,
     plan::Plan,
     reproduce::{Scenarios, programme, study_view},
-    run::{RunOptions, carry_out_each, make_grains},
+    run::{carry_out_each, make_grains},
     told::tell_warnings,
 };
 use crate::paper;

@@ -8,13 +8,13 @@ use std::{
 
 use super::{
     RunOptions, StudyError,
-    execute::{execute, execute_each},
+    execute::Shop,
     plan::{Plan, PlannedRun},
     summarise::summarise,
 };
 use crate::geometry::Vector;
 use crate::grains::generate;
-use crate::protocol::{Progress, Silent};
+use crate::protocol::{Progress, Silent, WorldMaker};
 use crate::record::{AskedStage, RunKind, StageStore, StoredStage};
 use crate::scenario::{GrainsSpec, Scenario, StageSpec};
 use crate::world::{BodyState, World, scripted::ScriptedWorld};
@@ -80,12 +80,23 @@ fn plan(runs: &[PlannedRun]) -> Plan {
     Plan::new(runs).expect("a plan")
 }
 
+/// Works in a store on so many cores, and cannot be stopped.
+pub(super) fn shop<'a>(
+    store: &'a StageStore,
+    cores: usize,
+    make_world: WorldMaker<'a>,
+    progress: &'a dyn Progress,
+) -> Shop<'a> {
+    static CANCEL: AtomicBool = AtomicBool::new(false);
+    Shop { store, make_world, cancel: &CANCEL, progress, cores }
+}
+
 type Done = Result<Vec<Arc<StoredStage>>, StudyError>;
 
 fn carry_out(plan: &Plan, folder: &Path, jobs: usize) -> Done {
     let _turn = crate::world::shared_turn();
     let store = StageStore::open(folder).expect("a store");
-    execute(plan, &store, jobs, &crate::world::create, &AtomicBool::new(false), &Silent)
+    shop(&store, jobs, &crate::world::create, &Silent).execute(plan)
 }
 
 /// Notes whether stages were stored when it was said that they ended.
@@ -114,7 +125,7 @@ fn a_stage_is_said_to_have_ended_when_it_is_stored() {
     let folder = tempfile::tempdir().expect("a folder");
     let store = StageStore::open(folder.path()).expect("a store");
     let told = Announced { plan: &plan, folder: folder.path(), stored: Mutex::default() };
-    execute(&plan, &store, 1, &crate::world::create, &AtomicBool::new(false), &told).expect("done");
+    shop(&store, 1, &crate::world::create, &told).execute(&plan).expect("done");
     let stored = told.stored.into_inner().expect("nobody panicked");
     assert_eq!(stored, vec![true; plan.nodes.len()], "law: each was stored when it was announced");
 }
@@ -369,21 +380,15 @@ fn a_blown_up_simulation_names_the_stage_and_keeps_the_last_good_specimen() {
     let folder = tempfile::tempdir().expect("folder");
     let store = StageStore::open(folder.path()).expect("a store");
     let exploding = ScriptedWorld::new;
-    let error = execute(
-        &plan,
-        &store,
-        2,
-        &|_, _, _| {
-            let script = |_, state: &BodyState, step, _| BodyState {
-                linear_velocity: Vector::new(if step < 20 { 1.0 } else { 1e9 }, 0.0, 0.0),
-                ..*state
-            };
-            Ok(Box::new(exploding(1.0 / 240.0, Box::new(script))) as Box<dyn World + Send>)
-        },
-        &AtomicBool::new(false),
-        &Silent,
-    )
-    .expect_err("1e9 m/s must not pass");
+    let make_world: WorldMaker = &|_, _, _| {
+        let script = |_, state: &BodyState, step, _| BodyState {
+            linear_velocity: Vector::new(if step < 20 { 1.0 } else { 1e9 }, 0.0, 0.0),
+            ..*state
+        };
+        Ok(Box::new(exploding(1.0 / 240.0, Box::new(script))) as Box<dyn World + Send>)
+    };
+    let done = shop(&store, 2, make_world, &Silent).execute(&plan);
+    let error = done.expect_err("1e9 m/s must not pass");
     let StudyError::Simulation { stage, what, kept } = error else { panic!("{error}") };
     assert!(stage.contains("fill the funnel") && what.contains("speed"), "{stage}: {what}");
     let content = fs::read_to_string(&kept).expect("kept");
@@ -404,7 +409,7 @@ fn what_fails_does_not_stop_the_rest() {
         let script = |_, state: &BodyState, _, _| *state;
         Ok(Box::new(ScriptedWorld::new(1.0 / 240.0, Box::new(script))) as Box<dyn World + Send>)
     };
-    let executed = execute_each(&plan, &store, 2, &resting, &AtomicBool::new(false), &Silent);
+    let executed = shop(&store, 2, &resting, &Silent).execute_each(&plan);
     let done = |run: usize| plan.runs[run].stages.iter().all(|n| executed.done[*n].is_some());
     assert!(done(0) && !done(1), "law: the run that can be run is");
     let [(node, StudyError::Simulation { what, .. })] = executed.failed.as_slice() else {
@@ -432,7 +437,7 @@ fn a_panic_in_a_stage_ends_that_stage_alone() {
             let script = |_, state: &BodyState, _, _| *state;
             Ok(Box::new(ScriptedWorld::new(1.0 / 240.0, Box::new(script))) as Box<dyn World + Send>)
         };
-        let executed = execute_each(&plan, &store, 2, &failing, &AtomicBool::new(false), &Silent);
+        let executed = shop(&store, 2, &failing, &Silent).execute_each(&plan);
         let _ = ended.send(executed);
     });
     let executed = end

@@ -9,7 +9,7 @@ use super::{
     super::{
         RunOptions, StudyError,
         believed::held,
-        execute::execute,
+        execute::Shop,
         plan::{Plan, RunNodes},
         variations::name_stages,
     },
@@ -151,10 +151,8 @@ impl SweepTasks {
                 needed.label
             )));
         }
-        let options = &self.study.options.run;
-        let make = &crate::world::create;
-        let progress = options.progress.as_ref();
-        execute(&chain, &self.store, 1, make, &options.cancel, progress)?;
+        let shop = Shop::new(&self.store, &crate::world::create, &self.study.options.run);
+        Shop { cores: 1, ..shop }.execute(&chain)?;
         Ok(label)
     }
 

@@ -15,10 +15,10 @@ use std::{ops::Range, path::Path, sync::Arc};
 use serde::Serialize;
 
 use super::{
-    StudyError,
+    RunOptions, StudyError,
     believed::held,
     plan::{Plan, PlannedRun, stage_label},
-    run::{RunOptions, carry_out_each, folder_of, make_grains, write_grains},
+    run::{carry_out_each, folder_of, make_grains, write_grains},
 };
 use crate::grains::GrainSet;
 use crate::grains::load_scenario;
