@@ -2,7 +2,7 @@
 
 use pluvia::{
     report::{Axis, Chart, Look, Plot},
-    study::{DensityOptions, IndexDensities, IndexState, index_densities},
+    study::{DensityOptions, DensityStudy, IndexDensities, IndexState},
 };
 
 use super::{
@@ -226,7 +226,7 @@ fn settling(bench: &Bench, paper: &str) -> Result<Chart, String> {
 }
 
 fn states(bench: &Bench, scenario: &str, vibration: &Vibration) -> Result<IndexDensities, String> {
-    index_densities(&DensityOptions {
+    let options = DensityOptions {
         scenario: root().join(format!("scenarios/{scenario}.json")),
         changes: Vec::new(),
         configurations: bench.configurations.min(vibration.most),
@@ -235,8 +235,8 @@ fn states(bench: &Bench, scenario: &str, vibration: &Vibration) -> Result<IndexD
         double_amplitude_mm: vibration.double_amplitude_mm,
         duration_s: vibration.duration_s[usize::from(!bench.is_small())],
         run: bench.options(&folder(scenario, vibration)),
-    })
-    .map_err(|e| e.to_string())
+    };
+    DensityStudy::new(&options).and_then(|study| study.carry_out()).map_err(|e| e.to_string())
 }
 
 fn chart(found: &[(&Material, IndexDensities)]) -> Chart {

@@ -89,9 +89,9 @@ pub(super) fn run(args: &CalibrateArgs, context: &Context) -> Result<ExitStatus,
     };
     let study = CalibrationStudy::new(&options)?;
     let question = json!({
-        "scenario": asked::scenario(study.scenario()),
-        "target": options.target.field(),
-        "wanted": options.target.wanted(),
+        "scenario": asked::scenario(&study.scenario),
+        "target": options.target.field,
+        "wanted": options.target.wanted,
         "unknown": options.unknown,
     });
     context.begin(&args.out, "calibrate", &question)?;

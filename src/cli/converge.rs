@@ -27,9 +27,9 @@ pub(super) struct ConvergeArgs {
 pub(super) fn run(args: &ConvergeArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let options = args.designed.options(&args.out, context);
     let study = ConvergenceStudy::read(&options)?;
-    let mut question = question_of(study.varied(), study.configurations());
-    question["limits"] = json!(study.limits());
-    question["reference"] = study.reference().into();
+    let mut question = question_of(&study.varied, study.configurations);
+    question["limits"] = json!(study.limits);
+    question["reference"] = study.reference.as_str().into();
     context.begin(&args.out, "converge", &question)?;
     let found = study.carry_out(&options.run)?;
     let text = page_until(&args.out.join("convergence.md"), &["\n## How to read it"])?;

@@ -68,7 +68,7 @@ pub(super) fn run(args: &DensityArgs, context: &Context) -> Result<ExitStatus, C
     };
     let study = DensityStudy::new(&options)?;
     let question = json!({
-        "scenario": asked::scenario(study.scenario()),
+        "scenario": asked::scenario(&study.varied.base),
         "surcharge_kpa": args.surcharge_kpa,
         "frequency_hz": args.frequency_hz,
         "double_amplitude_mm": args.double_amplitude_mm,

@@ -26,7 +26,7 @@ pub(super) struct SensitivityArgs {
 pub(super) fn run(args: &SensitivityArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let options = args.designed.options(&args.out, context);
     let study = SensitivityStudy::read(&options)?;
-    let question = question_of(study.varied(), study.configurations());
+    let question = question_of(&study.varied, study.configurations);
     context.begin(&args.out, "sensitivity", &question)?;
     let found = study.carry_out(&options.run)?;
     let page = page_until(&args.out.join("sensitivity.md"), &["\n## Ranges"])?;

@@ -117,7 +117,7 @@ pub(super) fn run(args: &SweepArgs, context: &Context) -> Result<ExitStatus, Cli
         return status(&tasks()?, context);
     }
     if args.collect {
-        let found = tasks()?.study().collect()?;
+        let found = tasks()?.study.collect()?;
         return tell(args, &found, context);
     }
     let run = context.run_options(&args.out, args.jobs);

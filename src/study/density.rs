@@ -24,7 +24,7 @@ use crate::measure::{
     Container, HeightMap, height_cell, inference::MeanTest, statistics, void_ratio,
 };
 use crate::record::{FileError, RunRow, read_json, write_json};
-use crate::scenario::{Override, Scenario};
+use crate::scenario::Override;
 use crate::specimen::{Specimen, SpecimenState};
 use crate::units::to_mm;
 use mould::Mould;
@@ -113,7 +113,8 @@ pub struct DensityStudy<'a> {
     options: &'a DensityOptions,
     grains: GrainSet,
     mould: Mould,
-    varied: Varied,
+    /// The scenario of which grains, contact and engine are taken, and its states.
+    pub varied: Varied,
 }
 
 impl<'a> DensityStudy<'a> {
@@ -138,11 +139,6 @@ impl<'a> DensityStudy<'a> {
         let varied = Varied::load_told(&options.scenario, &options.changes, variations, told);
         let varied = varied.map_err(faults::each_once)?;
         Ok(Self { options, grains, mould, varied })
-    }
-
-    /// The scenario of which grains, contact and engine are taken.
-    pub fn scenario(&self) -> &Scenario {
-        &self.varied.base
     }
 
     /// Finds the index densities and writes `density.json`. What is stored is not done again.
@@ -182,14 +178,6 @@ impl<'a> DensityStudy<'a> {
         write_json(&options.run.out.join("density.json"), &found)?;
         Ok(found)
     }
-}
-
-/// Finds index densities and writes `density.json`. What is stored is not done again.
-///
-/// # Errors
-/// As those of [`DensityStudy`].
-pub fn index_densities(options: &DensityOptions) -> Result<IndexDensities, StudyError> {
-    DensityStudy::new(options)?.carry_out()
 }
 
 impl Mould {

@@ -43,9 +43,7 @@ pub use compare::{HEIGHT_BAND, VOID_RATIO_BAND, compare};
 pub use converge::{
     ConvergenceDesign, ConvergenceLimits, ConvergenceStudy, LadderDesign, RungDesign, StudyOptions,
 };
-pub use density::{
-    DensityOptions, DensityStudy, IndexDensities, IndexState, OfStates, index_densities,
-};
+pub use density::{DensityOptions, DensityStudy, IndexDensities, IndexState, OfStates};
 pub use design::SpecimenDesign;
 pub use execute::{RunOptions, available_cores};
 pub use interpretations::Interpretation;

@@ -1,7 +1,7 @@
 //! From a search to what is said of it.
 
 use super::{
-    ANGLE_OF_REPOSE, CalibrationOptions, GRAIN_FRICTION,
+    CalibrationOptions,
     kept::{CONFIDENCE, Kept},
     line::in_result,
     search::{Answer, Question},
@@ -10,8 +10,8 @@ use crate::measure::inference::MeanTest;
 use crate::paper::{Interval, constants::FRICTION_RATIO, text::compact};
 use crate::record::left_out_in_words;
 use crate::report::{
-    Calibration, CalibrationEnding as Ending, CalibrationRun, CalibrationSolution,
-    CalibrationValue, FrictionIdentity, target_in_words, unknown_in_words, with_unit,
+    Calibration, CalibrationEnding as Ending, CalibrationRun, CalibrationSolution, CalibrationValue,
+    FrictionIdentity, target_in_words, unknown_in_words, with_unit,
 };
 use crate::scenario::Scenario;
 
@@ -42,7 +42,7 @@ pub(super) fn conclude(
     runs.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.configuration.cmp(&b.configuration)));
     let mut found = Calibration {
         scenario: scenario.name.clone(),
-        target: options.target.field().to_owned(),
+        target: options.target.field.clone(),
         unit: unit.to_owned(),
         wanted: question.wanted,
         unknown: options.unknown.clone(),
@@ -260,10 +260,7 @@ fn identity(
     kept: &Kept,
     solution: Option<CalibrationSolution>,
 ) -> Option<FrictionIdentity> {
-    if options.target.field() != ANGLE_OF_REPOSE || options.unknown != GRAIN_FRICTION {
-        return None;
-    }
-    let friction = question.wanted.to_radians().tan();
+    let friction = options.friction_of_angle()?;
     let tried = question.rounded(friction);
     let differences: Vec<f64> =
         kept.results(tried).iter().map(|angle| angle - tried.atan().to_degrees()).collect();
@@ -286,6 +283,7 @@ fn identity(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::GRAIN_FRICTION;
     use crate::study::tests::{bare_scenario, run_options};
 
     fn options(target: &str) -> CalibrationOptions {
@@ -316,7 +314,7 @@ mod tests {
     ) -> Calibration {
         let options = options(target);
         let question = Question {
-            wanted: options.target.wanted(),
+            wanted: options.target.wanted,
             between: (0.1, 1.5),
             replicates: 3,
             tolerance: None,

@@ -51,10 +51,19 @@ pub struct CalibrationOptions {
     pub run: RunOptions,
 }
 
+impl CalibrationOptions {
+    /// The friction whose angle is the wanted angle of repose; none where anything else is asked.
+    fn friction_of_angle(&self) -> Option<f64> {
+        let is_asked = self.target.field == ANGLE_OF_REPOSE && self.unknown == GRAIN_FRICTION;
+        is_asked.then(|| self.target.wanted.to_radians().tan())
+    }
+}
+
 /// A calibration that was checked, and not yet run.
 pub struct CalibrationStudy<'a> {
     options: &'a CalibrationOptions,
-    scenario: Scenario,
+    /// The scenario with its changes.
+    pub scenario: Scenario,
     question: Question,
 }
 
@@ -67,11 +76,6 @@ const RUNS_A_REPLICATE: usize = 16;
 const LEAST_RUNS_A_REPLICATE: usize = 6;
 
 impl<'a> CalibrationStudy<'a> {
-    /// The scenario with its changes.
-    pub fn scenario(&self) -> &Scenario {
-        &self.scenario
-    }
-
     /// Checks everything that can be checked before anything runs: the
     /// scenario at both ends of the range, the unknown, the numbers.
     ///
@@ -106,16 +110,14 @@ impl<'a> CalibrationStudy<'a> {
                 scenario.rest_test_s
             )));
         }
-        let identity =
-            options.target.field() == ANGLE_OF_REPOSE && options.unknown == GRAIN_FRICTION;
         let question = Question {
-            wanted: options.target.wanted(),
+            wanted: options.target.wanted,
             between: (low, high),
             replicates: options.replicates,
             tolerance: options.tolerance,
             most_runs,
             whole,
-            also: identity.then(|| options.target.wanted().to_radians().tan()),
+            also: options.friction_of_angle(),
         };
         let study = Self { options, scenario, question };
         // A value that the scenario does not allow is reported before anything runs.
@@ -229,7 +231,7 @@ impl<'a> CalibrationStudy<'a> {
         match self.options.target.read(&summary) {
             Reading::Number(result) => Ok(CalibrationRun { result: Some(result), ..run }),
             Reading::NotMeasured if !first => {
-                let failure = format!("`{}` was not measured", self.options.target.field());
+                let failure = format!("`{}` was not measured", self.options.target.field);
                 Ok(CalibrationRun { failure: Some(failure), ..run })
             }
             missing => Err(self.options.target.not_there(&summary, missing)),

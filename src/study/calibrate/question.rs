@@ -13,8 +13,10 @@ use crate::scenario::{Override, Scenario, nearest};
 /// A result of a run that is to have a value: a number of its `summary.json`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CalibrationTarget {
-    field: String,
-    wanted: f64,
+    /// The field of `summary.json`.
+    pub field: String,
+    /// Its wanted value.
+    pub wanted: f64,
     place: Override,
 }
 
@@ -56,16 +58,6 @@ impl CalibrationTarget {
             return Err(format!("an angle of repose lies between 0 and 90 degrees, not {degrees}"));
         }
         format!("{ANGLE_OF_REPOSE}={degrees}").parse()
-    }
-
-    /// The field of `summary.json`.
-    pub fn field(&self) -> &str {
-        &self.field
-    }
-
-    /// Its wanted value.
-    pub fn wanted(&self) -> f64 {
-        self.wanted
     }
 
     /// Its unit, as its name says; empty for pure numbers.
@@ -181,7 +173,7 @@ pub(super) fn takes_whole(field: &str, scenario: &Scenario) -> Result<bool, Stud
 /// Checks that a summary may hold the target; says which number was meant, where one is near.
 pub(super) fn known(target: &CalibrationTarget) -> Result<(), StudyError> {
     let numbers = summary_numbers();
-    let asked = numbered(target.field());
+    let asked = numbered(&target.field);
     if numbers.contains(&asked) {
         return Ok(());
     }
@@ -189,7 +181,7 @@ pub(super) fn known(target: &CalibrationTarget) -> Result<(), StudyError> {
         Some(known) => format!("; did you mean `{known}`?"),
         None => format!("; it has {} and {} more", SHOWN.join(", "), numbers.len() - SHOWN.len()),
     };
-    let field = target.field();
+    let field = &target.field;
     Err(StudyError::Scenario(format!("--target {field}: no summary.json has such a number{meant}")))
 }
 
@@ -203,7 +195,7 @@ pub(super) fn measured(target: &CalibrationTarget, scenario: &Scenario) -> Resul
     let vibrates = ("a stage `vibrate`", has("vibrate"));
     let plate = ("a stage `place_top_plate`", was("place_top_plate"));
     let pours = ("a stage `pour`", has("pour"));
-    let needs: &[(&str, bool)] = match numbered(target.field()).split(['.', '[']).next() {
+    let needs: &[(&str, bool)] = match numbered(&target.field).split(['.', '[']).next() {
         Some("settlement_mm") => &[plate, vibrates],
         Some("surface_settlement_mm" | "vibrations") => &[vibrates],
         Some("poured_height_mm" | "poured_void_ratio") => &[pours],
@@ -218,7 +210,7 @@ pub(super) fn measured(target: &CalibrationTarget, scenario: &Scenario) -> Resul
     }
     Err(StudyError::Scenario(format!(
         "--target {}: the scenario `{}` does not measure it: that needs {}",
-        target.field(),
+        target.field,
         scenario.name,
         missing.join(" and ")
     )))
@@ -283,7 +275,7 @@ mod tests {
     #[test]
     fn targets_are_fields_and_numbers() {
         let target: CalibrationTarget = "settlement_mm.final=12.5".parse().expect("a target");
-        assert_eq!((target.field(), target.wanted()), ("settlement_mm.final", 12.5));
+        assert_eq!((target.field.as_str(), target.wanted), ("settlement_mm.final", 12.5));
         for text in ["", "a", "a=", "a=b", "=1", "a=nan", "a=inf"] {
             let refused = text.parse::<CalibrationTarget>();
             assert!(refused.is_err(), "`{text}` must be refused");

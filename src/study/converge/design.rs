@@ -90,13 +90,16 @@ pub struct RungDesign {
 #[derive(Debug)]
 pub struct ConvergenceStudy {
     pub(super) quick: bool,
-    pub(super) limits: ConvergenceLimits,
-    /// Title of the ladder that stands for the study.
-    pub(super) reference: String,
+    /// How far a result may be from the converged one.
+    pub limits: ConvergenceLimits,
+    /// Title of the ladder whose finest rung is the converged result.
+    pub reference: String,
     /// The ladders, each with its rungs from the coarsest to the finest.
     pub(super) ladders: Vec<Ladder>,
-    pub(super) varied: Varied,
-    pub(super) configurations: u32,
+    /// The scenario and its variations.
+    pub varied: Varied,
+    /// Number of configurations.
+    pub configurations: u32,
 }
 
 /// A ladder with the names of its variations.

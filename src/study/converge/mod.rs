@@ -6,9 +6,7 @@ mod judge;
 #[cfg(test)]
 mod tests;
 
-pub use design::{
-    ConvergenceDesign, ConvergenceLimits, ConvergenceStudy, LadderDesign, RungDesign,
-};
+pub use design::{ConvergenceDesign, ConvergenceLimits, ConvergenceStudy, LadderDesign, RungDesign};
 
 use std::path::PathBuf;
 
@@ -18,7 +16,7 @@ use super::{
     presets::DesignFile,
     realisations::Asked,
     told::tell_warnings,
-    variations::{Varied, conclude_so_far, keep_and_read, write_variations},
+    variations::{conclude_so_far, keep_and_read, write_variations},
 };
 use crate::record::RunRow;
 use crate::report::{self, Convergence};
@@ -50,26 +48,6 @@ impl ConvergenceStudy {
         study.configurations = options.configurations.unwrap_or(study.configurations);
         Asked::configurations(study.configurations).refuse_repeats(&study.varied)?;
         Ok(study)
-    }
-
-    /// The scenario and its variations.
-    pub fn varied(&self) -> &Varied {
-        &self.varied
-    }
-
-    /// Number of configurations.
-    pub fn configurations(&self) -> u32 {
-        self.configurations
-    }
-
-    /// How far a result may be from the converged one.
-    pub fn limits(&self) -> ConvergenceLimits {
-        self.limits
-    }
-
-    /// Title of the ladder whose finest rung is the converged result.
-    pub fn reference(&self) -> &str {
-        &self.reference
     }
 
     /// Carries it out and writes `convergence.json`, `convergence.csv`, `convergence.md`,

@@ -23,9 +23,12 @@ const BUILT_IN: &str = "studies/sensitivity.json";
 /// A sensitivity study that was read and checked, and not yet run.
 #[derive(Debug)]
 pub struct SensitivityStudy {
-    design: design::Designed,
     quick: bool,
-    configurations: u32,
+    parameters: Vec<Parameter>,
+    /// The scenario and its variations.
+    pub varied: Varied,
+    /// Number of configurations.
+    pub configurations: u32,
 }
 
 impl SensitivityStudy {
@@ -36,20 +39,10 @@ impl SensitivityStudy {
     /// all the same run.
     pub fn read(options: &StudyOptions) -> Result<Self, StudyError> {
         let file = DesignFile::new(options.design.as_deref(), BUILT_IN)?;
-        let design = design::read(&file.path, options.quick, &[])?;
-        let configurations = options.configurations.unwrap_or(design.chosen.configurations);
-        Asked::configurations(configurations).refuse_repeats(&design.varied)?;
-        Ok(Self { design, quick: options.quick, configurations })
-    }
-
-    /// The scenario and its variations.
-    pub fn varied(&self) -> &Varied {
-        &self.design.varied
-    }
-
-    /// Number of configurations.
-    pub fn configurations(&self) -> u32 {
-        self.configurations
+        let Designed { chosen, parameters, varied } = design::read(&file.path, options.quick, &[])?;
+        let configurations = options.configurations.unwrap_or(chosen.configurations);
+        Asked::configurations(configurations).refuse_repeats(&varied)?;
+        Ok(Self { quick: options.quick, parameters, varied, configurations })
     }
 
     /// Carries it out and writes `sensitivity.json`, `sensitivity.csv`, `sensitivity.md`,
@@ -58,9 +51,8 @@ impl SensitivityStudy {
     /// # Errors
     /// [`StudyError`].
     pub fn carry_out(&self, options: &RunOptions) -> Result<Sensitivity, StudyError> {
-        let Designed { varied, .. } = &self.design;
-        tell_warnings(varied.scenarios(), options.progress.as_ref());
-        conclude_so_far(varied, self.configurations, options, |rows| {
+        tell_warnings(self.varied.scenarios(), options.progress.as_ref());
+        conclude_so_far(&self.varied, self.configurations, options, |rows| {
             let variations = write_variations(&options.out, rows)?;
             let sensitivity = self.found(rows, &variations);
             report::write_sensitivity(&options.out, &sensitivity)?;
@@ -71,12 +63,12 @@ impl SensitivityStudy {
     fn found(&self, runs: &[RunRow], variations: &[VariationRow]) -> Sensitivity {
         let default = variations.iter().find(|v| v.variation == design::DEFAULT).cloned();
         Sensitivity {
-            scenario: self.design.varied.base.name.clone(),
+            scenario: self.varied.base.name.clone(),
             quick: self.quick,
             grains: runs.iter().find_map(|r| r.grains),
             configurations: runs.iter().map(|r| r.configuration).max().unwrap_or(0),
             default,
-            parameters: effects::rows(&self.design.parameters, Parameter::variation, runs),
+            parameters: effects::rows(&self.parameters, Parameter::variation, runs),
         }
     }
 }

@@ -20,7 +20,8 @@ use crate::record::StageStore;
 /// The stages of a sweep, in levels: those of a level need only such of the
 /// levels before, so that a level can be run all at once.
 pub struct SweepTasks {
-    study: SweepStudy,
+    /// The sweep, to collect its results.
+    pub study: SweepStudy,
     plan: Plan,
     store: StageStore,
     levels: Vec<Vec<usize>>,
@@ -182,11 +183,6 @@ impl SweepTasks {
                 .filter_map(|node| Some((node.label.clone(), self.store.failure(node.key())?)))
                 .collect(),
         }
-    }
-
-    /// The sweep, to collect its results.
-    pub fn study(&self) -> &SweepStudy {
-        &self.study
     }
 
     /// Folder of the sweep.
