@@ -7,55 +7,46 @@ use crate::scenario::Override;
 /// Fields that tell realisations apart.
 const OF_CHANCE: [&str; 2] = ["seed", "configuration"];
 
-/// What is asked of realisations, and what to do where there is but one.
-pub(super) struct Asked {
-    /// The option that says how many.
-    pub option: &'static str,
-    /// How many realisations of each variation.
-    pub count: u32,
-    /// What else gives scatter, or that it can be left out.
-    pub instead: &'static str,
-}
+/// The option that says how many configurations a study takes, and what to do where there is but
+/// one: it may take one.
+pub(super) const CONFIGURATIONS: [&str; 2] = [
+    "--configurations",
+    "take one, or begin with several specimens, as a sweep does with --over \
+     begin.specimen=RUN1,RUN2",
+];
 
-impl Asked {
-    /// So many, of a study that may take one.
-    pub(super) fn configurations(count: u32) -> Self {
-        let instead = "take one, or begin with several specimens, as a sweep does with --over \
-                       begin.specimen=RUN1,RUN2";
-        Self { option: "--configurations", count, instead }
-    }
+/// The same of a calibration, which needs scatter.
+pub(super) const REPLICATES: [&str; 2] = [
+    "--replicates",
+    "a calibration needs scatter: let the scenario make its own specimen, without `begin`",
+];
 
-    /// So many, of a calibration, which needs scatter.
-    pub(super) fn replicates(count: u32) -> Self {
-        let instead = "a calibration needs scatter: let the scenario make its own specimen, \
-                       without `begin`";
-        Self { option: "--replicates", count, instead }
+/// Refuses several realisations of a variation that has but one, and a seed or a configuration
+/// that changes nothing: equal results would be taken for independent ones.
+///
+/// # Errors
+/// [`StudyError::Scenario`] with what was asked, why it is refused, and what to do.
+pub(super) fn refuse_repeats(
+    varied: &Varied,
+    [option, instead]: [&str; 2],
+    count: u32,
+) -> Result<(), StudyError> {
+    for (variation, scenario) in varied.all.iter().filter(|(_, s)| !s.has_realisations()) {
+        let mut changed = variation.changes.iter().map(Override::path);
+        let of_chance = changed.find(|path| OF_CHANCE.contains(path));
+        let most = variation.configurations.map_or(count, |most| most.min(count));
+        let asked = match of_chance {
+            Some(path) => format!("`{path}` cannot be varied"),
+            None if most > 1 => format!("{option} {most} cannot be taken"),
+            None => continue,
+        };
+        return Err(StudyError::Scenario(format!(
+            "{asked}: `{}` begins with one specimen, and none of its own stages draws anything at \
+             random, so that every realisation is the same run; {instead}",
+            scenario.name
+        )));
     }
-
-    /// Refuses several realisations of a variation that has but one, and a seed or a configuration
-    /// that changes nothing: equal results would be taken for independent ones.
-    ///
-    /// # Errors
-    /// [`StudyError::Scenario`] with what was asked, why it is refused, and what to do.
-    pub(super) fn refuse_repeats(&self, varied: &Varied) -> Result<(), StudyError> {
-        let Self { option, count, instead } = self;
-        for (variation, scenario) in varied.all.iter().filter(|(_, s)| !s.has_realisations()) {
-            let mut changed = variation.changes.iter().map(Override::path);
-            let of_chance = changed.find(|path| OF_CHANCE.contains(path));
-            let most = variation.configurations.map_or(*count, |most| most.min(*count));
-            let asked = match of_chance {
-                Some(path) => format!("`{path}` cannot be varied"),
-                None if most > 1 => format!("{option} {most} cannot be taken"),
-                None => continue,
-            };
-            return Err(StudyError::Scenario(format!(
-                "{asked}: `{}` begins with one specimen, and none of its own stages draws anything at \
-                 random, so that every realisation is the same run; {instead}",
-                scenario.name
-            )));
-        }
-        Ok(())
-    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -88,30 +79,32 @@ mod tests {
     fn the_same_run_is_not_taken_for_realisations() {
         let rest = json!({ "stage": "rest", "duration_s": 1 });
         let plate = json!({ "stage": "place_top_plate", "placement": 2 });
-        let (once, friction) = (Asked::configurations(1), "contact.restitution=0.2");
-        let refused = |of: &Scenario, change: &str, most: Option<u32>, asked: &Asked| {
-            let refused = asked.refuse_repeats(&varied(of, change, most)).err();
+        let friction = "contact.restitution=0.2";
+        let refused = |of: &Scenario, change: &str, most: Option<u32>, asked, count| {
+            let refused = refuse_repeats(&varied(of, change, most), asked, count).err();
             refused.map_or(String::new(), |error| error.to_string())
         };
         let begun = scenario(true, &rest);
-        for (change, asked, words) in [
-            (friction, Asked::configurations(3), "--configurations 3 cannot be taken"),
-            (friction, Asked::replicates(5), "a calibration needs scatter"),
-            ("seed=2", Asked::configurations(1), "`seed` cannot be varied"),
-            ("configuration=2", Asked::configurations(1), "`configuration` cannot be varied"),
+        for (change, asked, count, words) in [
+            (friction, CONFIGURATIONS, 3, "--configurations 3 cannot be taken"),
+            (friction, REPLICATES, 5, "a calibration needs scatter"),
+            ("seed=2", CONFIGURATIONS, 1, "`seed` cannot be varied"),
+            ("configuration=2", CONFIGURATIONS, 1, "`configuration` cannot be varied"),
         ] {
-            let said = refused(&begun, change, None, &asked);
+            let said = refused(&begun, change, None, asked, count);
             assert!(
                 said.contains(words) && said.contains("`s` begins"),
                 "law: {words}, got {said}"
             );
         }
-        assert_eq!(refused(&begun, friction, None, &once), "", "law: one run is one");
-        let several = Asked::configurations(3);
-        assert_eq!(refused(&begun, friction, Some(1), &several), "", "law: its ladder takes one");
+        let configurations = |of: &Scenario, change: &str, most, count| {
+            refused(of, change, most, CONFIGURATIONS, count)
+        };
+        assert_eq!(configurations(&begun, friction, None, 1), "", "law: one run is one");
+        assert_eq!(configurations(&begun, friction, Some(1), 3), "", "law: its ladder takes one");
         for draws in [scenario(true, &plate), scenario(false, &rest)] {
             for change in [friction, "seed=2"] {
-                assert_eq!(refused(&draws, change, None, &several), "", "law: each is another");
+                assert_eq!(configurations(&draws, change, None, 3), "", "law: each is another");
             }
         }
     }

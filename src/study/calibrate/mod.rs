@@ -17,7 +17,7 @@ use serde_json::Value;
 
 use super::{
     RunOptions, StudyError,
-    realisations::Asked,
+    realisations::{REPLICATES, refuse_repeats},
     told::tell_warnings,
     variations::{Variation, Varied, carry_out_in},
 };
@@ -122,7 +122,7 @@ impl<'a> CalibrationStudy<'a> {
         let study = Self { options, scenario, question };
         // A value that the scenario does not allow is reported before anything runs.
         let ends = study.varied(&[low, high])?;
-        Asked::replicates(options.replicates).refuse_repeats(&ends)?;
+        refuse_repeats(&ends, REPLICATES, options.replicates)?;
         Ok(study)
     }
 

@@ -14,7 +14,7 @@ use super::{
     RunOptions, StudyError,
     accuracy::standard,
     presets::DesignFile,
-    realisations::Asked,
+    realisations::{CONFIGURATIONS, refuse_repeats},
     told::tell_warnings,
     variations::{conclude_so_far, keep_and_read, write_variations},
 };
@@ -46,7 +46,7 @@ impl ConvergenceStudy {
         let file = DesignFile::new(options.design.as_deref(), BUILT_IN)?;
         let mut study = Self::of_file(&file.path, options.quick)?;
         study.configurations = options.configurations.unwrap_or(study.configurations);
-        Asked::configurations(study.configurations).refuse_repeats(&study.varied)?;
+        refuse_repeats(&study.varied, CONFIGURATIONS, study.configurations)?;
         Ok(study)
     }
 

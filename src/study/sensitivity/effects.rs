@@ -7,7 +7,7 @@ use crate::report::{Effect, ParameterRow};
 
 /// One row a parameter, in the order of the design; `variation` says what the
 /// runs at an end of a parameter are called.
-pub(in crate::study) fn rows(
+pub(super) fn rows(
     parameters: &[Parameter],
     variation: impl Fn(&Parameter, End) -> String,
     runs: &[RunRow],

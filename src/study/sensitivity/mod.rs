@@ -5,17 +5,17 @@ mod effects;
 
 pub(super) use design::{Designed, End, read as read_design};
 pub use design::{Parameter, ParameterDesign, SensitivityDesign};
-pub(super) use effects::rows as parameter_rows;
 
 use super::{
     RunOptions, StudyError, StudyOptions,
     presets::DesignFile,
-    realisations::Asked,
+    realisations::{CONFIGURATIONS, refuse_repeats},
     told::tell_warnings,
     variations::{Varied, conclude_so_far, write_variations},
 };
 use crate::record::{RunRow, VariationRow};
 use crate::report::{self, Sensitivity};
+use crate::scenario::Scenario;
 
 /// Where the built-in design stands under `scenarios/`.
 const BUILT_IN: &str = "studies/sensitivity.json";
@@ -41,7 +41,7 @@ impl SensitivityStudy {
         let file = DesignFile::new(options.design.as_deref(), BUILT_IN)?;
         let Designed { chosen, parameters, varied } = design::read(&file.path, options.quick, &[])?;
         let configurations = options.configurations.unwrap_or(chosen.configurations);
-        Asked::configurations(configurations).refuse_repeats(&varied)?;
+        refuse_repeats(&varied, CONFIGURATIONS, configurations)?;
         Ok(Self { quick: options.quick, parameters, varied, configurations })
     }
 
@@ -51,25 +51,35 @@ impl SensitivityStudy {
     /// # Errors
     /// [`StudyError`].
     pub fn carry_out(&self, options: &RunOptions) -> Result<Sensitivity, StudyError> {
-        tell_warnings(self.varied.scenarios(), options.progress.as_ref());
-        conclude_so_far(&self.varied, self.configurations, options, |rows| {
-            let variations = write_variations(&options.out, rows)?;
-            let sensitivity = self.found(rows, &variations);
-            report::write_sensitivity(&options.out, &sensitivity)?;
-            Ok(sensitivity)
+        let Self { quick, parameters, varied, configurations } = self;
+        tell_warnings(varied.scenarios(), options.progress.as_ref());
+        conclude_so_far(varied, *configurations, options, |rows| {
+            write_variations(&options.out, rows)?;
+            let of = Parameter::variation;
+            let found = table(&varied.base, *quick, parameters, of, design::DEFAULT, rows);
+            report::write_sensitivity(&options.out, &found)?;
+            Ok(found)
         })
     }
+}
 
-    fn found(&self, runs: &[RunRow], variations: &[VariationRow]) -> Sensitivity {
-        let default = variations.iter().find(|v| v.variation == design::DEFAULT).cloned();
-        Sensitivity {
-            scenario: self.varied.base.name.clone(),
-            quick: self.quick,
-            grains: runs.iter().find_map(|r| r.grains),
-            configurations: runs.iter().map(|r| r.configuration).max().unwrap_or(0),
-            default,
-            parameters: effects::rows(&self.parameters, Parameter::variation, runs),
-        }
+/// What parameters of a scenario move that were varied one at a time. `variation` says what the
+/// runs at an end of a parameter are called, `default` what those of the scenario itself.
+pub(super) fn table(
+    scenario: &Scenario,
+    quick: bool,
+    parameters: &[Parameter],
+    variation: impl Fn(&Parameter, End) -> String,
+    default: &str,
+    runs: &[RunRow],
+) -> Sensitivity {
+    Sensitivity {
+        scenario: scenario.name.clone(),
+        quick,
+        grains: runs.iter().find_map(|r| r.grains),
+        configurations: runs.iter().map(|r| r.configuration).max().unwrap_or(0),
+        default: VariationRow::of(runs).into_iter().find(|v| v.variation == default),
+        parameters: effects::rows(parameters, variation, runs),
     }
 }
 

@@ -22,7 +22,7 @@ use serde_json::Value;
 
 use super::{
     RunOptions, StudyError, laboratory,
-    realisations::Asked,
+    realisations::{CONFIGURATIONS, refuse_repeats},
     sensitivity::{Designed, Parameter, read_design},
     told::tell_warnings,
     variations::{Variation, Varied, collect_stored, conclude_so_far},
@@ -123,7 +123,7 @@ impl SweepStudy {
         let variations =
             points.iter().map(|point| Variation::new(&point.name, "sweep", point.changes.clone()));
         let varied = Varied::load(&options.scenario, &options.changes, variations.collect())?;
-        Asked::configurations(options.configurations).refuse_repeats(&varied)?;
+        refuse_repeats(&varied, CONFIGURATIONS, options.configurations)?;
         Ok(Self { options, gathered, scenario, points, varied })
     }
 

@@ -2,9 +2,8 @@
 //! by the same rules, whichever of the two commands run the runs.
 
 use super::{Parameter, RunRow, SweepFactor, SweepStudy, points::Design};
-use crate::record::VariationRow;
 use crate::report::Sensitivity;
-use crate::study::sensitivity::{End, parameter_rows};
+use crate::study::sensitivity::{End, table};
 
 /// The table of a sweep that varies one thing at a time; none of other sweeps,
 /// nor where no factor is a number.
@@ -41,16 +40,9 @@ pub(super) fn sensitivity(
         });
         point.map_or_else(String::new, |p| p.name.clone())
     };
-    let variations = VariationRow::of(runs);
-    let own = study.points.first().map(|p| p.name.as_str());
-    Some(Sensitivity {
-        scenario: study.scenario.name.clone(),
-        quick: study.options.quick,
-        grains: runs.iter().find_map(|r| r.grains),
-        configurations: runs.iter().map(|r| r.configuration).max().unwrap_or(0),
-        default: variations.iter().find(|v| Some(v.variation.as_str()) == own).cloned(),
-        parameters: parameter_rows(&parameters, variation, runs),
-    })
+    let own = study.points.first().map_or("", |p| p.name.as_str());
+    let quick = study.options.quick;
+    Some(table(&study.scenario, quick, &parameters, variation, own, runs))
 }
 
 /// A factor with listed values as a parameter from the least of them to the

@@ -12,7 +12,7 @@ pub(super) use keep::keep_and_read;
 
 use std::{ops::Range, path::Path, sync::Arc};
 
-use serde::Serialize;
+use serde_json::json;
 
 use super::{
     RunOptions, StudyError,
@@ -128,24 +128,17 @@ impl Varied {
     }
 }
 
-/// `variations.json`.
-#[derive(Serialize)]
-struct Table<'a> {
-    runs: &'a [RunRow],
-    variations: &'a [VariationRow],
-}
-
 /// Writes `variations.json`, `variations.csv` with one row a variation and
 /// `variation-runs.csv` with one a run.
 ///
 /// # Errors
 /// When a file cannot be written.
-pub fn write_variations(out: &Path, runs: &[RunRow]) -> Result<Vec<VariationRow>, StudyError> {
+pub fn write_variations(out: &Path, runs: &[RunRow]) -> Result<(), StudyError> {
     let variations = VariationRow::of(runs);
     write_csv(&out.join("variations.csv"), variations_csv(&variations))?;
     write_csv(&out.join("variation-runs.csv"), to_csv(runs))?;
-    write_json(&out.join("variations.json"), &Table { runs, variations: &variations })?;
-    Ok(variations)
+    let both = json!({ "runs": runs, "variations": variations });
+    Ok(write_json(&out.join("variations.json"), &both)?)
 }
 
 /// Runs every variation in configurations 1 to `configurations` of its scenario and gives one row a
