@@ -1,10 +1,7 @@
 //! Whether the specimen at the end of a run meets the accuracy standard (docs/accuracy.md), and what
 //! a reader should know where it does not.
 
-use crate::record::Overlap;
-use crate::report::Standard;
-use crate::scale::{self, Scale};
-use crate::scenario::EngineSettings;
+use super::*;
 
 /// The accuracy standard at a scale (docs/accuracy.md): 0.5 % of the equivalent
 /// diameter on average, 3 % at the 99th percentile, and creep that grows as speeds do.

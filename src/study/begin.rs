@@ -1,17 +1,10 @@
 //! The specimen of another run that a run begins with: read from that run's store, and checked as
 //! a stored stage is before it is used.
 
-use std::{path::Path, sync::Arc};
-
-use serde_json::{Value, json};
-
-use super::{StudyError, believed::end_of};
-use crate::grains::{self, GrainSet};
-use crate::protocol::{Setup, plausible};
-use crate::record::{FileError, StageRecord, StageStore, read_json, run_file};
-use crate::scale::Scale;
+use super::believed::end_of;
+use super::*;
+use crate::record::run_file;
 use crate::scenario::BeginSpec;
-use crate::specimen::{Specimen, SpecimenState};
 
 const GRAINS_FILE: &str = "grains.json";
 

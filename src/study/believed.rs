@@ -1,13 +1,8 @@
 //! Whether a stored stage, or a checkpoint, can be what it says: compared with
 //! its laboratory, its grains and the stage before it.
 
-use super::plan::{Node, Plan};
-use crate::geometry::Vector;
-use crate::measure::{grain_energy, overlap_statistics, pairs_within};
-use crate::protocol::{Midway, plausible};
-use crate::record::{AskedStage, StageEnd, StageStore, StoredStage};
-use crate::scenario::StageSpec;
-use crate::specimen::{Specimen, SpecimenState};
+use super::*;
+use crate::record::StageEnd;
 
 /// Times that differ by a smaller share are the same: engines keep the length of
 /// a step in single precision.

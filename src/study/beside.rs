@@ -1,16 +1,10 @@
 //! What other engines and settings made of the same programme: kept in the
 //! output folder, so that the report of one shows the others.
 
-use std::path::Path;
+use serde::de::DeserializeOwned;
 
-use serde::{Serialize, de::DeserializeOwned};
-use serde_json::Value;
-
-use super::StudyError;
-use crate::protocol::Progress;
-use crate::record::{Beside, hash_json, keep_beside};
-use crate::report::Column;
-use crate::scenario::{Backend, ContactSolver, EngineSettings, Scenario};
+use super::*;
+use crate::scenario::ContactSolver;
 
 /// Folder of the columns in the output folder.
 const FOLDER: &str = "beside";

@@ -1,15 +1,10 @@
 //! Checks that need measures: overlap while a stage goes on, creep where it
 //! rests; and what all checks of a run found together.
 
-use super::{accuracy::standard, summarise::creep_um_per_s};
-use crate::measure::{overlap_statistics, pairs_within};
+use super::summarise::creep_um_per_s;
+use super::*;
 use crate::protocol::Watched;
-use crate::record::{
-    CheckSummary, Checks, OverlapWatch, SeriesRow, SolverResidual, StageChecks, StageRecord,
-};
-use crate::scale::{self, Scale};
-use crate::scenario::StageSpec;
-use crate::specimen::Specimen;
+use crate::record::{CheckSummary, Checks, OverlapWatch};
 
 /// Largest 99th percentile of the solver's residual, our choice: quick specimens have 0.002 to
 /// 0.015 at the default while they are poured and shaken, and 0.02 to 0.04 with eight

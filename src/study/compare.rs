@@ -5,17 +5,10 @@
 //! there is one, else the rest test. So differences of making and differences of carrying on are
 //! told apart.
 
-use std::sync::Arc;
-
-use super::{
-    RunOptions, StudyError,
-    accuracy::standard,
-    plan::{Plan, PlannedRun, Prepared},
-    run::{carry_out, folder_of, make_grains, write_grains},
-    told::tell_warnings,
-};
-use crate::report::{self, CompareRecord, CompareRun, ComparedQuantity};
-use crate::scenario::{Backend, Scenario, StageSpec, StockSettings, check};
+use super::plan::Prepared;
+use super::*;
+use crate::report::ComparedQuantity;
+use crate::scenario::{StockSettings, check};
 
 /// Largest difference of standing height between two engines that is not a finding, as a fraction
 /// of the height: pours of a few hundred grains differ by up to 4 % from one mixing to the next, of

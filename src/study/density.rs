@@ -9,24 +9,8 @@
 mod faults;
 mod mould;
 
-use std::path::{Path, PathBuf};
-
-use serde::Serialize;
-
-use super::{
-    RunOptions, StudyError,
-    run::make_grains,
-    variations::{Variation, Varied, carry_out_variations},
-};
-use crate::grains::GrainSet;
-use crate::grains::load_scenario;
-use crate::measure::{
-    Container, HeightMap, height_cell, inference::MeanTest, statistics, void_ratio,
-};
-use crate::record::{FileError, RunRow, read_json, write_json};
-use crate::scenario::Override;
-use crate::specimen::{Specimen, SpecimenState};
-use crate::units::to_mm;
+use super::*;
+use crate::measure::statistics;
 use mould::Mould;
 
 /// How index densities are found.

@@ -1,10 +1,10 @@
 //! What is measured of grains before anything is done with them, once a set.
 
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::Weak;
 
-use crate::grains::{GrainSet, GrainShape, SieveAnalysis};
-use crate::record::{NotSieved, SecondarySieve, StageRecord};
-use crate::specimen::{Fate, SpecimenState};
+use super::*;
+use crate::grains::{GrainShape, SieveAnalysis};
+use crate::record::{NotSieved, SecondarySieve};
 
 /// Sieve sizes and shapes of a set of grains.
 #[derive(Debug, PartialEq)]

@@ -1,13 +1,8 @@
 //! What designs of studies have in common: the scenario they vary, and how
 //! their faults are reported.
 
-use std::path::{Path, PathBuf};
-
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::variations::{Variation, Varied};
-use crate::scenario::{Fault, NotAnOverride, Override, ScenarioErrors};
+use super::*;
+use crate::scenario::NotAnOverride;
 
 /// The scenario that a study varies, and how often it is repeated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

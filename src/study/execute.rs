@@ -1,9 +1,8 @@
 //! Runs a plan on several threads, taking from the store what is there.
 
 use std::{
-    path::PathBuf,
     sync::{
-        Arc, Condvar, Mutex, MutexGuard, PoisonError,
+        Condvar, MutexGuard,
         atomic::{AtomicBool, Ordering},
     },
     thread,
@@ -11,21 +10,12 @@ use std::{
 
 use rayon::prelude::*;
 
-use super::{
-    StudyError, believed, checks,
-    plan::{Node, Plan},
-    recorder::{Recorder, note},
-};
+use super::recorder::{Recorder, note};
+use super::*;
 use crate::caught::caught;
 use crate::grains::sieve_size_of;
-use crate::protocol::{Midway, Progress, Setup, StageError, WorldMaker, run as run_stage};
-use crate::record::{
-    AskedStage, Checkpoints, FileError, FrameWriter, StageChecks, StageRecord, StageStore,
-    StoredStage,
-};
+use crate::protocol::{StageError, run as run_stage};
 use crate::scenario::automatic_threads;
-use crate::specimen::{Specimen, SpecimenState};
-use crate::units::to_mm;
 use crate::world::HeldShape;
 
 /// What the threads share.

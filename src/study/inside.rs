@@ -1,22 +1,13 @@
 //! What a specimen is inside: its contacts, its voids by height and by radius, and what became of
 //! energy and orientations from stage to stage.
 
-use std::sync::Arc;
-
 use super::laboratory::{balance, regions};
-use crate::geometry::Vector;
-use crate::grains::GrainSet;
-use crate::measure::{
-    Container, LoadedContact, Region, Slice, contacts_of_grains_in, fabric, layers,
-    loaded_contacts, rings, rotations, stress_in, void_ratio_in,
-};
-use crate::protocol::{Setup, friction_between};
-use crate::record::{
-    ContactsSummary, CoreSummary, EnergyRow, FabricSummary, ProfileRow, RotationSummary,
-    StageEnergy, StageSummary, StoredStage, StressSummary,
-};
-use crate::specimen::{Other, Party, SavedContact, Specimen, SpecimenState};
-use crate::units::{to_mm, to_mm3};
+use super::*;
+use crate::measure::{Region, Slice, layers, loaded_contacts, rings, rotations};
+use crate::protocol::friction_between;
+use crate::record::{ContactsSummary, CoreSummary, RotationSummary, StageEnergy, StageSummary};
+use crate::specimen::{Other, Party, SavedContact};
+use crate::units::to_mm3;
 
 /// Layers and rings are at most this share of a median grain wide: voids order themselves along
 /// walls grain by grain.

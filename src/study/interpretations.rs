@@ -1,14 +1,8 @@
 //! Interpretations of the paper: what its authors may have meant or typed, each as
 //! changes to the programme, built into the program.
 
-use serde::Deserialize;
-use serde_json::{Map, Value};
-
-use super::{
-    StudyError,
-    presets::{FILES, preset},
-};
-use crate::scenario::{Override, StageSpec};
+use super::presets::FILES;
+use super::*;
 
 /// An interpretation of the paper, by name.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,21 +1,15 @@
 //! Observes and sums up a laboratory of pieces.
 
-use std::sync::Arc;
-
-use crate::geometry::{Pose, Vector};
-use crate::grains::GrainSet;
-use crate::measure::{
-    LoadedContact, Region, contacts_of_grains_in, fabric, steady_rate, stress_in, void_ratio_in,
-};
-use crate::protocol::Setup;
+use super::*;
+use crate::geometry::Pose;
+use crate::measure::{Region, steady_rate};
 use crate::record::{
-    Balance, FabricSummary, GroupSummary, LaboratoryNames, LaboratoryRow, LaboratorySeries,
-    LaboratorySummary, OpeningSummary, PieceRow, PieceSummary, RegionSummary, SeriesRow,
-    StoredStage, StressSummary, of_group,
+    Balance, GroupSummary, LaboratoryNames, LaboratorySeries, LaboratorySummary, OpeningSummary,
+    PieceRow, PieceSummary, RegionSummary, of_group,
 };
-use crate::scenario::{GroupSpec, Scenario};
-use crate::specimen::{Opening, PieceState, Specimen, SpecimenState, centroids};
-use crate::units::{to_g, to_kpa, to_mm};
+use crate::scenario::GroupSpec;
+use crate::specimen::{Opening, PieceState, centroids};
+use crate::units::to_kpa;
 
 /// Writes rows of what the pieces carry, what flows, and how dense regions are.
 #[derive(Debug, Default)]

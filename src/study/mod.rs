@@ -62,14 +62,61 @@ pub use targets::{TargetRuns, meet_targets};
 pub use told::tell_warnings;
 pub use variations::{Variation, Varied, carry_out_variations, write_variations};
 
-use std::path::PathBuf;
+// What studies are made of, too.
+use std::{
+    collections::{BTreeMap, BTreeSet, HashMap},
+    ops::{ControlFlow, Range},
+    path::{Path, PathBuf},
+    str::FromStr,
+    sync::{Arc, Mutex, PoisonError},
+};
+
+use nalgebra::{DMatrix, DVector};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
 
 use crate::apparatus::ApparatusError;
-use crate::grains::GrainsError;
-use crate::measure::MeasureError;
-use crate::record::{FileError, StageStore};
-use crate::report::ReportError;
-use crate::scenario::ScenarioErrors;
+use crate::geometry::Vector;
+use crate::grains::{self, GrainSet, GrainsError, ParticleSizeDistribution, load_scenario};
+use crate::measure::{
+    self, Container, Estimate, HeightMap, LoadedContact, MeasureError, change_for_one_unit,
+    contacts_of_grains_in, fabric, grain_energy, height_cell, inference::MeanTest,
+    overlap_statistics, paired_difference, pairs_within, places, stress_in, void_ratio,
+    void_ratio_in,
+};
+use crate::motion::MotionFacts;
+use crate::paper;
+use crate::protocol::{Midway, Progress, Setup, WorldMaker, plausible};
+use crate::record::{
+    AskedStage, Beside, Checkpoints, EnergyRow, FabricSummary, FileError, FrameWriter,
+    LaboratoryRow, Overlap, ProfileRow, RunKind, RunRecord, RunRow, SeriesRow, SolverResidual,
+    StageChecks, StageIdentity, StageRecord, StageStore, StoredStage, StressSummary, Summary,
+    VariationRow, Withheld, create_folder, hash_json, keep_beside, read_json, to_csv, write_file,
+    write_json,
+};
+use crate::report::{self, Column, ReportError, Sensitivity, Standard};
+use crate::scale::{self, Scale};
+use crate::scenario::{
+    Backend, EngineSettings, Fault, GrainsSpec, Override, Scenario, ScenarioErrors, StageSpec,
+    load_document, warnings,
+};
+use crate::specimen::{Fate, Specimen, SpecimenState};
+use crate::units::{from_mm, to_cm3, to_g, to_mm};
+use crate::world::EffectiveSettings;
+use {
+    believed::held,
+    described::described,
+    design::{Chosen, Faults, range, yes},
+    execute::Shop,
+    plan::{Node, Plan, PlannedRun, RunNodes},
+    presets::DesignFile,
+    realisations::{CONFIGURATIONS, refuse_repeats},
+    run::{carry_out, carry_out_each, folder_of, write_grains},
+    sensitivity::End,
+    told::of_grains,
+    variations::conclude_so_far,
+};
 
 /// Why a study did not finish.
 #[derive(Debug, thiserror::Error)]

@@ -4,13 +4,9 @@
 //! forest: every stage has one parent at most. A stage is named by the hash of everything that
 //! determines it, its parent's name included.
 
-use std::{collections::HashMap, sync::Arc};
-
-use super::{StudyError, begin::Begun, stage_key::identity, summarise::grains_hash};
-use crate::grains::GrainSet;
-use crate::protocol::{Setup, segments};
-use crate::record::{RunKind, StageIdentity};
-use crate::scenario::{EngineSettings, Scenario, StageSpec};
+use super::*;
+use super::{begin::Begun, stage_key::identity, summarise::grains_hash};
+use crate::protocol::segments;
 
 /// A run to run.
 #[derive(Debug, Clone)]

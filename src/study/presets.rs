@@ -1,14 +1,9 @@
 //! The paper's scenarios and the designs of studies, built into the program so
 //! that it needs no other file.
 
-use std::path::{Path, PathBuf};
-
 use tempfile::TempDir;
 
-use super::StudyError;
-use crate::grains::load_scenario;
-use crate::record::{FileError, create_folder, write_file};
-use crate::scenario::{Override, Scenario};
+use super::*;
 
 macro_rules! files {
     ($($name:literal),* $(,)?) => {

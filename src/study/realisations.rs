@@ -1,8 +1,7 @@
 //! Refuses studies that would count one specimen several times, as if it were independent
 //! realisations: of a scenario that begins with a specimen and draws nothing at random itself.
 
-use super::{StudyError, variations::Varied};
-use crate::scenario::Override;
+use super::*;
 
 /// Fields that tell realisations apart.
 const OF_CHANCE: [&str; 2] = ["seed", "configuration"];

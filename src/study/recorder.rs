@@ -1,19 +1,16 @@
 //! Measures what is observed during a stage.
 
-use std::{ops::ControlFlow, time::Instant};
+use std::time::Instant;
 
-use super::checks::{last_look_at_overlap, look_at_overlap};
-use super::laboratory::LaboratoryRecorder;
-use crate::geometry::Vector;
-use crate::measure::{
-    self, Container, HeightMap, body_energy, content, grain_energy, height_cell, largest_speed,
-    mean_grain_height, plate_position,
+use super::*;
+use super::{
+    checks::{last_look_at_overlap, look_at_overlap},
+    laboratory::LaboratoryRecorder,
 };
-use crate::protocol::{Midway, Moment, Observer, Setup};
-use crate::record::{Checkpoints, EnergyRow, FileError, FrameWriter, Observed, SeriesRow};
-use crate::scenario::StageSpec;
-use crate::specimen::{FreeState, Specimen};
-use crate::units::to_mm;
+use crate::measure::{body_energy, content, largest_speed, mean_grain_height, plate_position};
+use crate::protocol::{Moment, Observer};
+use crate::record::Observed;
+use crate::specimen::FreeState;
 use crate::world::BodyState;
 
 /// An observer that turns every observation into a row of `series.csv`.

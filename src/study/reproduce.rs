@@ -1,36 +1,13 @@
 //! The paper's whole programme: every configuration poured from every falling
 //! height, and the specimens poured from 5 cm shaken in both modes.
 
-use std::{
-    collections::BTreeMap,
-    path::{Path, PathBuf},
-    sync::Arc,
-};
-
-use super::{
-    RunOptions, StudyError,
-    accuracy::standard,
-    beside,
-    described::described,
-    interpretations::Interpretation,
-    plan::{Plan, PlannedRun},
-    presets::preset,
-    run::{carry_out, folder_of, make_grains, write_grains},
-    told::tell_warnings,
-};
-use crate::grains::{GrainSet, ParticleSizeDistribution};
+use super::*;
 use crate::paper::{
-    self, Claim, Intermittent, Scorecard, StudyView,
+    Claim, Intermittent, Scorecard, StudyView,
     constants::{FALLING_HEIGHTS_MM, VIBRATED_FALLING_HEIGHT_MM},
 };
 use crate::picture;
-use crate::record::{RunKind, RunRecord, read_json, write_json};
-use crate::report::{self, Column, Figure, MeanSettlement, Picture, ReportInput};
-use crate::scale::Scale;
-use crate::scenario::{EngineSettings, GrainsSpec, Override, Scenario, StageSpec};
-use crate::specimen::Specimen;
-use crate::units::{to_cm3, to_g, to_mm};
-use crate::world::EffectiveSettings;
+use crate::report::{Figure, MeanSettlement, Picture, ReportInput};
 
 /// What to reproduce, and where.
 pub struct ReproduceOptions {

@@ -1,33 +1,13 @@
 //! One scenario, from grains to figures.
 
-use std::{
-    collections::{BTreeMap, HashMap},
-    path::{Path, PathBuf},
-    sync::Arc,
-};
-
-use serde_json::json;
-
+use super::*;
 use super::{
-    StudyError, begin,
-    described::described,
-    execute::{Executed, RunOptions, Shop},
-    inside, laboratory,
-    plan::{Plan, PlannedRun, RunNodes},
+    execute::Executed,
     summarise::{Summarised, summarise},
-    told::of_grains,
 };
-use crate::grains::{self, GrainSet, ParticleSizeDistribution};
-use crate::motion::MotionFacts;
-use crate::protocol::WorldMaker;
 use crate::record::{
-    FileError, LaboratoryRow, RunRecord, StageStore, StoredStage, create_folder, distributions,
-    grains_csv, hash_bytes, json_text, read_json, series_csv, to_csv, with_energy, with_laboratory,
-    write_file, write_json,
+    distributions, grains_csv, hash_bytes, json_text, series_csv, with_energy, with_laboratory,
 };
-use crate::scale;
-use crate::scenario::{GrainsSpec, Scenario};
-use crate::world::EffectiveSettings;
 
 /// The file that holds a run's grains.
 const GRAINS_FILE: &str = "grains.json";

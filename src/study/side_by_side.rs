@@ -1,22 +1,8 @@
 //! The programme under several interpretations of the paper, side by side.
 
-use std::{path::PathBuf, sync::Arc};
-
-use super::{
-    RunOptions, StudyError,
-    accuracy::standard,
-    beside,
-    interpretations::Interpretation,
-    plan::Plan,
-    reproduce::{Scenarios, programme, study_view},
-    run::{carry_out_each, make_grains},
-    told::tell_warnings,
-};
-use crate::paper;
-use crate::record::{RunRecord, StageStore, create_folder};
+use super::reproduce::{Scenarios, programme, study_view};
+use super::*;
 use crate::report::{InterpretationColumn, InterpretationFailure, write_interpretations};
-use crate::scale::Scale;
-use crate::scenario::{Override, warnings};
 
 /// Folder of the columns in the output folder.
 const FOLDER: &str = "interpretations";

@@ -4,15 +4,9 @@
 //! which begins when that before has ended, whether all of it went well or not: a stage whose
 //! beginning is missing says so and ends, the others go on. A last job collects the results.
 
-use std::{
-    path::{Path, PathBuf},
-    process::Command,
-};
+use std::process::Command;
 
-use serde::Serialize;
-
-use super::{StudyError, SweepTasks};
-use crate::record::{FileError, create_folder, write_file, write_json};
+use super::*;
 
 /// Largest number of tasks of an array; Slurm's own default limit
 /// (`MaxArraySize`, slurm.conf) is 1001.

@@ -1,16 +1,11 @@
 //! Under which key the store holds a stage: everything that determines its result, and nothing
 //! else.
 
-use serde::{Serialize, Serializer, ser::Error};
+use serde::{Serializer, ser::Error};
 
-use crate::grains::GrainSet;
-use crate::protocol::Setup;
-use crate::record::StageIdentity;
-use crate::scale::{GrainSizes, Scale};
-use crate::scenario::{
-    ApparatusSpec, ContactSpec, EngineSettings, MeasuresSpec, PieceSpec, Scenario, SettleSpec,
-    StageSpec,
-};
+use super::*;
+use crate::scale::GrainSizes;
+use crate::scenario::{ApparatusSpec, ContactSpec, MeasuresSpec, PieceSpec, SettleSpec};
 use crate::world::BackendInfo;
 
 /// Raised whenever the meaning of a stored stage or of its key changes, so that none of an older

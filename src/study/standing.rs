@@ -1,18 +1,10 @@
 //! How a specimen stands: its height and void ratio, and why they are withheld; a pile's angle of
 //! repose; and grains that something pressed through a floor or a wall.
 
-use std::sync::Arc;
-
-use super::{StudyError, recorder::container};
-use crate::grains::GrainSet;
-use crate::measure::{
-    Container, HeightMap, NoPile, Place, grains_reach, height_cell, pile_surface, places,
-    void_ratio,
-};
-use crate::protocol::Setup;
-use crate::record::{AngleOfRepose, AzimuthAngle, StandingHeight, StoredStage, Withheld};
-use crate::specimen::{Fate, Region, Specimen};
-use crate::units::{from_mm, to_cm3, to_mm};
+use super::*;
+use crate::measure::{NoPile, Place, grains_reach, pile_surface};
+use crate::record::{AngleOfRepose, AzimuthAngle, StandingHeight};
+use crate::specimen::Region;
 
 /// Standing height and void ratio of a specimen.
 pub(super) struct Standing {

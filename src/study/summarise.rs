@@ -1,37 +1,21 @@
 //! From finished stages to `summary.json`.
 
-use std::sync::Arc;
-
+use super::*;
 use super::{
-    StudyError,
-    accuracy::{AtEnd, standard},
-    checks,
-    described::{described, secondary_sieve},
-    inside,
+    accuracy::AtEnd,
+    described::secondary_sieve,
     laboratory::laboratory_summary,
-    plan::{PlannedRun, RunNodes},
-    recorder::container,
     standing::{
         Standing, angle_of_repose, empty_above, height_unless, pressed_through, wall,
         withheld_figures,
     },
-    told::of_grains,
 };
-use crate::grains::{GrainSet, MeshRecord, ParticleSizeDistribution};
-use crate::measure::{
-    self, Container, HeightSample, Period, Places, coordination, overlap_statistics, pairs_within,
-    places, touching_gap,
-};
-use crate::motion::MotionFacts;
-use crate::protocol::Setup;
+use crate::grains::MeshRecord;
+use crate::measure::{HeightSample, Period, Places, coordination, touching_gap};
 use crate::record::{
-    EnergyRow, GrainsSummary, LaboratoryRow, Overlap, ProfileRow, RestTest, SeriesRow, Settlement,
-    ShapeSummary, SieveSummary, SolverResidual, StoredStage, Summary, VibrationSummary, Withheld,
-    hash_json,
+    GrainsSummary, RestTest, Settlement, ShapeSummary, SieveSummary, VibrationSummary,
 };
-use crate::scenario::{self, Scenario, StageSpec};
-use crate::specimen::Specimen;
-use crate::units::{from_mm, to_cm3, to_g, to_mm};
+use crate::scenario;
 
 /// Times in s that differ by less are the same.
 const ROUNDING: f64 = 1e-9;

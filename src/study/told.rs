@@ -1,11 +1,7 @@
 //! What a reader should know of scenarios before they are run.
 
-use std::collections::BTreeSet;
-
-use crate::grains::{Grain, GrainSet};
-use crate::protocol::Progress;
-use crate::scenario::{Scenario, warnings};
-use crate::units::to_mm;
+use super::*;
+use crate::grains::Grain;
 
 /// Reports what is typed in scenarios and does not suit their grains: each distinct warning once,
 /// in the order of the scenarios, however many of them share it.

@@ -1,19 +1,16 @@
 //! From a search to what is said of it.
 
+use super::*;
 use super::{
-    CalibrationOptions,
     kept::{CONFIDENCE, Kept},
     line::in_result,
-    search::{Answer, Question},
+    search::Answer,
 };
-use crate::measure::inference::MeanTest;
-use crate::paper::{Interval, constants::FRICTION_RATIO, text::compact};
+use crate::paper::{Interval, constants::FRICTION_RATIO};
 use crate::record::left_out_in_words;
 use crate::report::{
-    Calibration, CalibrationEnding as Ending, CalibrationRun, CalibrationSolution, CalibrationValue,
-    FrictionIdentity, target_in_words, unknown_in_words, with_unit,
+    CalibrationSolution, FrictionIdentity, target_in_words, unknown_in_words, with_unit,
 };
-use crate::scenario::Scenario;
 
 pub(super) fn conclude(
     options: &CalibrationOptions,

@@ -1,12 +1,7 @@
 //! What was evaluated so far, and what it says of scatter and direction.
 
-use crate::measure::{
-    InversePrediction, bend_pattern,
-    inference::{MeanTest, t_quantile, two_sided_p},
-    inverse_prediction,
-    statistics::mean,
-};
-use crate::report::{CalibrationRun, CalibrationValue};
+use super::*;
+use crate::measure::{bend_pattern, inference::two_sided_p, inverse_prediction, statistics::mean};
 
 /// Confidence of every interval and test.
 pub(super) const CONFIDENCE: f64 = 0.95;

@@ -1,11 +1,8 @@
 //! The last part of a search: values near the solution through which a line is
 //! fitted, and as many runs of them as it takes.
 
-use std::ops::ControlFlow;
-
 use super::search::{Going, Halt, Search};
-use crate::measure::{InversePrediction, inference::t_quantile};
-use crate::report::CalibrationEnding as Ending;
+use super::*;
 
 /// Least half width of a window, in parts of the range.
 const LEAST_REACH: f64 = 5e-4;

@@ -11,20 +11,11 @@ mod tests;
 
 pub use question::{CalibrationRange, CalibrationTarget, GRAIN_FRICTION};
 
-use std::{collections::HashMap, ops::Range, path::PathBuf};
-
-use serde_json::Value;
-
-use super::{
-    RunOptions, StudyError,
-    realisations::{REPLICATES, refuse_repeats},
-    told::tell_warnings,
-    variations::{Variation, Varied, carry_out_in},
-};
-use crate::grains::load_scenario;
-use crate::record::{RunRow, read_json};
-use crate::report::{self, Calibration, CalibrationRun};
-use crate::scenario::{Override, Scenario};
+use super::*;
+use super::{realisations::REPLICATES, variations::carry_out_in};
+use crate::measure::{InversePrediction, inference::t_quantile};
+use crate::paper::text::compact;
+use crate::report::{Calibration, CalibrationEnding as Ending, CalibrationRun, CalibrationValue};
 use question::{ANGLE_OF_REPOSE, Reading};
 use search::{Question, search};
 
@@ -242,7 +233,7 @@ impl<'a> CalibrationStudy<'a> {
         let unit = self.options.target.unit();
         let result = match (&run.result, &run.failure) {
             (Some(result), _) => {
-                let number = report::with_unit(&crate::paper::text::compact(*result), unit);
+                let number = report::with_unit(&compact(*result), unit);
                 let left_out = run.left_out_of_means.as_ref();
                 left_out.map_or(number.clone(), |why| format!("{number}, left out: {why}"))
             }

@@ -1,14 +1,9 @@
 //! What a calibration is asked: which result is wanted, and which field of the
 //! scenario is to give it.
 
-use std::str::FromStr;
-
-use serde_json::Value;
-
-use super::super::{StudyError, design::range};
-use crate::record::Summary;
+use super::*;
 use crate::report::unit_of;
-use crate::scenario::{Override, Scenario, nearest};
+use crate::scenario::nearest;
 
 /// A result of a run that is to have a value: a number of its `summary.json`.
 #[derive(Debug, Clone, PartialEq)]

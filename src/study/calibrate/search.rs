@@ -6,12 +6,8 @@
 //! that the slope stands out of the scatter and close enough that the line is straight, and runs
 //! are added until the interval is as narrow as asked.
 
-use std::ops::Range;
-
-use super::{super::StudyError, kept::Kept, line::in_result, root};
-use crate::measure::InversePrediction;
-use crate::paper::text::compact;
-use crate::report::{CalibrationEnding as Ending, CalibrationRun};
+use super::*;
+use super::{kept::Kept, line::in_result};
 
 #[derive(Debug, Clone)]
 pub(super) struct Question {

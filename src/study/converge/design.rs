@@ -1,15 +1,6 @@
 //! The design of a convergence study: which settings are refined, and how far.
 
-use std::path::Path;
-
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::super::{
-    design::{Chosen, Faults, SpecimenDesign, yes},
-    variations::{Variation, Varied},
-};
-use crate::scenario::{ScenarioErrors, load_document};
+use super::*;
 
 /// A convergence study as its file describes it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,9 +1,8 @@
 //! Holds every rung against the finest, and chooses the cheapest that passes.
 
-use super::design::{ConvergenceLimits, Ladder};
-use crate::measure::{Estimate, paired_difference};
-use crate::record::{RunRow, VariationRow};
-use crate::report::{Cheapest, ConvergenceRow, Deviation, Deviations, Standard};
+use super::design::Ladder;
+use super::*;
+use crate::report::{Cheapest, ConvergenceRow, Deviation, Deviations};
 
 /// The precision that others are compared with where it is there.
 const FINEST_PRECISION: &str = "double";

@@ -8,18 +8,9 @@ mod tests;
 
 pub use design::{ConvergenceDesign, ConvergenceLimits, ConvergenceStudy, LadderDesign, RungDesign};
 
-use std::path::PathBuf;
-
-use super::{
-    RunOptions, StudyError,
-    accuracy::standard,
-    presets::DesignFile,
-    realisations::{CONFIGURATIONS, refuse_repeats},
-    told::tell_warnings,
-    variations::{conclude_so_far, keep_and_read, write_variations},
-};
-use crate::record::RunRow;
-use crate::report::{self, Convergence};
+use super::variations::keep_and_read;
+use super::*;
+use crate::report::Convergence;
 
 /// Where the built-in design stands under `scenarios/`.
 const BUILT_IN: &str = "studies/convergence.json";

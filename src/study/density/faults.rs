@@ -1,9 +1,7 @@
 //! Faults of the scenarios that this study makes itself, in terms of what it was asked: nobody
 //! typed its moulds and stages.
 
-use super::{DensityOptions, Mould};
-use crate::scenario::{Fault, ScenarioErrors};
-use crate::units::to_mm;
+use super::*;
 
 /// A fault of the scenario of a state as somebody can mend it who asked for that state.
 pub(super) fn told(

@@ -1,13 +1,7 @@
 //! The mould that grains fill, and the scenarios that bring them into it.
 
-use serde_json::{Value, json};
-
-use super::DensityOptions;
-use crate::grains::GrainSet;
-use crate::scale::{Law, Scale};
-use crate::scenario::{Override, StageSpec};
-use crate::study::variations::Variation;
-use crate::units::{from_mm, to_g, to_mm};
+use super::*;
+use crate::scale::Law;
 
 /// Height over diameter of the specimen in the mould, about that of the moulds of ASTM D4253.
 const SLENDERNESS: f64 = 1.1;

@@ -1,17 +1,6 @@
 //! The design of a sensitivity study: which parameters are varied, one at a time, and how far.
 
-use std::path::Path;
-
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::super::{
-    design::{Chosen, Faults, SpecimenDesign, yes},
-    variations::{Variation, Varied},
-};
-use crate::grains::load_scenario;
-use crate::scenario::{Override, ScenarioErrors, load_document};
+use super::*;
 
 /// Name of the variation that changes nothing.
 pub(super) const DEFAULT: &str = "default";

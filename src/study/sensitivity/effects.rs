@@ -1,8 +1,6 @@
 //! What a parameter moves: differences of runs, pair by pair.
 
-use super::design::{End, Parameter};
-use crate::measure::{Estimate, change_for_one_unit, paired_difference};
-use crate::record::RunRow;
+use super::*;
 use crate::report::{Effect, ParameterRow};
 
 /// One row a parameter, in the order of the design; `variation` says what the

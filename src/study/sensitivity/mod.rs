@@ -6,16 +6,7 @@ mod effects;
 pub(super) use design::{Designed, End, read as read_design};
 pub use design::{Parameter, ParameterDesign, SensitivityDesign};
 
-use super::{
-    RunOptions, StudyError, StudyOptions,
-    presets::DesignFile,
-    realisations::{CONFIGURATIONS, refuse_repeats},
-    told::tell_warnings,
-    variations::{Varied, conclude_so_far, write_variations},
-};
-use crate::record::{RunRow, VariationRow};
-use crate::report::{self, Sensitivity};
-use crate::scenario::Scenario;
+use super::*;
 
 /// Where the built-in design stands under `scenarios/`.
 const BUILT_IN: &str = "studies/sensitivity.json";

@@ -1,15 +1,9 @@
 //! Whether a plan in a folder is still the plan of what is asked for, and if
 //! not, what has changed since.
 
-use std::path::{Path, absolute};
+use std::path::absolute;
 
-use serde_json::Value;
-
-use super::{PLAN_FILE, SCENARIO_FILE, SweepPlan};
-use crate::grains::load_scenario;
-use crate::record::{hash_json, read_json};
-use crate::scenario::Scenario;
-use crate::study::StudyError;
+use super::*;
 
 /// Most differences that are reported one by one.
 const MOST_TOLD: usize = 5;

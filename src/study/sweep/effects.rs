@@ -1,19 +1,11 @@
 //! What the runs of a sweep say together.
 
-use std::collections::BTreeMap;
-
-use nalgebra::{DMatrix, DVector};
-use serde_json::Value;
-
-use super::points::{Design, Point};
+use super::*;
 use crate::measure::{
-    change_for_one_unit,
-    inference::{MeanTest, page_test, values_needed},
+    inference::{page_test, values_needed},
     statistics::{least_squares_slope, mean},
 };
-use crate::report::{
-    SweepEffect, SweepEstimate, SweepFactor, SweepPoint, SweepRun, averaged_outcomes, main_outcomes,
-};
+use crate::report::{SweepEffect, SweepEstimate, SweepPoint, averaged_outcomes, main_outcomes};
 
 /// Confidence of intervals, and of the test that decides how many configurations are needed.
 const CONFIDENCE: f64 = 0.95;

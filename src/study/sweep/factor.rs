@@ -1,10 +1,6 @@
 //! What a sweep varies: values of a field one by one, or a range to draw from.
 
-use std::str::FromStr;
-
-use serde_json::Value;
-
-use crate::{scenario::Override, study::design::range};
+use super::*;
 
 /// A field of the scenario and the values that it takes.
 #[derive(Debug, Clone, PartialEq)]

@@ -16,21 +16,13 @@ pub use points::{Design, Point};
 pub use snakemake::{SNAKEFILE, write as write_snakefile};
 pub use tasks::{SweepStage, SweepStatus, SweepTasks};
 
-use std::path::{Path, PathBuf};
-
-use serde_json::Value;
-
+use super::*;
 use super::{
-    RunOptions, StudyError, laboratory,
-    realisations::{CONFIGURATIONS, refuse_repeats},
-    sensitivity::{Designed, Parameter, read_design},
-    told::tell_warnings,
-    variations::{Variation, Varied, collect_stored, conclude_so_far},
+    sensitivity::{Designed, read_design},
+    variations::collect_stored,
 };
-use crate::grains::load_scenario;
-use crate::record::{RunRow, read_json};
-use crate::report::{self, Sweep, SweepFactor, SweepRun, outcomes_in};
-use crate::scenario::{Override, Scenario, gathered};
+use crate::report::{Sweep, SweepFactor, SweepRun, outcomes_in};
+use crate::scenario::gathered;
 
 /// What to vary, and how.
 pub struct SweepOptions {

@@ -1,15 +1,8 @@
 //! `plan.json`: every run of a sweep before any is run.
 
-use std::{fmt::Display, iter::repeat_n, path::Path, str::FromStr};
+use std::{fmt::Display, iter::repeat_n};
 
-use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
-
-use super::{
-    super::{RunOptions, StudyError, plan::Plan, sensitivity::Parameter, variations::Varied},
-    Design, Point, SweepOptions,
-};
-use crate::record::{FileError, hash_json, read_json, write_json};
+use super::*;
 
 /// Name of the file in the output folder.
 pub const PLAN_FILE: &str = "plan.json";

@@ -1,11 +1,7 @@
 //! The points of a sweep: which values of all factors go together.
 
-use serde_json::Value;
-
-use super::super::{StudyError, sensitivity::Parameter};
-use super::factor::{Factor, SampledRange};
+use super::*;
 use crate::grains::streams::{shuffle, stream, uniform};
-use crate::scenario::{Override, Scenario};
 
 /// Most points of a sweep: more is a slip of the hand.
 const MOST_POINTS: usize = 10_000;

@@ -1,9 +1,8 @@
 //! Factors varied one at a time as `pluvia sensitivity` has them: the same rows
 //! by the same rules, whichever of the two commands run the runs.
 
-use super::{Parameter, RunRow, SweepFactor, SweepStudy, points::Design};
-use crate::report::Sensitivity;
-use crate::study::sensitivity::{End, table};
+use super::*;
+use crate::study::sensitivity::table;
 
 /// The table of a sweep that varies one thing at a time; none of other sweeps,
 /// nor where no factor is a number.

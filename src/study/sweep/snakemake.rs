@@ -3,10 +3,7 @@
 //!
 //! Mölder et al., *Sustainable data analysis with Snakemake*, F1000Research 10:33 (2021).
 
-use std::path::Path;
-
-use super::{super::StudyError, SweepStage, SweepTasks};
-use crate::record::{StageStore, write_file};
+use super::*;
 
 /// Name of the file in the output folder.
 pub const SNAKEFILE: &str = "Snakefile";

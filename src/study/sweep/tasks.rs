@@ -1,21 +1,8 @@
 //! The stages of a planned sweep one by one, for engines that spread them over
 //! many machines with a folder in common.
 
-use std::path::Path;
-
-use serde::Serialize;
-
-use super::{
-    super::{
-        RunOptions, StudyError,
-        believed::held,
-        execute::Shop,
-        plan::{Plan, RunNodes},
-        variations::name_stages,
-    },
-    SweepPlan, SweepStudy, edited,
-};
-use crate::record::StageStore;
+use super::super::variations::name_stages;
+use super::*;
 
 /// The stages of a sweep, in levels: those of a level need only such of the
 /// levels before, so that a level can be run all at once.

@@ -1,9 +1,7 @@
 //! Whether a sweep changes a value twice: of two changes of it a run has only the last, and tables
 //! would show the other as if it had been run.
 
-use super::SweepOptions;
-use crate::scenario::Override;
-use crate::study::StudyError;
+use super::*;
 
 /// Refuses fields that are varied twice, however their paths are written, and fields that are varied
 /// together with a part of them, be it by `--set`.

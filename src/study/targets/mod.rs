@@ -10,13 +10,7 @@ mod points;
 mod spelling;
 mod together;
 
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    path::{Path, PathBuf},
-    str::FromStr,
-};
-
-use super::{StudyError, design::range};
+use super::*;
 use crate::measure::{inference::wilson_interval, regression::LinearModel};
 use crate::record::read_file;
 use crate::report::{ColumnTable, OUTCOMES, Target, TargetFound, TargetsFound};

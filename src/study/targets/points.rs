@@ -1,8 +1,6 @@
 //! Points: runs of different sweeps that have the same values of all factors that both have.
 
-use std::collections::BTreeMap;
-
-use super::{Modelled, Row, value};
+use super::*;
 use crate::report::{MetAt, PointsMet};
 
 /// The values of several targets at each point that has them all.

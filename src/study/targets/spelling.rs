@@ -1,6 +1,6 @@
 //! Fields of several tables under one name, however their paths are spelt.
 
-use crate::scenario::Override;
+use super::*;
 
 /// The first spelling of each field.
 #[derive(Default)]

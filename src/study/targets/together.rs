@@ -5,13 +5,11 @@
 //! all targets, the correlations of their studentised residuals are taken, the dependence is that
 //! of a normal copula (Sklar 1959; Li 2000), and every target keeps its own Student's t.
 
-use std::collections::BTreeMap;
-
-use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use super::{Modelled, points::Points};
-use crate::report::{TargetFound, TargetsFound, Together};
+use super::points::Points;
+use super::*;
+use crate::report::Together;
 
 /// Points that are searched.
 const POINTS: usize = 20_000;

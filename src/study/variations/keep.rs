@@ -1,12 +1,7 @@
 //! Rows of both builds in one folder: what the program in single precision
 //! found stands beside what the program in double precision found.
 
-use std::path::Path;
-
-use serde::{Deserialize, Serialize};
-
-use super::super::StudyError;
-use crate::record::{Beside, RunRow, keep_beside};
+use super::*;
 
 /// Folder of the rows in the output folder.
 const FOLDER: &str = "rows";

@@ -10,23 +10,9 @@ mod tests;
 
 pub(super) use keep::keep_and_read;
 
-use std::{ops::Range, path::Path, sync::Arc};
-
-use serde_json::json;
-
-use super::{
-    RunOptions, StudyError,
-    believed::held,
-    plan::{Plan, PlannedRun, stage_label},
-    run::{carry_out_each, folder_of, make_grains, write_grains},
-};
-use crate::grains::GrainSet;
-use crate::grains::load_scenario;
-use crate::protocol::WorldMaker;
-use crate::record::{
-    RunRow, StageStore, VariationRow, hash_json, to_csv, variations_csv, write_csv, write_json,
-};
-use crate::scenario::{Backend, Fault, Override, Scenario, ScenarioErrors};
+use super::plan::stage_label;
+use super::*;
+use crate::record::{variations_csv, write_csv};
 
 /// A variation of a scenario.
 #[derive(Debug, Clone, PartialEq)]
