@@ -67,12 +67,12 @@ pub(super) fn grains_of(spec: &BeginSpec, own: Option<&Path>) -> Result<GrainSet
     let file = run_file(&spec.folder(), GRAINS_FILE);
     let set = read(&file)?;
     match own.filter(|own| *own != file) {
-        Some(own) if read(own)? != set => Err(StudyError::Scenario(format!(
+        Some(own) if read(own)? != set => refused(format!(
             "grains.file: {} holds other grains than the run in {}: a specimen that is begun with \
              has its grains; leave the field out",
             own.display(),
             spec.folder().display()
-        ))),
+        )),
         _ => Ok(set),
     }
 }

@@ -111,7 +111,7 @@ impl<'a> DensityStudy<'a> {
         if loaded.begin.is_some() {
             let why = "index densities need a scenario with grains of its own, not one that begins \
                        with another run's specimen";
-            return Err(StudyError::Scenario(why.to_owned()));
+            return refused(why.to_owned());
         }
         let grains = make_grains(&loaded)?;
         let stiffness = loaded.engine.native.contact_stiffness_n_per_m;

@@ -167,6 +167,11 @@ pub enum StudyError {
     Cancelled,
 }
 
+/// Refuses what cannot be made, in words.
+fn refused<T>(why: String) -> Result<T, StudyError> {
+    Err(StudyError::Scenario(why))
+}
+
 impl StudyError {
     /// An error with what is not lost by it, where it is about a file.
     fn keeping(self, store: &StageStore) -> Self {

@@ -39,11 +39,11 @@ pub(super) fn refuse_repeats(
             None if most > 1 => format!("{option} {most} cannot be taken"),
             None => continue,
         };
-        return Err(StudyError::Scenario(format!(
+        return refused(format!(
             "{asked}: `{}` begins with one specimen, and none of its own stages draws anything at \
              random, so that every realisation is the same run; {instead}",
             scenario.name
-        )));
+        ));
     }
     Ok(())
 }

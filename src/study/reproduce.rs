@@ -326,7 +326,7 @@ pub(super) fn study_view<'a>(
     runs: &'a [RunRecord],
 ) -> Result<StudyView<'a>, StudyError> {
     let GrainsSpec::Sieved(sieved) = &scenarios.pluviation.grains else {
-        return Err(StudyError::Scenario("the paper's grains come from a sieve table".into()));
+        return refused("the paper's grains come from a sieve table".into());
     };
     let distribution = ParticleSizeDistribution::new(sieved).map_err(StudyError::grains)?;
     let known = described(grains);

@@ -79,27 +79,27 @@ impl<'a> CalibrationStudy<'a> {
         let whole = question::takes_whole(&options.unknown, &scenario)?;
         let CalibrationRange { low, high } = options.between;
         if whole && (low.fract() != 0.0 || high.fract() != 0.0) {
-            return Err(StudyError::Scenario(format!(
+            return refused(format!(
                 "--between {low}..{high}: `{}` takes whole numbers only",
                 options.unknown
-            )));
+            ));
         }
         let replicates = options.replicates as usize;
         let most_runs = options.most_runs.unwrap_or(RUNS_A_REPLICATE * replicates);
         if most_runs < LEAST_RUNS_A_REPLICATE * replicates {
-            return Err(StudyError::Scenario(format!(
+            return refused(format!(
                 "--most-runs {most_runs}: at least {} runs are needed, {LEAST_RUNS_A_REPLICATE} a \
                  replicate",
                 LEAST_RUNS_A_REPLICATE * replicates
-            )));
+            ));
         }
         if scenario.rest_test_s <= 0.0 {
-            return Err(StudyError::Scenario(format!(
+            return refused(format!(
                 "{}: rest_test_s is {}: without a rest test no run is valid, and only valid runs count in \
                  a calibration; it must be above 0",
                 options.scenario.display(),
                 scenario.rest_test_s
-            )));
+            ));
         }
         let question = Question {
             wanted: options.target.wanted,

@@ -149,7 +149,7 @@ impl FromStr for CalibrationRange {
 /// Whether the field of the scenario that is sought takes whole numbers only; an error where there
 /// is none, it is no number, or it names samples.
 pub(super) fn takes_whole(field: &str, scenario: &Scenario) -> Result<bool, StudyError> {
-    let fault = |why: &str| Err(StudyError::Scenario(format!("--unknown {field}: {why}")));
+    let fault = |why: &str| refused(format!("--unknown {field}: {why}"));
     if matches!(field, "seed" | "configuration") {
         return fault("it tells samples apart, of which --replicates takes several");
     }
@@ -177,7 +177,7 @@ pub(super) fn known(target: &CalibrationTarget) -> Result<(), StudyError> {
         None => format!("; it has {} and {} more", SHOWN.join(", "), numbers.len() - SHOWN.len()),
     };
     let field = &target.field;
-    Err(StudyError::Scenario(format!("--target {field}: no summary.json has such a number{meant}")))
+    refused(format!("--target {field}: no summary.json has such a number{meant}"))
 }
 
 /// Checks that a scenario measures the target, as far as its stages say so; or what it would need.
@@ -203,12 +203,12 @@ pub(super) fn measured(target: &CalibrationTarget, scenario: &Scenario) -> Resul
     if missing.is_empty() {
         return Ok(());
     }
-    Err(StudyError::Scenario(format!(
+    refused(format!(
         "--target {}: the scenario `{}` does not measure it: that needs {}",
         target.field,
         scenario.name,
         missing.join(" and ")
-    )))
+    ))
 }
 
 /// Numbers that are named where nothing is near.

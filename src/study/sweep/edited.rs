@@ -26,10 +26,10 @@ pub(super) fn refuse(
     }
     let there = SweepPlan::read(out)?;
     if there.command() != now.command() {
-        return Err(StudyError::Scenario(format!(
+        return refused(format!(
             "{} is the plan of another sweep; choose another folder with --out",
             path.display()
-        )));
+        ));
     }
     if same_runs(&there, now) {
         return not_fewer(&path, &there, now);
@@ -47,11 +47,11 @@ pub(super) fn refuse(
         };
         format!("{} has changed since: {told}", options.scenario.display())
     });
-    Err(StudyError::Scenario(format!(
+    refused(format!(
         "{} was made before a change: {why}. Nothing was written. Choose another folder with --out, \
          or undo the change",
         path.display()
-    )))
+    ))
 }
 
 /// Refuses a plan with fewer configurations than the one that is there.
@@ -60,12 +60,12 @@ fn not_fewer(path: &Path, there: &SweepPlan, now: &SweepPlan) -> Result<(), Stud
     if are >= were {
         return Ok(());
     }
-    Err(StudyError::Scenario(format!(
+    refused(format!(
         "{}: `configurations` is {were} there and {are} now, which would take runs out of its tables \
          (allowed: --configurations of at least {were}). Nothing was written. Choose another folder \
          with --out, or `pluvia sweep --collect` for the tables of what is there",
         path.display()
-    )))
+    ))
 }
 
 /// Refuses a plan whose stages are no longer those that were planned, and says why.
@@ -86,11 +86,11 @@ pub(super) fn refuse_planned(
             format!("{} was edited", file.display())
         }
     });
-    Err(StudyError::Scenario(format!(
+    refused(format!(
         "{} is no longer what its stages would be made by: {why}. Undo that, or plan the sweep \
          again with `pluvia sweep --plan-only` into another folder",
         out.join(PLAN_FILE).display()
-    )))
+    ))
 }
 
 /// Whether the runs that both have are the same, and they differ in configurations alone.

@@ -106,7 +106,7 @@ impl SweepStudy {
         if options.configurations > 1 && options.names().contains(&"configuration") {
             let why = "`configuration` cannot be varied while --configurations takes several at \
                        each point: some runs would belong to two points";
-            return Err(StudyError::Scenario(why.to_owned()));
+            return refused(why.to_owned());
         }
         let scenario = load_scenario(&options.scenario, &options.changes)?.scenario;
         let gathered = gathered(&options.scenario)?;

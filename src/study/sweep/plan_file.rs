@@ -152,11 +152,11 @@ impl SweepPlan {
         let format = json.get("format").and_then(Value::as_str).unwrap_or_default();
         let version = json.get("version").and_then(Value::as_u64).unwrap_or_default();
         if format != FORMAT || version != u64::from(VERSION) {
-            return Err(StudyError::Scenario(format!(
+            return refused(format!(
                 "{} is of format `{format}`, version {version}; this program reads `{FORMAT}`, \
                  version {VERSION}",
                 path.display(),
-            )));
+            ));
         }
         let plan = serde_json::from_value(json).map_err(|e| FileError::malformed(&path, e))?;
         Ok(plan)
@@ -172,26 +172,22 @@ impl SweepPlan {
             each.collect::<Result<_, _>>().map_err(StudyError::Scenario)
         }
         // As the command allows: without a limit a plan asks for work without end.
-        if !(1..=1000).contains(&self.configurations) {
-            return Err(StudyError::Scenario(format!(
-                "the plan's configurations are {}; allowed are 1 to 1000",
-                self.configurations
-            )));
+        let count = self.configurations;
+        if !(1..=1000).contains(&count) {
+            return refused(format!("the plan's configurations are {count}; allowed are 1 to 1000"));
         }
         if let Some(count) = self.samples.filter(|count| !(2..=10_000).contains(count)) {
-            return Err(StudyError::Scenario(format!(
-                "the plan's samples are {count}; allowed are 2 to 10000"
-            )));
+            return refused(format!("the plan's samples are {count}; allowed are 2 to 10000"));
         }
         let design = match (self.design.as_str(), self.samples) {
             ("grid", None) => Design::Grid,
             ("one_at_a_time", None) => Design::OneAtATime,
             ("latin_hypercube", Some(count)) => Design::LatinHypercube(count),
             (other, _) => {
-                return Err(StudyError::Scenario(format!(
+                return refused(format!(
                     "the plan's design is `{other}`; allowed are grid, one_at_a_time, and \
                      latin_hypercube with samples"
-                )));
+                ));
             }
         };
         Ok(SweepOptions {

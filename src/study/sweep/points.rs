@@ -58,10 +58,8 @@ pub(super) fn points(
         }
     };
     if points.len() > MOST_POINTS {
-        return Err(StudyError::Scenario(format!(
-            "the sweep has {} points, at most {MOST_POINTS} are allowed",
-            points.len()
-        )));
+        let count = points.len();
+        return refused(format!("the sweep has {count} points, at most {MOST_POINTS} are allowed"));
     }
     let named = points.into_iter().enumerate();
     Ok(named.map(|(n, point)| Point { name: format!("point-{:04}", n + 1), ..point }).collect())
@@ -70,9 +68,7 @@ pub(super) fn points(
 fn grid(factors: &[Factor]) -> Result<Vec<Point>, StudyError> {
     let count = factors.iter().try_fold(1_usize, |n, f| n.checked_mul(f.values.len()));
     if count.is_none_or(|n| n > MOST_POINTS) {
-        return Err(StudyError::Scenario(format!(
-            "the values of --over make more than {MOST_POINTS} points"
-        )));
+        return refused(format!("the values of --over make more than {MOST_POINTS} points"));
     }
     let mut points =
         vec![Point { name: String::new(), values: vec![], changes: vec![], varies: None }];

@@ -103,10 +103,8 @@ impl SweepTasks {
         });
         match (found.next(), found.next()) {
             (Some(only), None) => Ok(only),
-            (None, _) => Err(StudyError::Scenario(format!("the plan has no stage `{key}`"))),
-            (Some(_), Some(_)) => {
-                Err(StudyError::Scenario(format!("several stages of the plan begin with `{key}`")))
-            }
+            (None, _) => refused(format!("the plan has no stage `{key}`")),
+            (Some(_), Some(_)) => refused(format!("several stages of the plan begin with `{key}`")),
         }
     }
 
@@ -134,10 +132,7 @@ impl SweepTasks {
         let is_held = held(&chain, &self.store);
         let before = chain.nodes.len() - 1;
         if let Some(needed) = (0..before).find(|n| !is_held[*n]).map(|n| &chain.nodes[n]) {
-            return Err(StudyError::Scenario(format!(
-                "{label} needs {}, which is not stored",
-                needed.label
-            )));
+            return refused(format!("{label} needs {}, which is not stored", needed.label));
         }
         let shop = Shop::new(&self.store, &crate::world::create, &self.study.options.run);
         Shop { cores: 1, ..shop }.execute(&chain)?;

@@ -19,7 +19,7 @@ pub(super) fn refuse(options: &SweepOptions) -> Result<(), StudyError> {
             if named.contains(&name) { None } else { format!("{name}=0").parse().ok() };
         for (other, others_place) in &known {
             if *other == name {
-                return fault(format!("`{name}` is varied twice"));
+                return refused(format!("`{name}` is varied twice"));
             }
             if let (Some(place), Some(others_place)) = (&place, others_place) {
                 apart((name, place), (*other, others_place))?;
@@ -32,7 +32,7 @@ pub(super) fn refuse(options: &SweepOptions) -> Result<(), StudyError> {
             .iter()
             .find(|(_, place)| place.as_ref().is_some_and(|place| change.is_part_of(place)));
         if let Some((name, _)) = around {
-            return fault(format!(
+            return refused(format!(
                 "--set {}: it would be lost, for `{name}` is varied and replaced as a whole; put it \
                  into the values of `{name}`",
                 change.text()
@@ -48,7 +48,7 @@ fn apart(
     (other, others_place): (&str, &Override),
 ) -> Result<(), StudyError> {
     if place.is_where(others_place) {
-        return fault(format!(
+        return refused(format!(
             "`{name}` is varied twice: `{other}` is the same field; give it all its values at once"
         ));
     }
@@ -56,14 +56,10 @@ fn apart(
         return Ok(());
     }
     let (part, whole) = if place.is_part_of(others_place) { (name, other) } else { (other, name) };
-    fault(format!(
+    refused(format!(
         "`{part}` is part of `{whole}`, and both are varied: the table would show values that no \
          run had; vary single fields, or `{whole}` alone"
     ))
-}
-
-fn fault<T>(text: String) -> Result<T, StudyError> {
-    Err(StudyError::Scenario(text))
 }
 
 #[cfg(test)]

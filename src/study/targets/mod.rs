@@ -124,33 +124,27 @@ pub fn meet_targets(
     };
     for (n, of) in runs.iter().enumerate() {
         if runs[..n].iter().any(|earlier| same(earlier, of)) {
-            let path = of.path.display();
-            return Err(StudyError::Scenario(format!(
-                "--runs {}={path}: it is given twice",
-                of.name
-            )));
+            return refused(format!("--runs {}={}: it is given twice", of.name, of.path.display()));
         }
         let read = read(&of.path, &chance, &mut spellings)?;
         match tables.get_mut(&of.name) {
             None => drop(tables.insert(of.name.clone(), read)),
             Some(known) if known.factors == read.factors => known.rows.extend(read.rows),
             Some(known) => {
-                return Err(StudyError::Scenario(format!(
+                return refused(format!(
                     "{}: its factors are {}, those of other runs named `{}` {}",
                     of.path.display(),
                     read.factors.join(", "),
                     of.name,
                     known.factors.join(", ")
-                )));
+                ));
             }
         }
     }
     let is_column = |name: &&String| tables.values().any(|table| table.columns.contains(name));
     if let Some(name) = chance.iter().find(|name| !is_column(name)) {
         let there = listed(tables.values().flat_map(|table| &table.columns));
-        return Err(StudyError::Scenario(format!(
-            "--chance {name}: no sweep has this factor (there are {there})"
-        )));
+        return refused(format!("--chance {name}: no sweep has this factor (there are {there})"));
     }
     let mut models = Vec::new();
     let mut found: Vec<TargetFound> = Vec::new();
@@ -251,9 +245,9 @@ fn model(target: &Target, table: &Runs) -> Result<(LinearModel, TargetFound), St
                 true => "no run has a result".to_owned(),
                 false => format!("there are {there}"),
             };
-            return Err(StudyError::Scenario(format!(
+            return refused(format!(
                 "--target {title}: no run that counts has `{result}` ({there})"
-            )));
+            ));
         }
     }
     let fitted = LinearModel::fit(&rows).ok_or_else(|| {
