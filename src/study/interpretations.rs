@@ -4,10 +4,12 @@
 use super::presets::FILES;
 use super::*;
 
-/// An interpretation of the paper, by name.
-#[derive(Debug, Clone, PartialEq)]
+/// An interpretation of the paper: its name, and its file under `scenarios/interpretations/`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Interpretation {
     /// Name, as `--interpretation` takes it.
+    #[serde(skip)]
     pub name: &'static str,
     /// What it is, in a few words.
     pub title: String,
@@ -15,18 +17,6 @@ pub struct Interpretation {
     pub meaning: String,
     /// Where it comes from.
     pub source: String,
-    /// What is laid over every scenario and over every stage that vibrates, by this interpretation and,
-    /// before it, by the one that it is like.
-    layers: Vec<(Map<String, Value>, Map<String, Value>)>,
-}
-
-/// A file under `scenarios/interpretations/`.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    title: String,
-    meaning: String,
-    source: String,
     /// Another interpretation, over which what this one changes is laid.
     #[serde(default)]
     like: Option<String>,
@@ -47,16 +37,9 @@ fn files() -> impl Iterator<Item = (&'static str, &'static str)> {
 
 impl Interpretation {
     fn parse(name: &'static str, text: &str) -> Result<Self, StudyError> {
-        let file: File = serde_json::from_str(text)
+        let file = serde_json::from_str(text)
             .map_err(|e| StudyError::Scenario(format!("the interpretation `{name}`: {e}")))?;
-        let File { title, meaning, source, like, changes, vibration } = file;
-        let mut layers = match like {
-            // Files are built in: one that is like itself would be seen by the tests.
-            Some(like) => Self::named(&like)?.layers,
-            None => Vec::new(),
-        };
-        layers.push((changes, vibration));
-        Ok(Self { name, title, meaning, source, layers })
+        Ok(Self { name, ..file })
     }
 
     /// Every interpretation, in the order in which they are shown.
@@ -90,21 +73,21 @@ impl Interpretation {
 
     /// The interpretation's changes of a built-in scenario.
     pub(super) fn changes_of(&self, scenario: &str) -> Result<Vec<Override>, StudyError> {
-        let mut changes = Vec::new();
-        for (of_all, of_vibration) in &self.layers {
-            leaves(&mut Vec::new(), of_all, &mut changes);
-            if of_vibration.is_empty() {
-                continue;
-            }
-            for (index, stage) in preset(scenario, &[])?.stages.iter().enumerate() {
-                if matches!(stage, StageSpec::Vibrate { .. }) {
-                    let index = index.to_string();
-                    let fields = of_vibration.iter();
-                    let change = |(f, v): (&String, &Value)| {
-                        Override::new(&["stages", &index, f], v.clone())
-                    };
-                    changes.extend(fields.map(change));
-                }
+        let mut changes = match &self.like {
+            // Files are built in: one that is like itself would be seen by the tests.
+            Some(like) => Self::named(like)?.changes_of(scenario)?,
+            None => Vec::new(),
+        };
+        leaves(&mut Vec::new(), &self.changes, &mut changes);
+        if self.vibration.is_empty() {
+            return Ok(changes);
+        }
+        for (index, stage) in preset(scenario, &[])?.stages.iter().enumerate() {
+            if matches!(stage, StageSpec::Vibrate { .. }) {
+                let index = index.to_string();
+                let change =
+                    |(f, v): (&String, &Value)| Override::new(&["stages", &index, f], v.clone());
+                changes.extend(self.vibration.iter().map(change));
             }
         }
         Ok(changes)
