@@ -37,7 +37,7 @@ fn files() -> impl Iterator<Item = (&'static str, &'static str)> {
 
 impl Interpretation {
     fn parse(name: &'static str, text: &str) -> Result<Self, StudyError> {
-        let file = serde_json::from_str(text)
+        let file: Self = serde_json::from_str(text)
             .map_err(|e| StudyError::Scenario(format!("the interpretation `{name}`: {e}")))?;
         Ok(Self { name, ..file })
     }

@@ -23,40 +23,33 @@ pub(super) fn judge(
     let of_variation = |name: &str, precision: &str| -> Vec<&RunRow> {
         runs.iter().filter(|r| r.variation == name && r.precision == precision).collect()
     };
-    // What stands for a finest rung, and in which precision.
-    let finest = |ladder: &Ladder, own: &str| -> Option<(String, String)> {
-        let name = &ladder.rungs.last()?.0;
-        let there = |p: &str| runs.iter().any(|r| r.variation == *name && r.precision == p);
-        let precision = if there(FINEST_PRECISION) { FINEST_PRECISION } else { own };
-        Some((name.clone(), precision.to_owned()))
-    };
     let of_study = ladders.iter().find(|l| l.title == reference);
     let mut rows = Vec::new();
     for precision in precisions {
-        let study = of_study.and_then(|l| finest(l, precision));
+        let study = of_study.and_then(|l| finest(runs, l, precision));
         for ladder in ladders {
-            let own = finest(ladder, precision);
+            let own = finest(runs, ladder, precision);
             for (name, title) in &ladder.rungs {
                 let result =
                     variations.iter().find(|v| v.variation == *name && v.precision == precision);
                 let Some(result) = result else { continue };
                 let here = of_variation(name, precision);
-                let from = |reference: &Option<(String, String)>| {
-                    let there = reference.as_ref().map(|(n, p)| of_variation(n, p));
+                let from = |reference: Option<(&str, &str)>| {
+                    let there = reference.map(|(name, precision)| of_variation(name, precision));
                     deviations(&here, &there.unwrap_or_default(), limits)
                 };
-                let is = |reference: &Option<(String, String)>| {
-                    reference.as_ref().is_some_and(|(n, p)| n == name && p == precision)
+                let is = |reference: Option<(&str, &str)>| {
+                    reference.is_some_and(|(n, p)| n == name && p == precision)
                 };
                 rows.push(judged(
                     ConvergenceRow {
                         ladder: ladder.title.clone(),
                         rung: title.clone(),
-                        finest_of_ladder: is(&own),
-                        finest_of_study: is(&study),
+                        finest_of_ladder: is(own),
+                        finest_of_study: is(study),
                         result: result.clone(),
-                        from_ladder: from(&own),
-                        from_study: from(&study),
+                        from_ladder: from(own),
+                        from_study: from(study),
                         error_over_limit: None,
                         meets: None,
                         open: None,
@@ -69,25 +62,38 @@ pub(super) fn judge(
     in_every_ladder(rows)
 }
 
+/// The variation that stands for a ladder's finest rung, and the precision in which it does.
+fn finest<'a>(runs: &[RunRow], ladder: &'a Ladder, own: &'a str) -> Option<(&'a str, &'a str)> {
+    let name = ladder.rungs.last()?.0.as_str();
+    let there = |p: &str| runs.iter().any(|r| r.variation == name && r.precision == p);
+    Some((name, if there(FINEST_PRECISION) { FINEST_PRECISION } else { own }))
+}
+
 /// A setting that stands in several ladders passes if it does so in all of them.
 fn in_every_ladder(rows: Vec<ConvergenceRow>) -> Vec<ConvergenceRow> {
     let together = |row: &ConvergenceRow| {
         let same = || rows.iter().filter(|other| other.same_setting(row));
         let errors: Option<Vec<f64>> = same().map(|r| r.error_over_limit).collect();
-        let meets: Option<Vec<bool>> = same().map(|r| r.meets).collect();
-        let open: Option<Vec<bool>> = same().map(|r| r.open).collect();
         ConvergenceRow {
             error_over_limit: errors.map(|e| e.into_iter().fold(0.0, f64::max)),
-            meets: if same().any(|r| r.meets == Some(false)) {
-                Some(false)
-            } else {
-                meets.map(|m| m.into_iter().all(|m| m))
-            },
-            open: open.map(|o| o.into_iter().any(|o| o)),
+            meets: all(same().map(|r| r.meets)),
+            open: any(same().map(|r| r.open)),
             ..row.clone()
         }
     };
     rows.iter().map(together).collect()
+}
+
+/// Whether all are so: not where one is known not to be, and not known where some are not.
+fn all(of: impl Iterator<Item = Option<bool>>) -> Option<bool> {
+    let of: Vec<Option<bool>> = of.collect();
+    if of.contains(&Some(false)) { Some(false) } else { (!of.contains(&None)).then_some(true) }
+}
+
+/// Whether one of them is so; none where some are not known.
+fn any(of: impl Iterator<Item = Option<bool>>) -> Option<bool> {
+    let of: Option<Vec<bool>> = of.collect();
+    of.map(|of| of.contains(&true))
 }
 
 fn deviations(here: &[&RunRow], there: &[&RunRow], limits: ConvergenceLimits) -> Deviations {
@@ -123,11 +129,7 @@ fn judged(row: ConvergenceRow, standard: &Standard) -> ConvergenceRow {
         if shaken { vec![d.height, d.plate, d.surface] } else { vec![d.height] }
     };
     let deviations = [asked(&row.from_ladder), asked(&row.from_study)].concat();
-    let quality = [
-        (v.overlap_mean_percent, standard.overlap_mean_percent),
-        (v.overlap_p99_percent, standard.overlap_p99_percent),
-        (v.creep_um_per_s, standard.creep_um_per_s),
-    ];
+    let quality = quality(v, standard);
     let shares: Vec<Option<f64>> = quality
         .iter()
         .map(|(value, limit)| value.map(|e| e.mean / limit))
@@ -138,18 +140,26 @@ fn judged(row: ConvergenceRow, standard: &Standard) -> ConvergenceRow {
     let known = shares.iter().all(Option::is_some) || largest > 1.0;
     let error_over_limit = known.then_some(largest);
     let good = quality.iter().map(|(value, limit)| value.map(|e| e.mean < *limit));
-    let passed: Vec<Option<bool>> = good.chain(deviations.iter().map(|d| d.within)).collect();
+    let passed = all(good.chain(deviations.iter().map(|d| d.within)));
     // A setting does not pass by what is left out of its means: overlap and creep are of all
     // its runs, and one in which a run-time check found something counts as one that failed.
-    let spoilt = v.failed > 0 || v.meeting_standard > v.valid;
-    let meets = if spoilt || passed.contains(&Some(false)) {
-        Some(false)
-    } else {
-        passed.into_iter().collect::<Option<Vec<bool>>>().map(|_| true)
-    };
-    let open: Option<Vec<bool>> = deviations.iter().map(|d| d.open).collect();
-    let open = open.map(|o| o.into_iter().any(|o| o));
+    let meets = if is_spoilt(v) { Some(false) } else { passed };
+    let open = any(deviations.iter().map(|d| d.open));
     ConvergenceRow { error_over_limit, meets, open, ..row }
+}
+
+/// Means that the accuracy standard limits, each with its limit.
+fn quality(of: &VariationRow, standard: &Standard) -> [(Option<Estimate>, f64); 3] {
+    [
+        (of.overlap_mean_percent, standard.overlap_mean_percent),
+        (of.overlap_p99_percent, standard.overlap_p99_percent),
+        (of.creep_um_per_s, standard.creep_um_per_s),
+    ]
+}
+
+/// Whether a run failed, or a run-time check found something in one.
+fn is_spoilt(of: &VariationRow) -> bool {
+    of.failed > 0 || of.meeting_standard > of.valid
 }
 
 /// The cheapest settings, by wall time over simulated time.
@@ -162,22 +172,15 @@ pub(super) fn cheapest(rows: &[ConvergenceRow], standard: &Standard) -> Cheapest
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map(|(i, _)| i)
     };
-    let below = |value: Option<Estimate>, limit: f64| value.is_some_and(|e| e.mean < limit);
     Cheapest {
         meeting: pick(&|r| r.meets == Some(true)),
         surely_meeting: pick(&|r| r.meets == Some(true) && r.open == Some(false)),
         not_shown_to_miss: pick(&|r| {
-            let v = &r.result;
-            v.failed == 0
-                && v.meeting_standard <= v.valid
-                && below(v.overlap_mean_percent, standard.overlap_mean_percent)
-                && below(v.overlap_p99_percent, standard.overlap_p99_percent)
-                && below(v.creep_um_per_s, standard.creep_um_per_s)
-                && r.from_ladder
-                    .all()
-                    .into_iter()
-                    .chain(r.from_study.all())
-                    .all(|d| d.may_pass() != Some(false))
+            let good = quality(&r.result, standard);
+            let mut deviations = r.from_ladder.all().into_iter().chain(r.from_study.all());
+            !is_spoilt(&r.result)
+                && good.iter().all(|(value, limit)| value.is_some_and(|e| e.mean < *limit))
+                && deviations.all(|d| d.may_pass() != Some(false))
         }),
     }
 }
