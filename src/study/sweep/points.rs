@@ -7,7 +7,7 @@ use crate::grains::streams::{shuffle, stream, uniform};
 const MOST_POINTS: usize = 10_000;
 
 /// One point of a sweep.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Point {
     /// `point-0001` and so on; the folders of its runs begin so.
     pub name: String,
@@ -18,6 +18,16 @@ pub struct Point {
     /// The factor that differs from the scenario, where they are varied one at
     /// a time; none of the scenario itself, and in other sweeps.
     pub varies: Option<usize>,
+}
+
+impl Point {
+    /// The same with one more value, and what that changes.
+    fn with(&self, value: &Value, change: &Override) -> Self {
+        let mut point = self.clone();
+        point.values.push(value.clone());
+        point.changes.push(change.clone());
+        point
+    }
 }
 
 /// How points are made of values.
@@ -47,12 +57,11 @@ pub(super) fn points(
             let mut all = Vec::new();
             let samples = latin_hypercube(count, ranges, base)?;
             for at in grid(factors)? {
-                for (values, changes) in &samples {
-                    let mut point = at.clone();
-                    point.values.extend(values.iter().cloned());
-                    point.changes.extend(changes.iter().cloned());
-                    all.push(point);
-                }
+                all.extend(samples.iter().map(|sample| Point {
+                    values: [at.values.as_slice(), &sample.values].concat(),
+                    changes: [at.changes.as_slice(), &sample.changes].concat(),
+                    ..Point::default()
+                }));
             }
             all
         }
@@ -70,18 +79,13 @@ fn grid(factors: &[Factor]) -> Result<Vec<Point>, StudyError> {
     if count.is_none_or(|n| n > MOST_POINTS) {
         return refused(format!("the values of --over make more than {MOST_POINTS} points"));
     }
-    let mut points =
-        vec![Point { name: String::new(), values: vec![], changes: vec![], varies: None }];
+    let mut points = vec![Point::default()];
     for factor in factors {
-        let extended = points.iter().flat_map(|point| {
-            factor.values.iter().map(|(value, change)| {
-                let mut point = point.clone();
-                point.values.push(value.clone());
-                point.changes.push(change.clone());
-                point
-            })
-        });
-        points = extended.collect();
+        let mut extended = Vec::new();
+        for point in points {
+            extended.extend(factor.values.iter().map(|(value, change)| point.with(value, change)));
+        }
+        points = extended;
     }
     Ok(points)
 }
@@ -94,16 +98,15 @@ fn one_at_a_time(
     let own = factors.iter().map(|f| value_in(base, &f.path));
     let own = own.chain(parameters.iter().map(|p| Ok(json_number(p.default))));
     let own: Vec<Value> = own.collect::<Result<_, _>>()?;
-    let scenario =
-        Point { name: String::new(), values: own.clone(), changes: vec![], varies: None };
-    let mut points = vec![scenario.clone()];
+    let mut points = vec![Point { values: own.clone(), ..Point::default() }];
+    let mut add = |n: usize, value: Value, changes: Vec<Override>| {
+        let mut values = own.clone();
+        values[n] = value;
+        points.push(Point { values, changes, varies: Some(n), ..Point::default() });
+    };
     for (n, factor) in factors.iter().enumerate() {
         for (value, change) in factor.values.iter().filter(|(value, _)| !same(value, &own[n])) {
-            let mut point = scenario.clone();
-            point.values[n] = value.clone();
-            point.changes.push(change.clone());
-            point.varies = Some(n);
-            points.push(point);
+            add(n, value.clone(), vec![change.clone()]);
         }
     }
     for (n, parameter) in (factors.len()..).zip(parameters) {
@@ -111,14 +114,9 @@ fn one_at_a_time(
             [(parameter.low, &parameter.low_changes), (parameter.high, &parameter.high_changes)];
         // An end without changes is the scenario's own value.
         for (value, changes) in ends.into_iter().filter(|(_, changes)| !changes.is_empty()) {
-            let mut point = scenario.clone();
-            point.values[n] = json_number(value);
-            let changes = changes.iter().map(|text| text.parse());
-            point.changes = changes
-                .collect::<Result<_, _>>()
-                .map_err(|e| StudyError::Scenario(format!("`{}`: {e}", parameter.name)))?;
-            point.varies = Some(n);
-            points.push(point);
+            let made: Result<Vec<Override>, _> = changes.iter().map(|text| text.parse()).collect();
+            let made = made.map_err(|e| StudyError::Scenario(format!("`{}`: {e}", parameter.name)));
+            add(n, json_number(value), made?);
         }
     }
     Ok(points)
@@ -152,9 +150,6 @@ fn value_in(scenario: &Scenario, path: &str) -> Result<Value, StudyError> {
     })
 }
 
-/// Values of all ranges at one sample, and what they change.
-type Sample = (Vec<Value>, Vec<Override>);
-
 /// A latin hypercube sample (McKay, Beckman & Conover 1979): each range is cut into as many equal
 /// parts as there are samples, and each part is drawn from once. The draws come from a stream named
 /// after the path, so that another range does not shift them.
@@ -162,23 +157,22 @@ fn latin_hypercube(
     count: usize,
     ranges: &[SampledRange],
     base: &Scenario,
-) -> Result<Vec<Sample>, StudyError> {
-    let mut samples: Vec<Sample> = vec![(Vec::new(), Vec::new()); count];
+) -> Result<Vec<Point>, StudyError> {
+    let mut samples = vec![Point::default(); count];
     for range in ranges {
         let own = value_in(base, &range.path)?;
         let whole = own.is_i64() || own.is_u64();
         let mut rng = stream(base.seed, &format!("sweep {}", range.path));
         let mut parts: Vec<usize> = (0..count).collect();
         shuffle(&mut rng, &mut parts);
-        for ((values, changes), part) in samples.iter_mut().zip(parts) {
+        for (sample, part) in samples.iter_mut().zip(parts) {
             let share = (part as f64 + uniform(&mut rng)) / count as f64;
             let value = range.low + share * (range.high - range.low);
             // Six digits are enough to tell points apart and can be typed again.
             let text = if whole { format!("{value:.0}") } else { format!("{value:.6}") };
             let (value, change) =
                 Factor::value(&range.path, &text).map_err(StudyError::Scenario)?;
-            values.push(value);
-            changes.push(change);
+            *sample = sample.with(&value, &change);
         }
     }
     Ok(samples)
