@@ -6,7 +6,8 @@ use super::*;
 use crate::record::run_file;
 use crate::scenario::BeginSpec;
 
-const GRAINS_FILE: &str = "grains.json";
+/// The file that holds a run's grains.
+pub(super) const GRAINS_FILE: &str = "grains.json";
 
 /// A specimen that a run begins with.
 #[derive(Debug, PartialEq)]
@@ -60,14 +61,10 @@ impl Begun {
 /// The grains of the run that a scenario begins with. `own` is the file of grains that the scenario
 /// names, if any: refused where it holds others.
 pub(super) fn grains_of(spec: &BeginSpec, own: Option<&Path>) -> Result<GrainSet, StudyError> {
-    let read = |file: &Path| -> Result<GrainSet, StudyError> {
-        let json = read_json(file)?;
-        Ok(grains::from_json(&json).map_err(|e| FileError::unfit(file, e))?)
-    };
     let file = run_file(&spec.folder(), GRAINS_FILE);
-    let set = read(&file)?;
+    let set = read_grains(&file)?;
     match own.filter(|own| *own != file) {
-        Some(own) if read(own)? != set => refused(format!(
+        Some(own) if read_grains(own)? != set => refused(format!(
             "grains.file: {} holds other grains than the run in {}: a specimen that is begun with \
              has its grains; leave the field out",
             own.display(),
@@ -77,13 +74,7 @@ pub(super) fn grains_of(spec: &BeginSpec, own: Option<&Path>) -> Result<GrainSet
     }
 }
 
-/// What a run began with, for its manifest; null where it began with loose grains.
-pub(super) fn in_manifest(spec: Option<&BeginSpec>) -> Value {
-    let Some(spec) = spec else { return Value::Null };
-    json!({
-        "run": spec.folder(),
-        "after": spec.after,
-        "key": spec.key,
-        "specimen_sha256": spec.specimen_sha256,
-    })
+/// The grains in a file.
+pub(super) fn read_grains(file: &Path) -> Result<GrainSet, FileError> {
+    grains::from_json(&read_json(file)?).map_err(|e| FileError::unfit(file, e))
 }

@@ -40,10 +40,9 @@ pub fn compare(
     let plan = Plan::new(&runs)?;
     write_grains(&options.out, scenario, &grains)?;
     tell_warnings(runs.iter().map(|run| &run.scenario), options.progress.as_ref());
-    let (records, _) = carry_out(&plan, &runs, options, |run| folder_of(&options.out, run))?;
+    let (records, _) = carry_out(&plan, &runs, options, |run| folder_of(&options.out, &run.name))?;
     for record in &records {
-        let folder = options.out.join("runs").join(&record.name).join("figures");
-        report::run_figures(&folder, record)?;
+        report::run_figures(&folder_of(&options.out, &record.name).join("figures"), record)?;
     }
     let compared = runs.iter().zip(records).map(|(run, record)| CompareRun {
         name: record.name,

@@ -9,8 +9,10 @@
 mod faults;
 mod mould;
 
+use super::begin::{GRAINS_FILE, read_grains};
 use super::*;
 use crate::measure::statistics;
+use crate::record::{read_file, run_file, series_from_csv};
 use mould::Mould;
 
 /// How index densities are found.
@@ -189,12 +191,10 @@ impl Mould {
         if let Some(why) = row.failure.clone().or_else(|| row.why_left_out()) {
             return Ok(Err(why));
         }
-        let folder = out.join("runs").join(&row.run);
+        let folder = folder_of(out, &row.run);
         let file = folder.join("specimen.json");
         let state: SpecimenState = read_json(&file)?;
-        let grains = crate::record::run_file(&folder, "grains.json");
-        let json = read_json(&grains)?;
-        let set = crate::grains::from_json(&json).map_err(|e| FileError::unfit(&grains, e))?;
+        let set = read_grains(&run_file(&folder, GRAINS_FILE))?;
         state.check(set.grains.len()).map_err(|e| FileError::unfit(&file, e))?;
         let specimen = Specimen { grains: set.into(), state };
         // Of the polygon's area; as high as it needs to be.
@@ -220,10 +220,9 @@ impl Mould {
         let mut found = Vec::new();
         for row in rows.iter().filter(|r| r.variation == "densest" && r.failure.is_none()) {
             let Ok(e) = self.void_ratio(row, &options.run.out)? else { continue };
-            let file = options.run.out.join("runs").join(&row.run).join("series.csv");
-            let text = crate::record::read_file(&file)?;
-            let series = crate::record::series_from_csv(&text)
-                .map_err(|why| FileError::unfit(&file, why))?;
+            let file = folder_of(&options.run.out, &row.run).join("series.csv");
+            let series = series_from_csv(&read_file(&file)?);
+            let series = series.map_err(|why| FileError::unfit(&file, why))?;
             let last_stage = series.last().map(|r| r.stage);
             let shaken: Vec<_> = series.iter().filter(|r| Some(r.stage) == last_stage).collect();
             let Some((first, last)) = shaken.first().zip(shaken.last()) else { continue };

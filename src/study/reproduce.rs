@@ -54,7 +54,7 @@ pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyEr
     write_grains(&options.run.out, &scenarios.pluviation, &grains)?;
     tell_warnings(runs.iter().map(|run| &run.scenario), options.run.progress.as_ref());
     let (records, effective) =
-        carry_out(&plan, &runs, &options.run, |run| folder_of(&options.run.out, run))?;
+        carry_out(&plan, &runs, &options.run, |run| folder_of(&options.run.out, &run.name))?;
     finish(options, &scenarios, &grains, records, &effective)
 }
 
@@ -275,7 +275,7 @@ fn pile_pictures(
 ) -> Result<Vec<Figure>, StudyError> {
     let pile = |r: &RunRecord| Some((r.name.clone(), r.summary.angle_of_repose.clone()?));
     let Some((name, angle)) = records.iter().find_map(pile) else { return Ok(Vec::new()) };
-    let state = read_json(&out.join("runs").join(name).join("specimen.json"))?;
+    let state = read_json(&folder_of(out, &name).join("specimen.json"))?;
     let specimen = Specimen { grains: grains.clone(), state };
     Ok(vec![report::pile_picture(&specimen, &angle)?])
 }
@@ -285,7 +285,7 @@ fn pile_pictures(
 fn pictures(options: &ReproduceOptions, scenarios: &Scenarios) -> (Vec<Picture>, Vec<String>) {
     let run = format!("vibration-continuous-c1{}", scenarios.suffix);
     options.run.progress.message("making the pictures");
-    match picture::of_programme(&options.run.out.join("runs").join(&run)) {
+    match picture::of_programme(&folder_of(&options.run.out, &run)) {
         Ok(pictures) => (pictures, Vec::new()),
         Err(error) => (Vec::new(), vec![format!("There are no pictures of {run}: {error}")]),
     }

@@ -2,15 +2,13 @@
 
 use super::*;
 use super::{
+    begin::{GRAINS_FILE, grains_of, read_grains},
     execute::Executed,
     summarise::{Summarised, summarise},
 };
 use crate::record::{
     distributions, grains_csv, hash_bytes, json_text, series_csv, with_energy, with_laboratory,
 };
-
-/// The file that holds a run's grains.
-const GRAINS_FILE: &str = "grains.json";
 
 /// A scenario whose grains are made and whose laboratory is built: what can refuse it has been
 /// tried, and nothing is written yet.
@@ -115,7 +113,7 @@ pub(super) fn carry_out_each(
             let why = nodes.iter().find_map(|n| reasons.get(n).cloned());
             return Ok(Err(why.unwrap_or_else(|| "a stage was not run".to_owned())));
         };
-        let folder = folder_of(&options.out, run);
+        let folder = folder_of(&options.out, &run.name);
         match write_run(&folder, run, &alone, &alone.runs[0], &finished) {
             Ok(record) => Ok(Ok(record)),
             Err(error) if is_of_the_run(&error) => Ok(Err(error.to_string())),
@@ -136,9 +134,9 @@ fn is_of_the_run(error: &StudyError) -> bool {
     )
 }
 
-/// Folder of a run in the output folder.
-pub(super) fn folder_of(out: &Path, run: &PlannedRun) -> PathBuf {
-    out.join("runs").join(&run.name)
+/// Folder of a run in the output folder, by its name.
+pub(super) fn folder_of(out: &Path, run: &str) -> PathBuf {
+    out.join("runs").join(run)
 }
 
 /// The grains of a scenario: cut from its sieve data, read from its file, with the shapes of its
@@ -152,20 +150,18 @@ pub fn make_grains(scenario: &Scenario) -> Result<GrainSet, StudyError> {
             GrainsSpec::File(file) => Some(Path::new(&file.file)),
             GrainsSpec::Sieved(_) | GrainsSpec::Meshes(_) => None,
         };
-        return begin::grains_of(begin, own);
+        return grains_of(begin, own);
     }
     match &scenario.grains {
         GrainsSpec::Sieved(sieved) => {
             grains::generate(sieved, scenario.seed).map_err(StudyError::grains)
         }
         GrainsSpec::File(file) => {
-            let path = Path::new(&file.file);
             let named = |e: FileError| FileError {
                 reason: format!("{} (grains.file of `{}` names it)", e.reason, scenario.name),
                 ..e
             };
-            let json = read_json(path).map_err(named)?;
-            Ok(grains::from_json(&json).map_err(|e| named(FileError::unfit(path, e)))?)
+            Ok(read_grains(Path::new(&file.file)).map_err(named)?)
         }
         GrainsSpec::Meshes(meshes) => Ok(grains::from_meshes(meshes, scenario.seed)?),
     }
@@ -329,7 +325,13 @@ fn manifest(
         "backend": crate::world::info(run.scenario.engine.backend),
         "target": format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
         "scenario": run.scenario,
-        "began_with": begin::in_manifest(run.scenario.begin.as_ref()),
+        // Null where it began with loose grains.
+        "began_with": run.scenario.begin.as_ref().map(|begin| json!({
+            "run": begin.folder(),
+            "after": begin.after,
+            "key": begin.key,
+            "specimen_sha256": begin.specimen_sha256,
+        })),
         "scale": scale::read_back(&run.grains.scale(run.scenario.gravity_m_per_s2)),
         "engine_settings_read_back": effective,
         "vibrations": vibrations.collect::<Vec<_>>(),

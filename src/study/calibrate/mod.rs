@@ -207,7 +207,7 @@ impl<'a> CalibrationStudy<'a> {
         if let Some(why) = &row.failure {
             return Ok(CalibrationRun { failure: Some(why.clone()), ..run });
         }
-        let path = self.options.run.out.join("runs").join(&row.run).join("summary.json");
+        let path = folder_of(&self.options.run.out, &row.run).join("summary.json");
         let summary: Value = read_json(&path)?;
         let run = CalibrationRun {
             left_in_funnel: summary.pointer("/grains/left_in_funnel").and_then(Value::as_u64),

@@ -237,7 +237,7 @@ impl SweepStudy {
             failure: row.failure.clone(),
         };
         if run.failure.is_none() {
-            let path = self.options.run.out.join("runs").join(&row.run).join("summary.json");
+            let path = folder_of(&self.options.run.out, &row.run).join("summary.json");
             run.outcomes = outcomes_in(&read_json(&path)?);
         }
         Ok(run)

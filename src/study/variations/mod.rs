@@ -323,7 +323,7 @@ fn carry_out_batch(
         rows.push(match result {
             Ok(record) => {
                 if !Arc::ptr_eq(&run.grains, shared_grains) {
-                    write_grains(&folder_of(&options.out, run), &run.scenario, &run.grains)?;
+                    write_grains(&folder_of(&options.out, &run.name), &run.scenario, &run.grains)?;
                 }
                 row.with_results(&record.summary)
             }
