@@ -28,7 +28,8 @@ pub fn compare(
     backends: &[Backend],
     options: &RunOptions,
 ) -> Result<CompareRecord, StudyError> {
-    check_each(scenario, backends)?;
+    // The first may run for hours before the turn of one that cannot do it.
+    backends.iter().try_for_each(|backend| check(&with(scenario, *backend)))?;
     let grains = Arc::new(make_grains(scenario)?);
     let handed_on = scenario
         .stages
@@ -83,13 +84,6 @@ fn with(scenario: &Scenario, backend: Backend) -> Scenario {
         own.engine.stock = StockSettings::default();
     }
     own
-}
-
-/// Whether every engine can do a scenario: the first may run for hours before the turn of one that
-/// cannot.
-fn check_each(scenario: &Scenario, backends: &[Backend]) -> Result<(), StudyError> {
-    let can = |backend: &Backend| check(&with(scenario, *backend)).map_err(StudyError::Faults);
-    backends.iter().try_for_each(can)
 }
 
 fn planned(

@@ -123,7 +123,7 @@ impl<'a> DensityStudy<'a> {
         };
         let variations = mould.variations(options);
         let varied = Varied::load_told(&options.scenario, &options.changes, variations, told);
-        let varied = varied.map_err(faults::each_once)?;
+        let varied = varied.map_err(faults::without_repeats)?;
         Ok(Self { options, grains, mould, varied })
     }
 

@@ -167,6 +167,17 @@ pub enum StudyError {
     Cancelled,
 }
 
+/// Each of several once, in the order in which it first comes.
+fn each_once<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut once: Vec<T> = Vec::new();
+    for one in all {
+        if !once.contains(&one) {
+            once.push(one);
+        }
+    }
+    once
+}
+
 /// Refuses what cannot be made, in words.
 fn refused<T>(why: String) -> Result<T, StudyError> {
     Err(StudyError::Scenario(why))

@@ -76,13 +76,10 @@ pub(super) struct DesignFile {
 impl DesignFile {
     /// Finds a design; a built-in one is there as long as this is.
     pub(super) fn new(given: Option<&Path>, built_in: &str) -> Result<Self, StudyError> {
-        match given {
-            Some(path) => Ok(Self { path: path.to_owned(), _unpacked: None }),
-            None => {
-                let folder = unpack()?;
-                let path = folder.path().join(built_in);
-                Ok(Self { path, _unpacked: Some(folder) })
-            }
+        if let Some(path) = given {
+            return Ok(Self { path: path.to_owned(), _unpacked: None });
         }
+        let folder = unpack()?;
+        Ok(Self { path: folder.path().join(built_in), _unpacked: Some(folder) })
     }
 }

@@ -153,20 +153,14 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
 
 /// What matters most of a row, in a few words for a progress line.
 pub fn note(row: &SeriesRow) -> String {
-    match row.settlement_mm {
-        Some(settlement) => format!("settlement {settlement:.1} mm"),
-        None if row.pile_height_mm.is_some() => format!(
-            "{} grains on the base, pile {:.0} mm high",
-            row.grains_in_cylinder,
-            row.pile_height_mm.unwrap_or(0.0)
-        ),
-        None => match row.mean_surface_mm.filter(|surface| *surface > 0.0) {
-            Some(surface) => {
-                format!("{} grains in, surface {surface:.0} mm", row.grains_in_cylinder)
-            }
-            None if row.grains_in_cylinder > 0 => format!("{} grains in", row.grains_in_cylinder),
-            None => String::new(),
-        },
+    let grains = row.grains_in_cylinder;
+    let surface = row.mean_surface_mm.filter(|surface| *surface > 0.0);
+    match (row.settlement_mm, row.pile_height_mm, surface) {
+        (Some(settlement), _, _) => format!("settlement {settlement:.1} mm"),
+        (_, Some(pile), _) => format!("{grains} grains on the base, pile {pile:.0} mm high"),
+        (_, _, Some(surface)) => format!("{grains} grains in, surface {surface:.0} mm"),
+        _ if grains > 0 => format!("{grains} grains in"),
+        _ => String::new(),
     }
 }
 

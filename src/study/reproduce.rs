@@ -220,7 +220,7 @@ fn finish(
     records: Vec<RunRecord>,
     effective: &EffectiveSettings,
 ) -> Result<ReproduceOutcome, StudyError> {
-    let study = study_view(options.quick, options.configurations, scenarios, grains, &records)?;
+    let study = study_view(options.configurations, scenarios, grains, &records)?;
     let claims = paper::claims(&study);
     let scorecard = paper::scorecard(&study, &claims);
     write_json(&options.run.out.join("claims.json"), &claims)?;
@@ -319,7 +319,6 @@ fn provenance(options: &ReproduceOptions, scenarios: &Scenarios) -> BTreeMap<Str
 
 /// The study as claims and report see it.
 pub(super) fn study_view<'a>(
-    quick: bool,
     configurations: u32,
     scenarios: &Scenarios,
     grains: &Arc<GrainSet>,
@@ -354,6 +353,6 @@ pub(super) fn study_view<'a>(
             .repose
             .as_ref()
             .map_or(f64::NAN, |s| s.contact.grain_grain_friction),
-        quick,
+        quick: scenarios.quick,
     })
 }

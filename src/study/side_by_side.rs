@@ -48,12 +48,10 @@ pub fn interpretations(
     let all = options.interpretations.iter().map(load).collect::<Result<Vec<_>, _>>()?;
     tell_warnings(all.iter().flat_map(Scenarios::all), options.run.progress.as_ref());
     let mut outcome = None;
-    for interpretation in &options.interpretations {
-        options
-            .run
-            .progress
-            .message(&format!("interpretation {}: {}", interpretation.name, interpretation.title));
-        let column = carry_out_interpretation(options, interpretation)?;
+    for (interpretation, scenarios) in options.interpretations.iter().zip(&all) {
+        let Interpretation { name, title, .. } = interpretation;
+        options.run.progress.message(&format!("interpretation {name}: {title}"));
+        let column = carry_out_interpretation(options, interpretation, scenarios)?;
         let columns = keep_and_read(options, column)?;
         let standard = standard(&Scale::PAPER);
         write_interpretations(&options.run.out, &columns, standard)?;
@@ -68,10 +66,10 @@ pub fn interpretations(
 fn carry_out_interpretation(
     options: &InterpretationsOptions,
     interpretation: &Interpretation,
+    scenarios: &Scenarios,
 ) -> Result<InterpretationColumn, StudyError> {
-    let scenarios = Scenarios::load(options.quick, Some(interpretation), &options.changes)?;
     let grains = Arc::new(make_grains(&scenarios.pluviation)?);
-    let runs = programme(&scenarios, &grains, options.configurations, 1);
+    let runs = programme(scenarios, &grains, options.configurations, 1);
     let plan = Plan::new(&runs)?;
     let store = StageStore::open(&options.run.out.join("stages"))?;
     let each = carry_out_each(&crate::world::create, &plan, &runs, &store, &options.run)?;
@@ -83,15 +81,11 @@ fn carry_out_interpretation(
             Err(reason) => failures.push(InterpretationFailure { run: run.name.clone(), reason }),
         }
     }
-    let study = study_view(options.quick, options.configurations, &scenarios, &grains, &records)?;
+    let study = study_view(options.configurations, scenarios, &grains, &records)?;
     let claims = paper::claims(&study);
-    let coarse = [&scenarios.pluviation, &scenarios.continuous, &scenarios.intermittent]
-        .into_iter()
-        .flat_map(warnings)
-        .map(|w| w.to_string());
-    let mut notes: Vec<String> = coarse.collect();
-    notes.sort();
-    notes.dedup();
+    let shaken = [&scenarios.pluviation, &scenarios.continuous, &scenarios.intermittent];
+    let notes: BTreeSet<String> =
+        shaken.into_iter().flat_map(warnings).map(|warning| warning.to_string()).collect();
     Ok(InterpretationColumn {
         name: interpretation.name.to_owned(),
         title: interpretation.title.clone(),
@@ -104,7 +98,7 @@ fn carry_out_interpretation(
         planned_runs: runs.len(),
         runs: records.into_iter().map(shown).collect(),
         failures,
-        warnings: notes,
+        warnings: notes.into_iter().collect(),
         claims,
     })
 }

@@ -30,13 +30,11 @@ impl Standing {
         let height = HeightMap::of(specimen, container, height_cell(&specimen.grains))
             .map_err(StudyError::measure)?
             .standing_height();
-        // A pile has no walls that its voids could be counted within.
-        let voids = match specimen.state.base {
-            Some(_) => None,
-            // Of a laboratory the void ratio is that of its regions.
-            None if !specimen.state.pieces.is_empty() => None,
-            None => void_ratio(specimen, container, height.mean_surface),
-        };
+        // A pile has no walls that its voids could be counted within; of a laboratory the void
+        // ratio is that of its regions.
+        let has_walls = specimen.state.base.is_none() && specimen.state.pieces.is_empty();
+        let voids =
+            has_walls.then(|| void_ratio(specimen, container, height.mean_surface)).flatten();
         let inside = container.members(specimen).len();
         let no_height =
             is_poured.then(|| no_height(inside, specimen.grains.grains.len())).flatten();

@@ -45,13 +45,7 @@ pub(super) fn told(
 }
 
 /// Each fault once: states share moulds and stages.
-pub(super) fn each_once(errors: ScenarioErrors) -> ScenarioErrors {
+pub(super) fn without_repeats(errors: ScenarioErrors) -> ScenarioErrors {
     let ScenarioErrors::Faults(found) = errors else { return errors };
-    let mut once: Vec<Fault> = Vec::new();
-    for fault in found {
-        if !once.contains(&fault) {
-            once.push(fault);
-        }
-    }
-    ScenarioErrors::Faults(once)
+    ScenarioErrors::Faults(each_once(found))
 }

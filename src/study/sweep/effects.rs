@@ -101,12 +101,7 @@ fn listed(
     points: &[&Point],
     runs: &[&SweepRun],
 ) -> SweepEffect {
-    let mut values: Vec<&Value> = Vec::new();
-    for point in points {
-        if !values.contains(&&point.values[n]) {
-            values.push(&point.values[n]);
-        }
-    }
+    let mut values: Vec<&Value> = each_once(points.iter().map(|point| &point.values[n]));
     values.sort_by(|a, b| factor.number(a).total_cmp(&factor.number(b)));
     let at = |configuration: u32, value: &Value| {
         // A point that failed or is left out must not shift the mean of its value.

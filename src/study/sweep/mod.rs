@@ -183,12 +183,8 @@ impl SweepStudy {
         let listed = self.options.over.len() + self.options.parameters.len();
         let listed = self.options.names().into_iter().take(listed).enumerate().map(|(n, name)| {
             // One at a time the scenario's own value is one of them.
-            let mut values: Vec<Value> = Vec::new();
-            for point in &self.points {
-                if !values.contains(&point.values[n]) {
-                    values.push(point.values[n].clone());
-                }
-            }
+            let values = each_once(self.points.iter().map(|point| &point.values[n]));
+            let values: Vec<Value> = values.into_iter().cloned().collect();
             let numeric = values.iter().all(Value::is_number);
             SweepFactor { path: name.to_owned(), values, sampled: false, numeric }
         });
@@ -225,21 +221,23 @@ impl SweepStudy {
     /// A run with the numbers of its summary.
     fn run(&self, row: &RunRow) -> Result<SweepRun, StudyError> {
         let point = self.points.iter().find(|p| p.name == row.variation);
-        let mut run = SweepRun {
+        let outcomes = match row.failure {
+            Some(_) => BTreeMap::new(),
+            None => {
+                let folder = folder_of(&self.options.run.out, &row.run);
+                outcomes_in(&read_json(&folder.join("summary.json"))?)
+            }
+        };
+        Ok(SweepRun {
             run: row.run.clone(),
             point: row.variation.clone(),
             configuration: row.configuration,
             values: point.map_or_else(Vec::new, |p| p.values.clone()),
-            outcomes: std::collections::BTreeMap::new(),
+            outcomes,
             meets_standard: row.meets_standard,
             valid: row.valid,
             left_out_of_means: row.why_left_out(),
             failure: row.failure.clone(),
-        };
-        if run.failure.is_none() {
-            let path = folder_of(&self.options.run.out, &row.run).join("summary.json");
-            run.outcomes = outcomes_in(&read_json(&path)?);
-        }
-        Ok(run)
+        })
     }
 }

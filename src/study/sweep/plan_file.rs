@@ -89,14 +89,10 @@ pub(super) fn plan(
     varied: &Varied,
 ) -> Result<SweepPlan, StudyError> {
     let factors: Vec<String> = options.names().into_iter().map(str::to_owned).collect();
-    let mut engines: Vec<String> = Vec::new();
-    for scenario in varied.scenarios() {
+    let engines = varied.scenarios().map(|scenario| {
         let info = crate::world::info(scenario.engine.backend);
-        let engine = format!("{} {} in {} precision", info.name, info.version, info.precision);
-        if !engines.contains(&engine) {
-            engines.push(engine);
-        }
-    }
+        format!("{} {} in {} precision", info.name, info.version, info.precision)
+    });
     let planned = varied.runs(options.configurations)?;
     let plan = Plan::new(&planned)?;
     let of_runs = points.iter().flat_map(|p| repeat_n(p, options.configurations as usize));
@@ -116,7 +112,7 @@ pub(super) fn plan(
         format: FORMAT.to_owned(),
         version: VERSION,
         program: format!("pluvia {}", env!("CARGO_PKG_VERSION")),
-        engines,
+        engines: each_once(engines),
         scenario: options.scenario.display().to_string(),
         name: scenario_name.to_owned(),
         scenario_sha256: hash_json(gathered),

@@ -7,16 +7,12 @@ use super::*;
 /// together with a part of them, be it by `--set`.
 pub(super) fn refuse(options: &SweepOptions) -> Result<(), StudyError> {
     // A parameter that changes several fields has a name in place of a path.
-    let named: Vec<&str> = options
-        .parameters
-        .iter()
-        .filter(|parameter| parameter.path.is_empty())
-        .map(|parameter| parameter.name.as_str())
-        .collect();
+    let is_no_path =
+        |name: &str| options.parameters.iter().any(|p| p.path.is_empty() && p.name == name);
     let mut known: Vec<(&str, Option<Override>)> = Vec::new();
     for name in options.names() {
         let place: Option<Override> =
-            if named.contains(&name) { None } else { format!("{name}=0").parse().ok() };
+            if is_no_path(name) { None } else { format!("{name}=0").parse().ok() };
         for (other, others_place) in &known {
             if *other == name {
                 return refused(format!("`{name}` is varied twice"));
