@@ -222,16 +222,9 @@ pub(super) fn write_run(
         .stages
         .last()
         .ok_or_else(|| StudyError::Scenario("a scenario needs at least one stage".to_owned()))?;
-    let Summarised {
-        summary,
-        specimen,
-        series,
-        laboratory,
-        rest_test,
-        energy,
-        turned,
-        void_profile,
-    } = summarise(run, &plan.nodes[last].setup, nodes, done)?;
+    let Summarised { summary, specimen, series, laboratory, rest_test, void_profile } =
+        summarise(run, &plan.nodes[last].setup, nodes, done)?;
+    let stages: Vec<&StoredStage> = nodes.stages.iter().map(|&n| &*done[n]).collect();
     let mut written = BTreeMap::new();
     let mut write = |name: &str, content: Result<Vec<u8>, csv::Error>| {
         let path = out.join(name);
@@ -239,25 +232,24 @@ pub(super) fn write_run(
         written.insert(name.to_owned(), hash_bytes(&content));
         write_file(&path, &content)
     };
-    let with_pieces = |csv: Result<Vec<u8>, csv::Error>, rows: &[LaboratoryRow]| match rows {
-        [] => csv,
-        rows => {
-            let names = laboratory::names(&run.scenario);
-            with_laboratory(&csv?, &names, rows)
+    let table = |series: &[SeriesRow], stages: &[&StoredStage], pieces: &[LaboratoryRow]| {
+        let energy = inside::energy_rows(stages);
+        let csv = series_csv(series).and_then(|csv| with_energy(&csv, &energy));
+        match pieces {
+            [] => csv,
+            pieces => with_laboratory(&csv?, &laboratory::names(&run.scenario), pieces),
         }
     };
-    let content = series_csv(&series).and_then(|csv| with_energy(&csv, &energy));
-    write("series.csv", with_pieces(content, &laboratory))?;
+    write("series.csv", table(&series, &stages, &laboratory))?;
     let known = described(&run.grains);
     let at_end = &done[last].record.sieved_mm;
+    let turned = inside::turned_in_last(&stages);
     let grains = grains_csv(&specimen, known.sieved.grains(), &known.shapes, at_end, &turned);
     write("grains.csv", grains)?;
     if !rest_test.is_empty() {
         let stage = nodes.rest_test.map(|n| &*done[n]);
-        let rows = stage.map_or(&[][..], |stage| &stage.record.laboratory);
-        let energy = inside::energy_rows(stage.as_slice());
-        let content = series_csv(&rest_test).and_then(|csv| with_energy(&csv, &energy));
-        write("rest_test.csv", with_pieces(content, rows))?;
+        let pieces = stage.map_or(&[][..], |stage| &stage.record.laboratory);
+        write("rest_test.csv", table(&rest_test, stage.as_slice(), pieces))?;
     }
     if !void_profile.is_empty() {
         write("void_profile.csv", to_csv(&void_profile))?;

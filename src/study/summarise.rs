@@ -32,10 +32,6 @@ pub struct Summarised {
     pub laboratory: Vec<LaboratoryRow>,
     /// The rows of the rest test.
     pub rest_test: Vec<SeriesRow>,
-    /// Energy at the rows of the series.
-    pub energy: Vec<Option<EnergyRow>>,
-    /// By which angle in rad each grain turned in the last stage.
-    pub turned: Vec<Option<f64>>,
     /// Void ratio by height and by radius at the end.
     pub void_profile: Vec<ProfileRow>,
 }
@@ -219,8 +215,6 @@ pub fn summarise(
         series,
         laboratory: laboratory_rows,
         rest_test: rest_rows,
-        energy: inside::energy_rows(&stages),
-        turned: inside::turned_in_last(&stages),
         void_profile,
         specimen,
     })
