@@ -125,7 +125,7 @@ impl Search<'_> {
         if self.crossings().is_empty() {
             self.look_beside_the_nearest()?;
         }
-        let Some(bracket) = self.crossing() else {
+        let Some(bracket) = self.crossing_within(self.question.between) else {
             return match self.touching() {
                 Some(value) => self.local(value),
                 None => Ok(Ending::OutOfReach),
@@ -196,13 +196,8 @@ impl Search<'_> {
             .collect()
     }
 
-    /// Of several, the one whose ends are farthest from the wanted result:
+    /// Of several between two values, the one whose ends are farthest from the wanted result:
     /// chance makes crossings of small means.
-    fn crossing(&self) -> Option<(f64, f64)> {
-        self.crossing_within(self.question.between)
-    }
-
-    /// The same, of those between two values.
     fn crossing_within(&self, (low, high): (f64, f64)) -> Option<(f64, f64)> {
         let size = |v: f64| self.off(v).map_or(0.0, f64::abs);
         let inside = |pair: &(f64, f64)| low <= pair.0 && pair.1 <= high;
@@ -307,7 +302,8 @@ impl Search<'_> {
             // nothing: where the result is passed is all that is known.
             None => {
                 self.window = Vec::new();
-                let place = match (self.crossing(), self.touching()) {
+                let crossing = self.crossing_within(self.question.between);
+                let place = match (crossing, self.touching()) {
                     (Some((low, high)), _) => {
                         format!("the wanted result is passed between {low} and {high}")
                     }
