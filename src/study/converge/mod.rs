@@ -6,7 +6,9 @@ mod judge;
 #[cfg(test)]
 mod tests;
 
-pub use design::{ConvergenceDesign, ConvergenceLimits, ConvergenceStudy, LadderDesign, RungDesign};
+pub use design::{
+    ConvergenceDesign, ConvergenceLimits, ConvergenceStudy, LadderDesign, RungDesign,
+};
 
 use super::variations::keep_and_read;
 use super::*;
