@@ -83,9 +83,9 @@ fn carry_out_interpretation(
     }
     let study = study_view(options.configurations, scenarios, &grains, &records)?;
     let claims = paper::claims(&study);
-    let shaken = [&scenarios.pluviation, &scenarios.continuous, &scenarios.intermittent];
+    let three = [&scenarios.pluviation, &scenarios.continuous, &scenarios.intermittent];
     let notes: BTreeSet<String> =
-        shaken.into_iter().flat_map(warnings).map(|warning| warning.to_string()).collect();
+        three.into_iter().flat_map(warnings).map(|warning| warning.to_string()).collect();
     Ok(InterpretationColumn {
         name: interpretation.name.to_owned(),
         title: interpretation.title.clone(),
