@@ -128,9 +128,15 @@ fn polyhedron(shape: &dyn Shape) -> Option<(&ConvexPolyhedron, Real)> {
 }
 
 /// Parry's dispatcher, but for the manifolds of two polyhedra, rounded or not.
-pub(super) struct SpannedFaces;
+pub(super) fn spanned_faces() -> impl PersistentQueryDispatcher<ContactManifoldData, ContactData> {
+    SpannedFaces.chain(DefaultQueryDispatcher)
+}
+
+/// Knows the manifolds of two polyhedra, and nothing else.
+struct SpannedFaces;
 
 type Manifold = ContactManifold<ContactManifoldData, ContactData>;
+type Answer<T> = Result<T, Unsupported>;
 
 impl PersistentQueryDispatcher<ContactManifoldData, ContactData> for SpannedFaces {
     fn contact_manifolds(
@@ -140,11 +146,10 @@ impl PersistentQueryDispatcher<ContactManifoldData, ContactData> for SpannedFace
         shape2: &dyn Shape,
         prediction: Real,
         manifolds: &mut Vec<Manifold>,
-        workspace: &mut Option<ContactManifoldsWorkspace>,
-    ) -> Result<(), Unsupported> {
+        _: &mut Option<ContactManifoldsWorkspace>,
+    ) -> Answer<()> {
         if polyhedron(shape1).is_none() || polyhedron(shape2).is_none() {
-            return DefaultQueryDispatcher
-                .contact_manifolds(pos12, shape1, shape2, prediction, manifolds, workspace);
+            return Err(Unsupported);
         }
         if manifolds.is_empty() {
             manifolds.push(ContactManifold::new());
@@ -162,19 +167,9 @@ impl PersistentQueryDispatcher<ContactManifoldData, ContactData> for SpannedFace
         constraints2: Option<&dyn NormalConstraints>,
         prediction: Real,
         manifold: &mut Manifold,
-    ) -> Result<(), Unsupported> {
-        let polyhedra = (polyhedron(shape1), polyhedron(shape2));
-        let (Some((first, radius1)), Some((second, radius2))) = polyhedra else {
-            return DefaultQueryDispatcher.contact_manifold_convex_convex(
-                pos12,
-                shape1,
-                shape2,
-                constraints1,
-                constraints2,
-                prediction,
-                manifold,
-            );
-        };
+    ) -> Answer<()> {
+        let (first, radius1) = polyhedron(shape1).ok_or(Unsupported)?;
+        let (second, radius2) = polyhedron(shape2).ok_or(Unsupported)?;
         contact_manifold_pfm_pfm(
             pos12,
             &Spanned(first),
@@ -193,72 +188,53 @@ impl PersistentQueryDispatcher<ContactManifoldData, ContactData> for SpannedFace
 impl QueryDispatcher for SpannedFaces {
     fn intersection_test(
         &self,
-        pos12: &Pose,
-        g1: &dyn Shape,
-        g2: &dyn Shape,
-    ) -> Result<ShapeIntersection, Unsupported> {
-        DefaultQueryDispatcher.intersection_test(pos12, g1, g2)
+        _: &Pose,
+        _: &dyn Shape,
+        _: &dyn Shape,
+    ) -> Answer<ShapeIntersection> {
+        Err(Unsupported)
     }
 
-    fn distance(
-        &self,
-        pos12: &Pose,
-        g1: &dyn Shape,
-        g2: &dyn Shape,
-    ) -> Result<ShapeDistance, Unsupported> {
-        DefaultQueryDispatcher.distance(pos12, g1, g2)
+    fn distance(&self, _: &Pose, _: &dyn Shape, _: &dyn Shape) -> Answer<ShapeDistance> {
+        Err(Unsupported)
     }
 
-    fn contact(
-        &self,
-        pos12: &Pose,
-        g1: &dyn Shape,
-        g2: &dyn Shape,
-        prediction: Real,
-    ) -> Result<Option<Contact>, Unsupported> {
-        DefaultQueryDispatcher.contact(pos12, g1, g2, prediction)
+    fn contact(&self, _: &Pose, _: &dyn Shape, _: &dyn Shape, _: Real) -> Answer<Option<Contact>> {
+        Err(Unsupported)
     }
 
     fn closest_points(
         &self,
-        pos12: &Pose,
-        g1: &dyn Shape,
-        g2: &dyn Shape,
-        max_dist: Real,
-    ) -> Result<ClosestPoints, Unsupported> {
-        DefaultQueryDispatcher.closest_points(pos12, g1, g2, max_dist)
+        _: &Pose,
+        _: &dyn Shape,
+        _: &dyn Shape,
+        _: Real,
+    ) -> Answer<ClosestPoints> {
+        Err(Unsupported)
     }
 
     fn cast_shapes(
         &self,
-        pos12: &Pose,
-        local_vel12: Vector,
-        g1: &dyn Shape,
-        g2: &dyn Shape,
-        options: ShapeCastOptions,
-    ) -> Result<Option<ShapeCastHit>, Unsupported> {
-        DefaultQueryDispatcher.cast_shapes(pos12, local_vel12, g1, g2, options)
+        _: &Pose,
+        _: Vector,
+        _: &dyn Shape,
+        _: &dyn Shape,
+        _: ShapeCastOptions,
+    ) -> Answer<Option<ShapeCastHit>> {
+        Err(Unsupported)
     }
 
     fn cast_shapes_nonlinear(
         &self,
-        motion1: &NonlinearRigidMotion,
-        g1: &dyn Shape,
-        motion2: &NonlinearRigidMotion,
-        g2: &dyn Shape,
-        start_time: Real,
-        end_time: Real,
-        stop_at_penetration: bool,
-    ) -> Result<Option<ShapeCastHit>, Unsupported> {
-        DefaultQueryDispatcher.cast_shapes_nonlinear(
-            motion1,
-            g1,
-            motion2,
-            g2,
-            start_time,
-            end_time,
-            stop_at_penetration,
-        )
+        _: &NonlinearRigidMotion,
+        _: &dyn Shape,
+        _: &NonlinearRigidMotion,
+        _: &dyn Shape,
+        _: Real,
+        _: Real,
+        _: bool,
+    ) -> Answer<Option<ShapeCastHit>> {
+        Err(Unsupported)
     }
 }
 

@@ -89,7 +89,7 @@ impl RapierBackend {
             gravity: units.length(&gravity),
             integration_parameters: settings::integration_parameters(settings, units)?,
             narrow_phase: if settings.rapier.spanned_faces {
-                NarrowPhase::with_query_dispatcher(manifolds::SpannedFaces)
+                NarrowPhase::with_query_dispatcher(manifolds::spanned_faces())
             } else {
                 NarrowPhase::new()
             },
