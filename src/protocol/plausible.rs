@@ -2,7 +2,6 @@
 //! laboratory.
 
 use super::*;
-use crate::world::CheckLimits;
 
 /// How far the length of a quaternion may be from 1: engines keep some in
 /// single precision.
@@ -16,11 +15,11 @@ const FALL_SHARE: f64 = 0.1;
 /// what it meets may leave with twice that.
 pub(super) fn check(setup: &Setup, table_peak: f64) -> RunTimeCheck {
     // Falling heights, tables and apparatus are typed, and may be large for small grains.
-    RunTimeCheck::new(CheckLimits {
+    RunTimeCheck {
         speed: scale::LARGEST_SPEED.no_less(&setup.scale) + 2.0 * table_peak,
         angular_speed: scale::LARGEST_SPIN.at(&setup.scale),
         distance: scale::LARGEST_DISTANCE.no_less(&setup.scale),
-    })
+    }
 }
 
 /// Whether a specimen whose state has passed [`SpecimenState::check`] can be one of this

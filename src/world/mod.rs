@@ -20,7 +20,7 @@ mod testing;
 pub(crate) use bullet::tests::{exclusive_turn, shared_turn};
 pub use error::WorldError;
 pub use pairs::{Material, PairCoefficients, PairTable};
-pub use run_time_check::{CheckLimits, RunTimeCheck};
+pub use run_time_check::RunTimeCheck;
 
 use std::sync::Arc;
 

@@ -4,9 +4,9 @@ use super::{Snapshot, WorldError};
 use crate::plain::three_decimals;
 use crate::units::to_mm;
 
-/// Limits of a plausible state.
+/// Checks snapshots against the limits of a plausible state.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CheckLimits {
+pub struct RunTimeCheck {
     /// Largest speed in m/s.
     pub speed: f64,
     /// Largest angular speed in rad/s.
@@ -15,18 +15,7 @@ pub struct CheckLimits {
     pub distance: f64,
 }
 
-/// Checks snapshots against limits.
-#[derive(Debug, Clone, Copy)]
-pub struct RunTimeCheck {
-    limits: CheckLimits,
-}
-
 impl RunTimeCheck {
-    /// A check with the given limits.
-    pub fn new(limits: CheckLimits) -> Self {
-        Self { limits }
-    }
-
     /// Checks every body of a snapshot; `name` is what a reader knows one as, by its number there.
     /// Comparisons are written so that NaN fails them.
     ///
@@ -50,21 +39,20 @@ impl RunTimeCheck {
                 let (value, limit) = (short(value), short(limit));
                 unphysical(format!("{quantity} {value} {unit}, allowed is up to {limit} {unit}"))
             };
-            let limits = &self.limits;
             let distance = at.norm();
-            if !(distance <= limits.distance) {
-                return beyond("a distance from the origin of", distance, limits.distance, "m");
+            if !(distance <= self.distance) {
+                return beyond("a distance from the origin of", distance, self.distance, "m");
             }
             if !body.pose.rotation.coords.iter().all(|c| c.is_finite()) {
                 return unphysical("an orientation that is no number".to_owned());
             }
             let speed = body.linear_velocity.norm();
-            if !(speed <= limits.speed) {
-                return beyond("a speed of", speed, limits.speed, "m/s");
+            if !(speed <= self.speed) {
+                return beyond("a speed of", speed, self.speed, "m/s");
             }
             let spin = body.angular_velocity.norm();
-            if !(spin <= limits.angular_speed) {
-                return beyond("an angular speed of", spin, limits.angular_speed, "rad/s");
+            if !(spin <= self.angular_speed) {
+                return beyond("an angular speed of", spin, self.angular_speed, "rad/s");
             }
         }
         Ok(())
@@ -82,10 +70,10 @@ mod tests {
     use crate::geometry::{Pose, Vector};
     use crate::world::BodyState;
 
-    const LIMITS: CheckLimits = CheckLimits { speed: 10.0, angular_speed: 100.0, distance: 2.0 };
+    const LIMITS: RunTimeCheck = RunTimeCheck { speed: 10.0, angular_speed: 100.0, distance: 2.0 };
 
     fn checked(snapshot: &Snapshot) -> Result<(), WorldError> {
-        RunTimeCheck::new(LIMITS).check(snapshot, 1.5, |n| format!("grain {n}"))
+        LIMITS.check(snapshot, 1.5, |n| format!("grain {n}"))
     }
 
     fn body(change: impl Fn(&mut BodyState)) -> Snapshot {
