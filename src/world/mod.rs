@@ -97,33 +97,28 @@ impl Body {
         {
             return refuse("the centre of a sphere is not the body's origin".into());
         }
-        if let Motion::Pressed { mass, direction } = self.motion {
-            if !(mass.is_finite() && mass > 0.0) {
-                return refuse(format!("its mass {mass} kg is not positive"));
-            }
-            if !((direction.norm() - 1.0).abs() < 1e-9) {
-                return refuse(format!("its direction {direction:?} is not a unit vector"));
-            }
+        if let Motion::Pressed { mass, .. } | Motion::Free { mass, .. } = self.motion
+            && !(mass.is_finite() && mass > 0.0)
+        {
+            return refuse(format!("its mass {mass} kg is not positive"));
         }
-        if let Motion::Turned { inertia, axis, about } = self.motion {
-            if !(inertia.is_finite() && inertia > 0.0) {
-                return refuse(format!("its moment of inertia {inertia} kg m² is not positive"));
+        match self.motion {
+            Motion::Pressed { direction, .. } if !((direction.norm() - 1.0).abs() < 1e-9) => {
+                refuse(format!("its direction {direction:?} is not a unit vector"))
             }
-            if !((axis.norm() - 1.0).abs() < 1e-9 && about.norm().is_finite()) {
-                return refuse(format!("its axis {axis:?} through {about:?} m is none"));
+            Motion::Turned { inertia, .. } if !(inertia.is_finite() && inertia > 0.0) => {
+                refuse(format!("its moment of inertia {inertia} kg m² is not positive"))
             }
+            Motion::Turned { axis, about, .. }
+                if !((axis.norm() - 1.0).abs() < 1e-9 && about.norm().is_finite()) =>
+            {
+                refuse(format!("its axis {axis:?} through {about:?} m is none"))
+            }
+            Motion::Free { inertia, .. } if !inertia.iter().all(|i| i.is_finite() && *i > 0.0) => {
+                refuse(format!("its moments of inertia {inertia:?} kg m² are not positive"))
+            }
+            _ => Ok(()),
         }
-        if let Motion::Free { mass, inertia } = self.motion {
-            if !(mass.is_finite() && mass > 0.0) {
-                return refuse(format!("its mass {mass} kg is not positive"));
-            }
-            if !inertia.iter().all(|i| i.is_finite() && *i > 0.0) {
-                return refuse(format!(
-                    "its moments of inertia {inertia:?} kg m² are not positive"
-                ));
-            }
-        }
-        Ok(())
     }
 }
 
