@@ -76,10 +76,7 @@ pub(super) fn definition(
             s.stock.sleeping_spin_rad_per_s,
         )?,
         materials,
-        own_collision: match s.contact_solver {
-            ContactSolver::Stock => false,
-            ContactSolver::Native => true,
-        },
+        own_collision: s.contact_solver == ContactSolver::Native,
         contact_stiffness: positive(
             "native.contact_stiffness_n_per_m",
             s.native.contact_stiffness_n_per_m,

@@ -220,6 +220,11 @@ fn engine(error: cxx::Exception) -> WorldError {
     WorldError::Engine(error.what().to_owned())
 }
 
+/// A body that the engine does not take.
+fn refused(error: cxx::Exception) -> WorldError {
+    WorldError::BadBody { reason: error.what().to_owned() }
+}
+
 fn rotation_array(pose: &Pose) -> [f64; 4] {
     let q = pose.rotation.coords;
     [q.x, q.y, q.z, q.w]
@@ -265,22 +270,19 @@ impl World for BulletBackend {
             })
             .map_err(engine)?;
         self.driven.push(matches!(body.motion, Motion::Kinematic));
-        if let Motion::Pressed { mass, direction } = body.motion {
-            let speed = direction.dot(&body.state.linear_velocity);
-            self.world
-                .pin_mut()
-                .press_body(id, &direction.into(), mass, speed)
-                .map_err(|error| WorldError::BadBody { reason: error.what().to_owned() })?;
-            self.pressed.push(BodyId(id));
+        let world = self.world.pin_mut();
+        match body.motion {
+            Motion::Pressed { mass, direction } => {
+                let speed = direction.dot(&body.state.linear_velocity);
+                world.press_body(id, &direction.into(), mass, speed).map_err(refused)?;
+            }
+            Motion::Turned { inertia, axis, about } => {
+                let speed = axis.dot(&body.state.angular_velocity);
+                world.turn_body(id, &axis.into(), &about.into(), inertia, speed).map_err(refused)?;
+            }
+            _ => return Ok(BodyId(id)),
         }
-        if let Motion::Turned { inertia, axis, about } = body.motion {
-            let speed = axis.dot(&body.state.angular_velocity);
-            self.world
-                .pin_mut()
-                .turn_body(id, &axis.into(), &about.into(), inertia, speed)
-                .map_err(|error| WorldError::BadBody { reason: error.what().to_owned() })?;
-            self.pressed.push(BodyId(id));
-        }
+        self.pressed.push(BodyId(id));
         Ok(BodyId(id))
     }
 
@@ -317,10 +319,7 @@ impl World for BulletBackend {
         if a.pose != b.pose {
             return Err(WorldError::BadBody { reason: "its parts differ in pose".into() });
         }
-        self.world
-            .pin_mut()
-            .join_body(part.0, whole.0)
-            .map_err(|error| WorldError::BadBody { reason: error.what().to_owned() })?;
+        self.world.pin_mut().join_body(part.0, whole.0).map_err(refused)?;
         self.driven[part.0 as usize] = false;
         Ok(())
     }
