@@ -25,6 +25,34 @@ pub struct PrincipalFrame {
     pub moments_per_density: Vector,
 }
 
+/// Moments of a body about a point: ∫dV, ∫x dV, ∫x xᵀ dV.
+#[derive(Default)]
+pub(super) struct Moments {
+    volume: f64,
+    first: Vector,
+    second: Matrix3<f64>,
+}
+
+impl Moments {
+    pub(super) fn add(&mut self, volume: f64, first: Vector, second: Matrix3<f64>) {
+        self.volume += volume;
+        self.first += first;
+        self.second += second;
+    }
+
+    /// Mass properties by the moments about `point`.
+    pub(super) fn about(&self, point: Point) -> MassProperties {
+        let offset = self.first / self.volume;
+        let covariance = self.second - self.volume * offset * offset.transpose();
+        let inertia = Matrix3::identity() * covariance.trace() - covariance;
+        MassProperties {
+            volume: self.volume,
+            centroid: point + offset,
+            inertia_per_density: (inertia + inertia.transpose()) / 2.0,
+        }
+    }
+}
+
 impl MassProperties {
     /// Integrates exactly over the tetrahedra that the surface triangles span
     /// with an inner point.
@@ -54,26 +82,16 @@ impl MassProperties {
         let count = polyhedron.vertices().len() as f64;
         let inner =
             Point::from(polyhedron.vertices().iter().map(|v| v.coords).sum::<Vector>() / count);
-        let mut volume = 0.0;
-        let mut first = Vector::zeros();
-        let mut second = Matrix3::zeros();
+        let mut all = Moments::default();
         for triangle in polyhedron.triangles() {
             let [a, b, c] = triangle.map(|p| p - inner);
             let v = a.dot(&b.cross(&c)) / 6.0;
             let s = a + b + c;
-            volume += v;
-            first += v / 4.0 * s;
-            second += v / 20.0
-                * (a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose());
+            let square =
+                a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose();
+            all.add(v, v / 4.0 * s, v / 20.0 * square);
         }
-        let offset = first / volume;
-        let covariance = second - volume * offset * offset.transpose();
-        let inertia = Matrix3::identity() * covariance.trace() - covariance;
-        Self {
-            volume,
-            centroid: inner + offset,
-            inertia_per_density: (inertia + inertia.transpose()) / 2.0,
-        }
+        all.about(inner)
     }
 
     /// The principal frame: eigenvectors of the inertia tensor, right-handed,

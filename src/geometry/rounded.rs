@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, Matrix4, Vector4};
 
 use super::{
     ConvexPolyhedron, MassProperties, Point, Vector, convex::cut, hull, joined_polyhedron,
+    mass::Moments,
 };
 
 /// Corners of an eroded polyhedron that are nearer to each other than this, as a fraction of its
@@ -23,22 +24,6 @@ pub struct Rounded {
     pub core: ConvexPolyhedron,
     /// Radius of the ball in m.
     pub radius: f64,
-}
-
-/// Moments of a body about a point: ∫dV, ∫x dV, ∫x xᵀ dV.
-#[derive(Default)]
-struct Moments {
-    volume: f64,
-    first: Vector,
-    second: Matrix3<f64>,
-}
-
-impl Moments {
-    fn add(&mut self, volume: f64, first: Vector, second: Matrix3<f64>) {
-        self.volume += volume;
-        self.first += first;
-        self.second += second;
-    }
 }
 
 fn both(a: &Vector, b: &Vector) -> Matrix3<f64> {
@@ -158,14 +143,7 @@ impl Rounded {
         self.add_prisms(&about, &mut all);
         self.add_cylinders(&about, &mut all);
         self.add_corners(&about, &mut all);
-        let offset = all.first / all.volume;
-        let covariance = all.second - all.volume * offset * offset.transpose();
-        let inertia = Matrix3::identity() * covariance.trace() - covariance;
-        MassProperties {
-            volume: all.volume,
-            centroid: about + offset,
-            inertia_per_density: (inertia + inertia.transpose()) / 2.0,
-        }
+        all.about(about)
     }
 
     fn add_prisms(&self, about: &Point, all: &mut Moments) {
