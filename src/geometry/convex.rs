@@ -40,6 +40,20 @@ pub(crate) fn used<V: Copy>(
     (used.iter().map(|&v| vertices[v as usize]).collect(), faces)
 }
 
+/// Each corner of a loop with the one that follows it, the last with the first.
+pub(crate) fn edges_of<T: Copy>(corners: &[T]) -> impl Iterator<Item = (T, T)> {
+    (0..corners.len()).map(move |i| (corners[i], corners[(i + 1) % corners.len()]))
+}
+
+/// The number of the face that runs along each directed edge.
+pub(super) fn left_of_edges(faces: &[Vec<u32>]) -> HashMap<(u32, u32), usize> {
+    let mut left = HashMap::new();
+    for (number, face) in faces.iter().enumerate() {
+        left.extend(edges_of(face).map(|edge| (edge, number)));
+    }
+    left
+}
+
 /// Joins triangles into plane faces, beginning with the largest; vertices amid
 /// a face or an edge go. `None` where a face would have a hole.
 fn joined(vertices: &[Point], triangles: &[Vec<u32>]) -> Option<Vec<Vec<u32>>> {
@@ -47,12 +61,7 @@ fn joined(vertices: &[Point], triangles: &[Vec<u32>]) -> Option<Vec<Vec<u32>>> {
     let radius = vertices.iter().map(|v| (v.coords - centre).norm()).fold(0.0, f64::max);
     let at = |v: u32| vertices[v as usize].coords;
     let area = |t: &[u32]| (at(t[1]) - at(t[0])).cross(&(at(t[2]) - at(t[0])));
-    let mut owner: HashMap<(u32, u32), usize> = HashMap::new();
-    for (index, t) in triangles.iter().enumerate() {
-        for (i, &a) in t.iter().enumerate() {
-            owner.insert((a, t[(i + 1) % 3]), index);
-        }
-    }
+    let owner = left_of_edges(triangles);
     let mut order: Vec<usize> = (0..triangles.len()).collect();
     order.sort_by(|&a, &b| {
         area(&triangles[b]).norm().total_cmp(&area(&triangles[a]).norm()).then(a.cmp(&b))
@@ -73,9 +82,7 @@ fn joined(vertices: &[Point], triangles: &[Vec<u32>]) -> Option<Vec<Vec<u32>>> {
         let mut visited = 0;
         while let Some(&triangle) = region.get(visited) {
             visited += 1;
-            let t = &triangles[triangle];
-            for (i, &a) in t.iter().enumerate() {
-                let b = t[(i + 1) % 3];
+            for (a, b) in edges_of(&triangles[triangle]) {
                 let &beyond = owner.get(&(b, a))?;
                 let in_plane = |v: &u32| (normal.dot(&at(*v)) - offset).abs() <= FLATNESS * radius;
                 let belongs = !taken[beyond]
@@ -136,11 +143,10 @@ pub(crate) fn cut(
     for face in faces {
         let mut inside = Vec::new();
         let (mut leaves, mut enters) = (None, None);
-        for (i, p) in face.iter().enumerate() {
-            let q = &face[(i + 1) % face.len()];
-            let (a, b) = (height(p), height(q));
+        for (p, q) in edges_of(&face) {
+            let (a, b) = (height(&p), height(&q));
             if a <= 0.0 {
-                inside.push(*p);
+                inside.push(p);
             }
             if (a <= 0.0) != (b <= 0.0) {
                 let mut at = p + (q - p) * (a / (a - b));

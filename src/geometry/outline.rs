@@ -1,8 +1,8 @@
 //! The mesh that stands for a rounded polyhedron where faces are needed.
 
 use super::{
-    ConvexPolyhedron, Point, PolyhedronError, Rounded, Vector, hull, joined_polyhedron,
-    rounded::{faces_about, normals},
+    ConvexPolyhedron, Point, PolyhedronError, Rounded, Vector, edges_of, hull, joined_polyhedron,
+    rounded::{angle, faces_about, normals},
 };
 
 /// Largest angle in rad between neighbouring normals of the mesh on a rounded edge.
@@ -47,18 +47,17 @@ pub(super) fn outline(rounded: &Rounded, step: f64) -> Result<ConvexPolyhedron, 
 /// The sides of the spherical polygon between normals, in steps.
 fn rim(normals: &[Vector], step: f64) -> Vec<Vector> {
     let mut rim = Vec::new();
-    for (i, a) in normals.iter().enumerate() {
-        let b = &normals[(i + 1) % normals.len()];
-        let angle = a.cross(b).norm().atan2(a.dot(b));
+    for (a, b) in edges_of(normals) {
+        let angle = angle(&a, &b);
         let steps = (angle / step).ceil().max(1.0) as usize;
-        rim.push(*a);
-        rim.extend((1..steps).filter_map(|k| between(a, b, k as f64 / steps as f64)));
+        rim.push(a);
+        rim.extend((1..steps).filter_map(|k| between(&a, &b, k as f64 / steps as f64)));
     }
     rim
 }
 
 /// The unit vector at a share of the way from one to another.
 fn between(a: &Vector, b: &Vector, share: f64) -> Option<Vector> {
-    let angle = a.cross(b).norm().atan2(a.dot(b));
+    let angle = angle(a, b);
     (a * ((1.0 - share) * angle).sin() + b * (share * angle).sin()).try_normalize(0.0)
 }

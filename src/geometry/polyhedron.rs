@@ -5,7 +5,7 @@ use std::{collections::HashMap, sync::Arc};
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Point, Pose, Rounded, Sphere, Vector,
+    Point, Pose, Rounded, Sphere, Vector, edges_of,
     outline::{STEP, outline},
     sphere::unit_mesh,
 };
@@ -302,9 +302,8 @@ impl ConvexPolyhedron {
     }
 
     fn directed_edges(&self) -> impl Iterator<Item = (usize, u32, u32)> + '_ {
-        self.faces.iter().enumerate().flat_map(|(face, corners)| {
-            (0..corners.len()).map(move |i| (face, corners[i], corners[(i + 1) % corners.len()]))
-        })
+        let faces = self.faces.iter().enumerate();
+        faces.flat_map(|(face, corners)| edges_of(corners).map(move |(a, b)| (face, a, b)))
     }
 
     /// Vertices in metres.
@@ -335,9 +334,8 @@ impl ConvexPolyhedron {
         let origin = self.vertices[corners[0] as usize];
         let mut normal = Vector::zeros();
         let mut mean = Vector::zeros();
-        for (i, &c) in corners.iter().enumerate() {
-            let a = self.vertices[c as usize] - origin;
-            let b = self.vertices[corners[(i + 1) % corners.len()] as usize] - origin;
+        for (a, b) in edges_of(corners) {
+            let [a, b] = [a, b].map(|c| self.vertices[c as usize] - origin);
             normal += a.cross(&b);
             mean += a;
         }

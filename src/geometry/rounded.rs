@@ -5,8 +5,9 @@ use std::collections::HashMap;
 use nalgebra::{Matrix3, Matrix4, Vector4};
 
 use super::{
-    ConvexPolyhedron, MassProperties, Point, Vector, convex::cut, hull, joined_polyhedron,
-    mass::Moments,
+    ConvexPolyhedron, MassProperties, Point, Vector,
+    convex::{cut, left_of_edges},
+    edges_of, hull, joined_polyhedron, mass::Moments,
 };
 
 /// Corners of an eroded polyhedron that are nearer to each other than this, as a fraction of its
@@ -30,6 +31,11 @@ fn both(a: &Vector, b: &Vector) -> Matrix3<f64> {
     a * b.transpose() + b * a.transpose()
 }
 
+/// Angle in rad between two directions.
+pub(super) fn angle(a: &Vector, b: &Vector) -> f64 {
+    a.cross(b).norm().atan2(a.dot(b))
+}
+
 /// An edge of the core: its ends and the outward normals of its faces, such that from `left` to
 /// `right` is a right-handed turn about the way from `to` to `from`.
 struct CoreEdge {
@@ -42,7 +48,7 @@ struct CoreEdge {
 impl CoreEdge {
     /// Angle between the normals, in rad.
     fn angle(&self) -> f64 {
-        self.left.cross(&self.right).norm().atan2(self.left.dot(&self.right))
+        angle(&self.left, &self.right)
     }
 
     fn length(&self) -> f64 {
@@ -59,14 +65,12 @@ pub(super) fn normals(core: &ConvexPolyhedron) -> Vec<Vector> {
 
 /// The faces about each vertex, counter-clockwise seen from outside.
 pub(super) fn faces_about(core: &ConvexPolyhedron) -> Vec<Vec<usize>> {
-    // The face left of each directed edge, and where a face goes on and came from.
-    let mut left: HashMap<(u32, u32), usize> = HashMap::new();
+    // Where a face came from.
+    let left = left_of_edges(core.faces());
     let mut before: HashMap<(u32, usize), u32> = HashMap::new();
     let mut first: Vec<Option<usize>> = vec![None; core.vertices().len()];
     for (face, corners) in core.faces().iter().enumerate() {
-        for (i, &a) in corners.iter().enumerate() {
-            let b = corners[(i + 1) % corners.len()];
-            left.insert((a, b), face);
+        for (a, b) in edges_of(corners) {
             before.insert((b, face), a);
             first[b as usize].get_or_insert(face);
         }
@@ -117,12 +121,7 @@ impl Rounded {
     fn edges(&self) -> Vec<CoreEdge> {
         let core = &self.core;
         let normals = normals(core);
-        let mut left: HashMap<(u32, u32), usize> = HashMap::new();
-        for (face, corners) in core.faces().iter().enumerate() {
-            for (i, &a) in corners.iter().enumerate() {
-                left.insert((a, corners[(i + 1) % corners.len()]), face);
-            }
-        }
+        let left = left_of_edges(core.faces());
         let at = |v: u32| core.vertices()[v as usize].coords;
         let edges = core.edges().into_iter().filter_map(|(a, b)| {
             let (l, r) = (left.get(&(a, b))?, left.get(&(b, a))?);
@@ -208,9 +207,8 @@ impl Rounded {
             let mut solid = 0.0;
             let mut mean = Vector::zeros();
             let mut square = Matrix3::zeros();
-            for (i, &face) in faces.iter().enumerate() {
-                let a = normals[face];
-                let b = normals[faces[(i + 1) % faces.len()]];
+            for (a, b) in edges_of(faces) {
+                let [a, b] = [a, b].map(|face| normals[face]);
                 let turn = a.cross(&b);
                 let angle = turn.norm().atan2(a.dot(&b));
                 mean += turn.try_normalize(0.0).unwrap_or_else(Vector::zeros) * (angle / 2.0);

@@ -116,8 +116,8 @@ impl CellComplex {
     fn clusters(&self, distance: f64) -> Vec<Cluster> {
         let mut joined = self.merged_into.clone();
         for corners in self.cells.iter().flatten() {
-            for (i, &c) in corners.iter().enumerate() {
-                let (a, b) = (self.root(c), self.root(corners[(i + 1) % corners.len()]));
+            for (a, b) in edges_of(corners) {
+                let (a, b) = (self.root(a), self.root(b));
                 if a != b && self.length(a, b) < distance {
                     let (a, b) = (root(&joined, a), root(&joined, b));
                     joined[a.max(b) as usize] = a.min(b);

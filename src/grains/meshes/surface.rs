@@ -102,8 +102,7 @@ fn edge_faults(faces: &[Vec<u32>]) -> Vec<Fault> {
     // Of each edge, how often it is run along upwards and downwards.
     let mut uses: HashMap<(u32, u32), [usize; 2]> = HashMap::new();
     for face in faces {
-        for (i, &a) in face.iter().enumerate() {
-            let b = face[(i + 1) % face.len()];
+        for (a, b) in edges_of(face) {
             uses.entry((a.min(b), a.max(b))).or_default()[usize::from(a > b)] += 1;
         }
     }
