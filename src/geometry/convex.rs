@@ -54,10 +54,27 @@ pub(super) fn left_of_edges(faces: &[Vec<u32>]) -> HashMap<(u32, u32), usize> {
     left
 }
 
+/// Mean of points in m.
+pub(super) fn mean(points: &[Point]) -> Vector {
+    points.iter().map(|p| p.coords).sum::<Vector>() / points.len().max(1) as f64
+}
+
+/// Volume enclosed by face loops in the cube of the vertices' unit, by the divergence theorem about
+/// the mean of the vertices; negative where faces are turned inwards.
+pub(crate) fn enclosed_volume(vertices: &[Point], faces: &[Vec<u32>]) -> f64 {
+    let centre = mean(vertices);
+    let at = |v: u32| vertices[v as usize].coords - centre;
+    faces
+        .iter()
+        .flat_map(|f| (1..f.len() - 1).map(move |i| [f[0], f[i], f[i + 1]]))
+        .map(|[a, b, c]| at(a).dot(&at(b).cross(&at(c))) / 6.0)
+        .sum()
+}
+
 /// Joins triangles into plane faces, beginning with the largest; vertices amid
 /// a face or an edge go. `None` where a face would have a hole.
 fn joined(vertices: &[Point], triangles: &[Vec<u32>]) -> Option<Vec<Vec<u32>>> {
-    let centre = vertices.iter().map(|v| v.coords).sum::<Vector>() / vertices.len().max(1) as f64;
+    let centre = mean(vertices);
     let radius = vertices.iter().map(|v| (v.coords - centre).norm()).fold(0.0, f64::max);
     let at = |v: u32| vertices[v as usize].coords;
     let area = |t: &[u32]| (at(t[1]) - at(t[0])).cross(&(at(t[2]) - at(t[0])));

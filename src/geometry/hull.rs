@@ -8,7 +8,7 @@
 
 use std::collections::{BinaryHeap, HashMap};
 
-use super::{Point, Vector, used};
+use super::{Point, Vector, convex::mean, used};
 
 /// Points nearer to a face than this, as a fraction of the largest distance
 /// from the points' mean, are taken to lie on it. Meshes of single precision
@@ -30,7 +30,7 @@ pub(crate) struct Hull {
 /// The hull of finite points with at most so many vertices. `None` where the
 /// points lie in a plane within rounding.
 pub(crate) fn hull(points: &[Point], most_vertices: usize) -> Option<Hull> {
-    let mean = points.iter().map(|p| p.coords).sum::<Vector>() / points.len().max(1) as f64;
+    let mean = mean(points);
     let radius = points.iter().map(|p| (p.coords - mean).norm()).fold(0.0, f64::max);
     if !(radius > 0.0 && radius.is_finite()) {
         return None;

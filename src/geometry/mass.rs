@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, SymmetricEigen, UnitQuaternion};
 
-use super::{ConvexPolyhedron, Point, Pose, Vector};
+use super::{ConvexPolyhedron, Point, Pose, Vector, convex::mean};
 
 /// Volume, centroid and inertia of a homogeneous polyhedron.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,9 +79,7 @@ impl MassProperties {
         }
         // Integrating about an inner point, not the origin, keeps the sums
         // free of cancellation when the body lies far from the origin.
-        let count = polyhedron.vertices().len() as f64;
-        let inner =
-            Point::from(polyhedron.vertices().iter().map(|v| v.coords).sum::<Vector>() / count);
+        let inner = Point::from(mean(polyhedron.vertices()));
         let mut all = Moments::default();
         for triangle in polyhedron.triangles() {
             let [a, b, c] = triangle.map(|p| p - inner);

@@ -5,7 +5,7 @@ use std::{collections::HashMap, sync::Arc};
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Point, Pose, Rounded, Sphere, Vector, edges_of,
+    Point, Pose, Rounded, Sphere, Vector, convex::mean, edges_of, enclosed_volume,
     outline::{STEP, outline},
     sphere::unit_mesh,
 };
@@ -284,8 +284,8 @@ impl ConvexPolyhedron {
     }
 
     fn check_convex(&self) -> Result<(), PolyhedronError> {
-        let centre = self.vertex_average();
-        let radius = self.vertices.iter().map(|v| (v - centre).norm()).fold(0.0, f64::max);
+        let centre = mean(&self.vertices);
+        let radius = self.vertices.iter().map(|v| (v.coords - centre).norm()).fold(0.0, f64::max);
         let tolerance = PLANARITY_TOLERANCE * radius;
         for face in 0..self.faces.len() {
             let Some((normal, offset)) = self.plane(face) else {
@@ -357,10 +357,7 @@ impl ConvexPolyhedron {
         if let Some(rounded) = &self.rounded {
             return rounded.volume();
         }
-        let centre = self.vertex_average();
-        self.triangles()
-            .map(|[a, b, c]| (a - centre).dot(&(b - centre).cross(&(c - centre))) / 6.0)
-            .sum()
+        enclosed_volume(&self.vertices, &self.faces)
     }
 
     /// Surface triangles, each face cut as a fan, counter-clockwise seen from outside.
@@ -370,11 +367,6 @@ impl ConvexPolyhedron {
                 [corners[0], corners[i], corners[i + 1]].map(|c| self.vertices[c as usize])
             })
         })
-    }
-
-    fn vertex_average(&self) -> Point {
-        let sum: Vector = self.vertices.iter().map(|v| v.coords).sum();
-        Point::from(sum / self.vertices.len() as f64)
     }
 
     /// Radius in metres of the smallest sphere about the body origin that holds the polyhedron.

@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Matrix4, Vector4};
 
 use super::{
     ConvexPolyhedron, MassProperties, Point, Vector,
-    convex::{cut, left_of_edges},
+    convex::{cut, left_of_edges, mean},
     edges_of, hull, joined_polyhedron, mass::Moments,
 };
 
@@ -246,8 +246,7 @@ pub fn inner_radius(body: &ConvexPolyhedron) -> f64 {
     // Largest R with n·x + R ≤ d for every face: a linear programme with four unknowns, whose
     // optimum lies on four planes. The dual simplex method: from a tetrahedron around all,
     // the plane that is violated most takes the place of one of the four.
-    let centre =
-        body.vertices().iter().map(|v| v.coords).sum::<Vector>() / body.vertices().len() as f64;
+    let centre = mean(body.vertices());
     let size = body.vertices().iter().map(|v| (v.coords - centre).norm()).fold(0.0, f64::max);
     let mut planes: Vec<(Vector, f64)> =
         [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]]

@@ -49,7 +49,8 @@ use std::sync::Arc;
 use rand_pcg::Pcg64;
 
 use crate::geometry::{
-    ConvexPolyhedron, MassProperties, Point, PolyhedronError, Pose, Rounded, Vector, edges_of, used,
+    ConvexPolyhedron, MassProperties, Point, PolyhedronError, Pose, Rounded, Vector, edges_of,
+    enclosed_volume, used,
 };
 use crate::scale::{self, Scale};
 use crate::scenario::{CellShape, SievedGrains};

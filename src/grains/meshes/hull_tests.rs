@@ -2,17 +2,16 @@
 //! little where they are made simpler.
 
 use crate::{
-    geometry::{ConvexPolyhedron, Hull, Point, Vector, hull},
+    geometry::{ConvexPolyhedron, Hull, Point, Vector, enclosed_volume, hull},
     grains::{
         generate,
-        meshes::surface::volume,
         streams::{rotation, stream, uniform},
         tests::{few_grains, near},
     },
 };
 
 fn volume_of(hull: &Hull) -> f64 {
-    volume(&hull.vertices, &hull.triangles)
+    enclosed_volume(&hull.vertices, &hull.triangles)
 }
 
 /// Closed, by Euler's formula and by edges, and outside of every point.

@@ -42,7 +42,7 @@ pub(super) fn convex(surface: &Surface, spec: &MeshGrains) -> Result<Convex, Fau
         )
     };
     let whole = hull(&surface.vertices, usize::MAX).ok_or_else(unmade)?;
-    let convexity = (surface.volume / volume(&whole.vertices, &whole.triangles)).min(1.0);
+    let convexity = (surface.volume / enclosed_volume(&whole.vertices, &whole.triangles)).min(1.0);
     if !(spec.hull || convexity >= NEARLY_CONVEX) {
         return Err(Fault::new(
             format!(

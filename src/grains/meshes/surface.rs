@@ -57,7 +57,7 @@ pub(super) fn surfaces(
     }
     let part = |piece: &Vec<&[u32]>| {
         let (vertices, faces) = used(piece, &vertices);
-        let volume = volume(&vertices, &faces);
+        let volume = enclosed_volume(&vertices, &faces);
         Surface { vertices, faces, volume }
     };
     let surfaces: Vec<Surface> = pieces.iter().map(part).collect();
@@ -161,18 +161,6 @@ fn pieces(vertices: usize, faces: &[Vec<u32>]) -> Vec<Vec<&[u32]>> {
         pieces[piece].push(face);
     }
     pieces
-}
-
-/// Volume enclosed by face loops, by the divergence theorem about the mean of
-/// the vertices; negative where faces are turned inwards.
-pub(super) fn volume(vertices: &[Point], faces: &[Vec<u32>]) -> f64 {
-    let centre = vertices.iter().map(|v| v.coords).sum::<Vector>() / vertices.len().max(1) as f64;
-    let at = |v: u32| vertices[v as usize].coords - centre;
-    faces
-        .iter()
-        .flat_map(|f| (1..f.len() - 1).map(move |i| [f[0], f[i], f[i + 1]]))
-        .map(|[a, b, c]| at(a).dot(&at(b).cross(&at(c))) / 6.0)
-        .sum()
 }
 
 /// Least volume of a grain, as a fraction of the cube of its largest
