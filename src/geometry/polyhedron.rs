@@ -1,6 +1,6 @@
 //! Closed convex polyhedra with explicit faces, some of which stand for rounded bodies.
 
-use std::{collections::HashMap, sync::Arc};
+use std::{collections::HashSet, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 
@@ -194,10 +194,8 @@ impl ConvexPolyhedron {
     /// # Panics
     /// When the radius in m is not positive and finite.
     pub fn ball(radius: f64) -> Self {
-        match Self::of_sphere(Sphere { centre: Point::origin(), radius }) {
-            Ok(ball) => ball,
-            Err(error) => panic!("{error}"),
-        }
+        let ball = Self::of_sphere(Sphere { centre: Point::origin(), radius });
+        ball.unwrap_or_else(|error| panic!("{error}"))
     }
 
     /// The sphere that the polyhedron stands for, if any.
@@ -218,6 +216,12 @@ impl ConvexPolyhedron {
     /// The rounded polyhedron that the polyhedron stands for, if any.
     pub fn rounded(&self) -> Option<&Rounded> {
         self.rounded.as_deref()
+    }
+
+    /// What a ball of a radius in m sweeps to make the body: the core of a rounded polyhedron; else
+    /// the polyhedron itself, and 0.
+    pub fn core(&self) -> (&Self, f64) {
+        self.rounded().map_or((self, 0.0), |rounded| (&rounded.core, rounded.radius))
     }
 
     /// Checks every invariant of the type; `new` calls it, tests call it
@@ -269,18 +273,13 @@ impl ConvexPolyhedron {
     }
 
     fn check_closed(&self) -> Result<(), PolyhedronError> {
-        let mut seen: HashMap<(u32, u32), usize> = HashMap::new();
-        for (face, from, to) in self.directed_edges() {
-            if seen.insert((from, to), face).is_some() {
-                return Err(PolyhedronError::NotClosed { face, from, to });
-            }
+        let mut seen = HashSet::new();
+        let twice = self.directed_edges().find(|&(_, from, to)| !seen.insert((from, to)));
+        let open = || self.directed_edges().find(|&(_, from, to)| !seen.contains(&(to, from)));
+        match twice.or_else(open) {
+            Some((face, from, to)) => Err(PolyhedronError::NotClosed { face, from, to }),
+            None => Ok(()),
         }
-        for (face, from, to) in self.directed_edges() {
-            if !seen.contains_key(&(to, from)) {
-                return Err(PolyhedronError::NotClosed { face, from, to });
-            }
-        }
-        Ok(())
     }
 
     fn check_convex(&self) -> Result<(), PolyhedronError> {
@@ -360,6 +359,17 @@ impl ConvexPolyhedron {
         enclosed_volume(&self.vertices, &self.faces)
     }
 
+    /// Surface in m²; of a sphere or a rounded polyhedron its own.
+    pub fn surface(&self) -> f64 {
+        if let Some(sphere) = self.sphere {
+            return sphere.surface();
+        }
+        if let Some(rounded) = &self.rounded {
+            return rounded.surface();
+        }
+        self.triangles().map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 2.0).sum()
+    }
+
     /// Surface triangles, each face cut as a fan, counter-clockwise seen from outside.
     pub fn triangles(&self) -> impl Iterator<Item = [Point; 3]> + '_ {
         self.faces.iter().flat_map(move |corners| {
@@ -374,10 +384,8 @@ impl ConvexPolyhedron {
         if let Some(sphere) = self.sphere {
             return sphere.centre.coords.norm() + sphere.radius;
         }
-        if let Some(rounded) = &self.rounded {
-            return rounded.core.radius_about_origin() + rounded.radius;
-        }
-        self.vertices.iter().map(|v| v.coords.norm()).fold(0.0, f64::max)
+        let (core, ball) = self.core();
+        core.vertices.iter().map(|v| v.coords.norm()).fold(0.0, f64::max) + ball
     }
 
     /// Lowest and highest corner of the axis-aligned bounding box, in metres.
@@ -418,15 +426,7 @@ impl ConvexPolyhedron {
 
     /// The same polyhedron moved by a pose.
     pub fn transformed(&self, pose: &Pose) -> Self {
-        Self {
-            vertices: self.vertices.iter().map(|v| pose * v).collect(),
-            faces: Arc::clone(&self.faces),
-            sphere: self.sphere.map(|s| Sphere { centre: pose * s.centre, ..s }),
-            rounded: self
-                .rounded
-                .as_ref()
-                .map(|r| Arc::new(Rounded { core: r.core.transformed(pose), radius: r.radius })),
-        }
+        self.mapped(&|point: Point| pose * point, 1.0)
     }
 
     /// The same polyhedron with all lengths about the origin multiplied by a positive factor.
@@ -435,15 +435,19 @@ impl ConvexPolyhedron {
     /// When the factor is not positive and finite.
     pub fn scaled(&self, factor: f64) -> Self {
         assert!(factor.is_finite() && factor > 0.0, "scale factor {factor} must be positive");
+        self.mapped(&|point: Point| point * factor, factor)
+    }
+
+    /// With every point put elsewhere, and radii multiplied by a factor.
+    fn mapped(&self, to: &impl Fn(Point) -> Point, factor: f64) -> Self {
+        let swept =
+            |r: &Rounded| Rounded { core: r.core.mapped(to, factor), radius: r.radius * factor };
+        let ball = |s: Sphere| Sphere { centre: to(s.centre), radius: s.radius * factor };
         Self {
-            vertices: self.vertices.iter().map(|v| v * factor).collect(),
+            vertices: self.vertices.iter().map(|v| to(*v)).collect(),
             faces: Arc::clone(&self.faces),
-            sphere: self
-                .sphere
-                .map(|s| Sphere { centre: s.centre * factor, radius: s.radius * factor }),
-            rounded: self.rounded.as_ref().map(|r| {
-                Arc::new(Rounded { core: r.core.scaled(factor), radius: r.radius * factor })
-            }),
+            sphere: self.sphere.map(ball),
+            rounded: self.rounded().map(|r| Arc::new(swept(r))),
         }
     }
 

@@ -100,7 +100,7 @@ impl Rounded {
         let r = self.radius;
         let bends: f64 = self.edges().iter().map(|e| e.length() * e.angle()).sum();
         self.core.signed_volume()
-            + surface(&self.core) * r
+            + self.core.surface() * r
             + bends / 2.0 * r * r
             + 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)
     }
@@ -109,7 +109,7 @@ impl Rounded {
     pub fn surface(&self) -> f64 {
         let r = self.radius;
         let bends: f64 = self.edges().iter().map(|e| e.length() * e.angle()).sum();
-        surface(&self.core) + bends * r + 4.0 * std::f64::consts::PI * r * r
+        self.core.surface() + bends * r + 4.0 * std::f64::consts::PI * r * r
     }
 
     /// Radius of the corners over that of the largest sphere inside: roundness after Wadell (1932),
@@ -227,11 +227,6 @@ impl Rounded {
             );
         }
     }
-}
-
-/// Surface of a polyhedron in m².
-fn surface(core: &ConvexPolyhedron) -> f64 {
-    core.triangles().map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 2.0).sum()
 }
 
 /// Radius in m of the largest sphere inside a body: a sphere's own, of a rounded polyhedron the

@@ -24,15 +24,14 @@ fn shape_of(set: &GrainSet) -> Shape {
     let n = set.grains.len() as f64;
     let mean = |of: &dyn Fn(&Grain) -> f64| set.grains.iter().map(of).sum::<f64>() / n;
     let volume = mean(&|g| g.volume);
-    let surface = |g: &Grain| -> f64 {
-        g.shape.triangles().map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 2.0).sum()
-    };
     Shape {
         faces: mean(&|g| g.shape.faces().len() as f64),
         scatter_of_volume: mean(&|g| (g.volume / volume - 1.0).powi(2)).sqrt(),
         elongation: mean(&|g| axes(g)[0] / axes(g)[1]),
         flatness: mean(&|g| axes(g)[1] / axes(g)[2]),
-        sphericity: mean(&|g| std::f64::consts::PI * g.equivalent_diameter.powi(2) / surface(g)),
+        sphericity: mean(&|g| {
+            std::f64::consts::PI * g.equivalent_diameter.powi(2) / g.shape.surface()
+        }),
     }
 }
 

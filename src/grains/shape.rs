@@ -64,37 +64,19 @@ impl ShapeRatio {
 impl GrainShape {
     /// Measures a body.
     pub fn of(body: &ConvexPolyhedron) -> Self {
-        if let Some(sphere) = body.sphere() {
-            let [longest, intermediate, shortest] = [2.0 * sphere.radius; 3];
-            let (surface, volume) = (sphere.surface(), sphere.volume());
-            return Self {
-                longest,
-                intermediate,
-                shortest,
-                surface,
-                volume,
-                roundness: 1.0,
-                faces: 0,
-                vertices: 0,
-            };
-        }
-        let rounded = body.rounded();
-        let volume = body.signed_volume();
-        let (body, wider) = rounded.map_or((body, 0.0), |r| (&r.core, 2.0 * r.radius));
-        let corners: Vec<Vector> = body.vertices().iter().map(|v| v.coords).collect();
-        let [longest, intermediate, shortest] = smallest_box(&corners).map(|side| side + wider);
-        let flat = || body.triangles().map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 2.0).sum();
-        let surface = rounded.map_or_else(flat, Rounded::surface);
-        Self {
-            longest,
-            intermediate,
-            shortest,
-            surface,
-            volume,
-            roundness: rounded.map_or(0.0, Rounded::roundness),
-            faces: body.faces().len(),
-            vertices: body.vertices().len(),
-        }
+        let (sides, roundness, faces, vertices) = match body.sphere() {
+            Some(sphere) => ([2.0 * sphere.radius; 3], 1.0, 0, 0),
+            None => {
+                let (core, ball) = body.core();
+                let corners: Vec<Vector> = core.vertices().iter().map(|v| v.coords).collect();
+                let sides = smallest_box(&corners).map(|side| side + 2.0 * ball);
+                let roundness = body.rounded().map_or(0.0, Rounded::roundness);
+                (sides, roundness, core.faces().len(), core.vertices().len())
+            }
+        };
+        let [longest, intermediate, shortest] = sides;
+        let (surface, volume) = (body.surface(), body.signed_volume());
+        Self { longest, intermediate, shortest, surface, volume, roundness, faces, vertices }
     }
 
     /// Measures the grains of a set, in its order.

@@ -96,7 +96,7 @@ pub fn sieve_size(shape: &ConvexPolyhedron) -> f64 {
         return 2.0 * sphere.radius;
     }
     // The shadow of what a ball sweeps is as much wider as the ball, in every direction.
-    let (shape, radius) = shape.rounded().map_or((shape, 0.0), |r| (&r.core, r.radius));
+    let (shape, radius) = shape.core();
     let corners: Vec<Vector> = shape.vertices().iter().map(|v| v.coords).collect();
     sieve_size_of(&corners) + 2.0 * radius
 }

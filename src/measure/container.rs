@@ -98,7 +98,7 @@ fn reach_from_axis(shape: &ConvexPolyhedron, pose: &Pose) -> f64 {
     if let Some(sphere) = shape.sphere() {
         return from_axis(&sphere.centre) + sphere.radius;
     }
-    let (core, ball) = shape.rounded().map_or((shape, 0.0), |r| (&r.core, r.radius));
+    let (core, ball) = shape.core();
     core.vertices().iter().map(from_axis).fold(0.0, f64::max) + ball
 }
 

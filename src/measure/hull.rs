@@ -51,7 +51,7 @@ impl WorldHull {
             let (vertices, faces, edges) = Default::default();
             return Self { vertices, faces, edges, low, high, rounding: 0.0, sphere: Some(sphere) };
         }
-        let (shape, rounding) = shape.rounded().map_or((shape, 0.0), |r| (&r.core, r.radius));
+        let (shape, rounding) = shape.core();
         let vertices: Vec<Vector> = shape.vertices().iter().map(|v| (pose * v).coords).collect();
         let normals: Vec<Vector> = (0..shape.faces().len())
             .map(|f| {

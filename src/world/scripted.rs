@@ -65,8 +65,7 @@ impl ScriptedWorld {
 impl World for ScriptedWorld {
     fn add(&mut self, body: &Body) -> Result<BodyId, WorldError> {
         self.bodies.push(Some((body.motion, body.state)));
-        let (of, rounding) =
-            body.shape.rounded().map_or((&*body.shape, 0.0), |r| (&r.core, r.radius));
+        let (of, rounding) = body.shape.core();
         let corners = of.vertices().iter().map(|v| v.coords).collect();
         self.corners.push(HeldShape { corners, rounding });
         Ok(BodyId(self.bodies.len() as u32 - 1))

@@ -205,7 +205,7 @@ fn flat(shape: &ConvexPolyhedron) -> ffi::HullProbeShape {
             face_vertices,
         };
     }
-    let (shape, radius) = shape.rounded().map_or((shape, 0.0), |r| (&r.core, r.radius));
+    let (shape, radius) = shape.core();
     let mut face_starts = vec![0];
     let mut face_vertices = vec![];
     for face in shape.faces() {

@@ -81,8 +81,7 @@ pub(super) fn shape(units: Units, polyhedron: &Arc<ConvexPolyhedron>) -> Option<
     if let Some(sphere) = polyhedron.sphere() {
         return Some(SharedShape::ball(sphere.radius * units.per_metre()));
     }
-    let (polyhedron, radius) =
-        polyhedron.rounded().map_or((&**polyhedron, 0.0), |r| (&r.core, r.radius));
+    let (polyhedron, radius) = polyhedron.core();
     let mesh = |points: Vec<_>, triangles: &[[u32; 3]]| match radius > 0.0 {
         true => SharedShape::round_convex_mesh(points, triangles, radius * units.per_metre()),
         false => SharedShape::convex_mesh(points, triangles),
