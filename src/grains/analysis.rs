@@ -119,7 +119,7 @@ mod tests {
         near("Cu = D60/D10", g.uniformity, 6.0, 1e-12);
         near("Cc = D30²/(D60·D10)", g.curvature, 1.5, 1e-12);
         // Six of ten stay on 4.75 mm: gravel; Cu ≥ 4 and 1 ≤ Cc ≤ 3.
-        assert_eq!(g.class(), "GW");
+        assert_eq!(g.uscs, "GW");
         let (count, mass) = analysis.between(5e-3, 2e-3);
         assert_eq!(count, 3, "3, 4 and 5 mm pass 5 mm and stay on 2 mm");
         near("their mass, kg", mass, 3e-3, 1e-15);

@@ -21,8 +21,9 @@ pub struct Gradation {
     pub uniformity: f64,
     /// Coefficient of curvature (gradation) Cc, D₃₀² / (D₆₀·D₁₀).
     pub curvature: f64,
-    /// Class in the Unified Soil Classification System, where the curve alone tells it.
-    pub uscs: Option<UscsClass>,
+    /// Group symbol in the Unified Soil Classification System, such as `GP`; in words where the
+    /// curve alone does not tell it.
+    pub uscs: &'static str,
 }
 
 impl Gradation {
@@ -31,63 +32,27 @@ impl Gradation {
     pub fn of(size_at_percent: impl Fn(f64) -> f64, percent_finer: impl Fn(f64) -> f64) -> Self {
         let [d10, d30, d50, d60] = [10.0, 30.0, 50.0, 60.0].map(size_at_percent);
         let (uniformity, curvature) = (d60 / d10, d30 * d30 / (d60 * d10));
-        let uscs = UscsClass::of(
-            percent_finer(NO_200_SIEVE),
-            100.0 - percent_finer(NO_4_SIEVE),
-            uniformity,
-            curvature,
-        );
+        let (fines, gravel) = (percent_finer(NO_200_SIEVE), 100.0 - percent_finer(NO_4_SIEVE));
+        let uscs = uscs(fines, gravel, uniformity, curvature);
         Self { d10, d30, d50, d60, uniformity, curvature, uscs }
     }
+}
 
-    /// Group symbol of the class, such as `GP`; in words where the curve does not tell it.
-    pub fn class(&self) -> String {
-        self.uscs.map_or_else(|| "not coarse".into(), |class| class.to_string())
+/// Group symbol of a coarse soil by ASTM D2487, table 1: gravel if more than half of the coarse
+/// fraction stays on the 4.75 mm sieve, else sand; well graded if 1 ≤ Cc ≤ 3 and Cu ≥ 4 (gravel) or
+/// Cu ≥ 6 (sand), else poorly graded. No symbol where 5 % or more are fines (below 0.075 mm): the class
+/// then depends on their plasticity. Shares are in percent of the mass.
+fn uscs(fines: f64, gravel: f64, uniformity: f64, curvature: f64) -> &'static str {
+    if !(fines < 5.0) {
+        return "not coarse";
     }
-}
-
-/// Class of a clean coarse soil in the Unified Soil Classification System.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum UscsClass {
-    /// Well-graded gravel.
-    Gw,
-    /// Poorly graded gravel.
-    Gp,
-    /// Well-graded sand.
-    Sw,
-    /// Poorly graded sand.
-    Sp,
-}
-
-impl UscsClass {
-    /// Class by ASTM D2487, table 1: gravel if more than half of the coarse
-    /// fraction stays on the 4.75 mm sieve, else sand; well graded if
-    /// 1 ≤ Cc ≤ 3 and Cu ≥ 4 (gravel) or Cu ≥ 6 (sand), else poorly graded.
-    /// `None` where 5 % or more are fines (below 0.075 mm): the class then
-    /// depends on their plasticity. Shares are in percent of the mass.
-    pub fn of(fines: f64, gravel: f64, uniformity: f64, curvature: f64) -> Option<Self> {
-        if !(fines < 5.0) {
-            return None;
-        }
-        let is_gravel = gravel > (100.0 - fines) / 2.0;
-        let least_uniformity = if is_gravel { 4.0 } else { 6.0 };
-        let well_graded = uniformity >= least_uniformity && (1.0..=3.0).contains(&curvature);
-        Some(match (is_gravel, well_graded) {
-            (true, true) => Self::Gw,
-            (true, false) => Self::Gp,
-            (false, true) => Self::Sw,
-            (false, false) => Self::Sp,
-        })
-    }
-}
-
-impl std::fmt::Display for UscsClass {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Gw => "GW",
-            Self::Gp => "GP",
-            Self::Sw => "SW",
-            Self::Sp => "SP",
-        })
+    let is_gravel = gravel > (100.0 - fines) / 2.0;
+    let least_uniformity = if is_gravel { 4.0 } else { 6.0 };
+    let well_graded = uniformity >= least_uniformity && (1.0..=3.0).contains(&curvature);
+    match (is_gravel, well_graded) {
+        (true, true) => "GW",
+        (true, false) => "GP",
+        (false, true) => "SW",
+        (false, false) => "SP",
     }
 }

@@ -31,7 +31,7 @@ pub use file::{
     BlockJson, CellJson, GrainsJson, SieveJson, from_json, read_json, to_json, write_json,
 };
 pub use generate::generate;
-pub use gradation::{Gradation, UscsClass};
+pub use gradation::Gradation;
 pub use mesh::{write_obj, write_ply, write_ply_of, write_stl, write_stl_of};
 pub use meshes::{MeshRecord, from_meshes, meshes_csv, parts_of_piece};
 pub use mixing::{Mixing, mix, rain};

@@ -36,7 +36,7 @@ impl From<Gradation> for GradationSummary {
             d60_mm: to_mm(g.d60),
             coefficient_of_uniformity: g.uniformity,
             coefficient_of_curvature: g.curvature,
-            uscs: g.class(),
+            uscs: g.uscs.to_owned(),
         }
     }
 }
