@@ -81,15 +81,6 @@ pub(super) struct Shadow {
     outline: Vec<[f64; 2]>,
 }
 
-/// A direction in a shadow, and the width of the shadow along it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct ShadowWidth {
-    /// Width in m.
-    pub width: f64,
-    /// Unit vector in the shadow's plane.
-    pub along: [f64; 2],
-}
-
 impl EdgeFan {
     /// The fans of all edges of the hull of some corners, in m.
     pub fn all(corners: &[Vector]) -> Vec<Self> {
@@ -193,10 +184,10 @@ fn add(outline: &mut Vec<[f64; 2]>, base: usize, p: [f64; 2]) {
 }
 
 impl Shadow {
-    /// The least width of the shadow, over all directions in its plane: it is
-    /// square to one of its sides.
-    pub fn least_width(&self) -> ShadowWidth {
-        let mut least = ShadowWidth { width: f64::INFINITY, along: [1.0, 0.0] };
+    /// The least width of the shadow in m, over all directions in its plane, and its direction, a
+    /// unit vector: it is square to one of its sides.
+    pub fn least_width(&self) -> (f64, [f64; 2]) {
+        let mut least = (f64::INFINITY, [1.0, 0.0]);
         for along in self.normals() {
             // Both ways: corners that coincide but for rounding have a side
             // between them that points anywhere.
@@ -204,13 +195,13 @@ impl Shadow {
             for p in &self.outline {
                 let at = p[0] * along[0] + p[1] * along[1];
                 (low, high) = (low.min(at), high.max(at));
-                if high - low >= least.width {
+                if high - low >= least.0 {
                     break;
                 }
             }
             let width = high - low;
-            if width < least.width {
-                least = ShadowWidth { width, along };
+            if width < least.0 {
+                least = (width, along);
             }
         }
         least
@@ -222,12 +213,7 @@ impl Shadow {
     pub fn least_rectangle(&self) -> (f64, [f64; 2]) {
         let mut least = (f64::INFINITY, [f64::INFINITY; 2]);
         for along in self.normals() {
-            let extent = |x: f64, y: f64| {
-                let places = self.outline.iter().map(|p| p[0] * x + p[1] * y);
-                let none = (f64::INFINITY, f64::NEG_INFINITY);
-                let (low, high) = places.fold(none, |(low, high), at| (low.min(at), high.max(at)));
-                high - low
-            };
+            let extent = |x: f64, y: f64| spread(self.outline.iter().map(|p| p[0] * x + p[1] * y));
             let sides = [extent(along[0], along[1]), extent(along[1], -along[0])];
             let area = sides[0] * sides[1];
             if area < least.0 {
@@ -250,10 +236,13 @@ impl Shadow {
 
 /// Width in m of some corners along a unit direction.
 pub(super) fn width(corners: &[Vector], direction: &Vector) -> f64 {
-    let (low, high) = corners
-        .iter()
-        .map(|p| p.dot(direction))
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)));
+    spread(corners.iter().map(|p| p.dot(direction)))
+}
+
+/// The largest of some numbers less the smallest.
+fn spread(numbers: impl Iterator<Item = f64>) -> f64 {
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = numbers.fold(none, |(low, high), x| (low.min(x), high.max(x)));
     high - low
 }
 

@@ -142,12 +142,12 @@ impl Search {
     fn look(&mut self, fan: &EdgeFan, angle: f64, width: f64) -> f64 {
         self.looks += 1;
         fan.cast(angle, &mut self.shadow);
-        let other = self.shadow.least_width();
-        if width.max(other.width) < self.best {
-            self.best = width.max(other.width);
-            self.sides = [fan.direction(angle), fan.in_space(angle, other.along)];
+        let (other, along) = self.shadow.least_width();
+        if width.max(other) < self.best {
+            self.best = width.max(other);
+            self.sides = [fan.direction(angle), fan.in_space(angle, along)];
         }
-        other.width
+        other
     }
 
     /// Leaves out a range in which no opening is below this, in m, if that is enough.
