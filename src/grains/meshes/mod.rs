@@ -129,23 +129,20 @@ fn prototype(
     surface: &surface::Surface,
     spec: &MeshGrains,
 ) -> Result<(Prototype, MeshRecord), Fault> {
-    let convex = shape::convex(surface, spec)?;
-    let centroid = MassProperties::of(&convex.shape).centroid;
-    let shape = convex.shape.transformed(&Pose::translation(-centroid.x, -centroid.y, -centroid.z));
+    let (convex, record) = shape::convex(surface, spec)?;
+    let centroid = MassProperties::of(&convex).centroid;
+    let shape = convex.transformed(&Pose::translation(-centroid.x, -centroid.y, -centroid.z));
     let sieve_size = sieve_size(&shape);
     check_size(sieve_size, spec.mesh_unit)?;
     let record = MeshRecord {
         mesh_vertices: surface.vertices.len(),
         mesh_faces: surface.faces.len(),
         mesh_volume: surface.volume,
-        convexity: convex.convexity,
-        hull: convex.hull,
         vertices: shape.vertices().len(),
         faces: shape.faces().len(),
         volume: shape.signed_volume(),
-        left_out: convex.left_out,
         sieve_size,
-        ..MeshRecord::default()
+        ..record
     };
     Ok((Prototype { volume: record.volume, shape, sieve_size }, record))
 }

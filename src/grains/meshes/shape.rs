@@ -7,23 +7,19 @@ use crate::geometry::{FLATNESS, Hull, hull, joined_polyhedron};
 /// their hulls without being asked: the roughness of a scan leaves them there.
 pub(super) const NEARLY_CONVEX: f64 = 0.99;
 
-/// A surface as a convex polyhedron.
-#[derive(Debug, Clone)]
-pub(super) struct Convex {
-    /// The polyhedron, where the surface was.
-    pub shape: ConvexPolyhedron,
-    /// Volume of the surface over that of its convex hull; 1 where it was convex.
-    pub convexity: f64,
-    /// Whether the shape is the hull (or a simpler one), not the surface itself.
-    pub hull: bool,
-    /// How far in m the mesh sticks out of the shape, where vertices were left out.
-    pub left_out: f64,
-}
-
 /// The convex polyhedron of a surface: the surface itself where it is convex
 /// and has few enough vertices, else its hull where that is near enough or
-/// asked for.
-pub(super) fn convex(surface: &Surface, spec: &MeshGrains) -> Result<Convex, Fault> {
+/// asked for. Where the surface was, with a record of what was done to it.
+pub(super) fn convex(
+    surface: &Surface,
+    spec: &MeshGrains,
+) -> Result<(ConvexPolyhedron, MeshRecord), Fault> {
+    let made = |convexity, hull, left_out| MeshRecord {
+        convexity,
+        hull,
+        left_out,
+        ..MeshRecord::default()
+    };
     let most = spec.largest_vertex_count as usize;
     // Joining triangles may leave vertices amid a face, so count after it.
     let small = |vertices: &[Point], faces: &[Vec<u32>]| {
@@ -32,7 +28,7 @@ pub(super) fn convex(surface: &Surface, spec: &MeshGrains) -> Result<Convex, Fau
         shape.filter(|shape| shape.vertices().len() <= most)
     };
     if let Some(shape) = small(&surface.vertices, &surface.faces) {
-        return Ok(Convex { shape, convexity: 1.0, hull: false, left_out: 0.0 });
+        return Ok((shape, made(1.0, false, 0.0)));
     }
     let unmade = || {
         Fault::new(
@@ -60,9 +56,9 @@ pub(super) fn convex(surface: &Surface, spec: &MeshGrains) -> Result<Convex, Fau
         return Err(unmade());
     }
     if let Some(shape) = small(&whole.vertices, &whole.triangles) {
-        return Ok(Convex { shape, convexity, hull: true, left_out: 0.0 });
+        return Ok((shape, made(convexity, true, 0.0)));
     }
     let Hull { vertices, triangles, left_out } = hull(&whole.vertices, most).ok_or_else(unmade)?;
     let shape = joined_polyhedron(&vertices, &triangles).ok_or_else(unmade)?;
-    Ok(Convex { shape, convexity, hull: true, left_out })
+    Ok((shape, made(convexity, true, left_out)))
 }
