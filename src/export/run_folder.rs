@@ -218,7 +218,7 @@ impl Manifest {
         grains: &GrainSet,
     ) -> Result<SpecimenState, FileError> {
         let root = run_file(&self.folder, "stages");
-        let (state, path) = StageStore::state_in(&root, &entry.key, &entry.specimen_sha256)?;
+        let (_, state, path) = StageStore::stage_in(&root, &entry.key, &entry.specimen_sha256)?;
         state.check(grains.grains.len()).map_err(|reason| FileError::unfit(&path, reason))?;
         Ok(state)
     }

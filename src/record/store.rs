@@ -122,24 +122,12 @@ impl StageStore {
         Ok(stage)
     }
 
-    /// The specimen's state at the end of a stage of a store that is only to be read, and the file
-    /// it stands in. `sha256` is what a manifest noted of that file; an empty one was not noted.
+    /// What a stage of a store that is only to be read says of itself, the specimen's state at its
+    /// end, and the file that stands in. `sha256` is what a manifest noted of that file; an empty one
+    /// was not noted.
     ///
     /// # Errors
     /// When it is not there, not as it was written, or another stage's.
-    pub fn state_in(
-        root: &Path,
-        key: &str,
-        sha256: &str,
-    ) -> Result<(SpecimenState, PathBuf), FileError> {
-        let (_, state, file) = Self::stage_in(root, key, sha256)?;
-        Ok((state, file))
-    }
-
-    /// The same with what the stage says of itself.
-    ///
-    /// # Errors
-    /// As [`Self::state_in`].
     pub fn stage_in(
         root: &Path,
         key: &str,
@@ -229,7 +217,7 @@ impl StageStore {
             fs::set_permissions(part.path(), fs::Permissions::from_mode(0o755)).map_err(refused)?;
         }
         sync_folder(part.path()).map_err(refused)?;
-        let first = self.publish(part.path(), &target, asked)?;
+        let first = self.publish(exchange, part.path(), &target, asked)?;
         // It failed before, perhaps for lack of memory, and does so no more.
         let _ = fs::remove_file(self.failed_file(&asked.identity.key));
         if let Some(first) = first {
@@ -254,18 +242,9 @@ impl StageStore {
 
     /// Puts a written stage in its place, unless one is there that is to be
     /// believed, which is given then: it is never taken away, so that no reader
-    /// misses it. What is not believed is replaced by one program at a time.
+    /// misses it. What is not believed is replaced by one program at a time, with
+    /// a way to exchange two folders, which says whether it could.
     fn publish(
-        &self,
-        part: &Path,
-        target: &Path,
-        asked: &AskedStage,
-    ) -> Result<Option<StoredStage>, FileError> {
-        self.publish_by(exchange, part, target, asked)
-    }
-
-    /// The same with a way to exchange two folders, which says whether it could.
-    fn publish_by(
         &self,
         exchange: fn(&Path, &Path) -> bool,
         part: &Path,

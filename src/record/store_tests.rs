@@ -84,7 +84,7 @@ fn what_is_stored_comes_back_and_nothing_else_is_left() {
     assert_eq!(files(&folder).len(), 4, "law: stage, specimen, series and frames");
     let frames = StageStore::frames_in(root.path(), &key()).expect("sound").expect("kept");
     assert_eq!(frames.0.len(), 2, "law: as many frames as were added");
-    let state = StageStore::state_in(root.path(), &key(), "").expect("sound").0;
+    let state = StageStore::stage_in(root.path(), &key(), "").expect("sound").1;
     assert_eq!(state, SpecimenState::before_everything(2));
 }
 
@@ -163,7 +163,7 @@ fn a_stage_that_does_not_say_which_it_is_is_shown_but_not_used() {
     assert!(found.is_none(), "law: it is not used");
     assert!(why.is_some_and(|why| why.contains("does not say which stage")), "law: and reported");
     assert!(store.sound(&asked(&named("rest", 1))).is_none(), "law: it counts as missing");
-    StageStore::state_in(root.path(), &key(), "").expect("law: runs of earlier versions are shown");
+    StageStore::stage_in(root.path(), &key(), "").expect("law: runs of earlier versions are shown");
     let mut unsummed = saved.record;
     unsummed.record_sha256.clear();
     write_json(&folder.join(RECORD_FILE), &unsummed).expect("written");
@@ -180,7 +180,7 @@ fn a_stage_in_the_place_of_another_is_not_used() {
     assert!(found.is_none(), "law: another's stage is not used");
     assert!(why.is_some_and(|why| why.contains("another stage")), "law: and reported");
     assert!(store.sound(&asked(&other)).is_none(), "law: it counts as missing");
-    let said = StageStore::state_in(root.path(), &other.key, "").expect_err("law: nor shown");
+    let said = StageStore::stage_in(root.path(), &other.key, "").expect_err("law: nor shown");
     assert!(said.to_string().contains("another stage"), "{said}");
     StageStore::frames_in(root.path(), &other.key).expect_err("law: nor are its frames");
     // Even with the key that its place asks for, and all hashes.
@@ -221,7 +221,7 @@ fn crafted_records_and_states_with_their_hashes_are_not_used() {
     forge(&folder, StageRecord { specimen_sha256: hash_bytes(&few), ..saved.record });
     let (found, why) = load(&store);
     assert!(found.is_none() && why.is_some_and(|why| why.contains("1 bodies")), "law: all grains");
-    StageStore::state_in(root.path(), &key(), "").expect_err("law: nor is it shown");
+    StageStore::stage_in(root.path(), &key(), "").expect_err("law: nor is it shown");
 }
 
 #[test]
@@ -233,8 +233,8 @@ fn what_cannot_be_and_what_a_manifest_does_not_know_is_not_used() {
     let (found, why) = store.load(&impossible);
     assert!(found.is_none() && why.is_some_and(|why| why.contains("grains fly")));
     let sum = &saved.record.specimen_sha256;
-    StageStore::state_in(root.path(), &key(), sum).expect("law: as the manifest has it");
-    StageStore::state_in(root.path(), &key(), "0").expect_err("law: another than it has");
+    StageStore::stage_in(root.path(), &key(), sum).expect("law: as the manifest has it");
+    StageStore::stage_in(root.path(), &key(), "0").expect_err("law: another than it has");
     let unknown = StageRecord { frames_sha256: String::new(), ..saved.record.clone() };
     forge(&store.folder(&key()), unknown);
     let frames = StageStore::frames_in(root.path(), &key()).expect("a whole stage");
@@ -414,7 +414,7 @@ fn replaced_by(exchange: fn(&Path, &Path) -> bool) -> (Option<StoredStage>, usiz
         fs::copy(&file, part.path().join(file.file_name().expect("a name"))).expect("copied");
     }
     let identity = named("rest", 1);
-    let first = store.publish_by(exchange, part.path(), &folder, &asked(&identity));
+    let first = store.publish(exchange, part.path(), &folder, &asked(&identity));
     assert_eq!(first.expect("replaced"), None, "law: a damaged stage is not kept");
     drop(part);
     (load(&store).0, parts_in(root.path()).len())
