@@ -8,17 +8,6 @@ const TURN: &str = ".begin.lock";
 /// Held by everybody who runs there, together with others.
 const RUN: &str = ".run.lock";
 
-/// Whether others are at work in a folder.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AtWork {
-    /// Nobody is.
-    Nobody,
-    /// Somebody is.
-    Somebody,
-    /// The file system has no locks.
-    Unknown,
-}
-
 /// A folder that somebody is at work in until this is dropped.
 #[derive(Debug)]
 pub struct RunLock {
@@ -41,11 +30,7 @@ impl RunLock {
         let turn = open_lock(folder, TURN)?;
         wait_alone(&turn);
         let held = open_lock(folder, RUN)?;
-        let at_work = match ask_alone(&held) {
-            Asked::Given => AtWork::Nobody,
-            Asked::Busy => AtWork::Somebody,
-            Asked::Unknown => AtWork::Unknown,
-        };
+        let at_work = ask_alone(&held);
         if at_work == AtWork::Nobody {
             let _ = held.unlock();
         }

@@ -259,11 +259,11 @@ fn claim_after(folder: &Path, mut opened: impl FnMut()) -> Result<Option<File>, 
         };
         opened();
         match ask_alone(&lock) {
-            Asked::Busy => return Ok(None),
+            AtWork::Somebody => return Ok(None),
             // One that was removed meanwhile keeps nobody else away.
-            Asked::Given if !has_name(&lock) && tries < TRIES => {}
+            AtWork::Nobody if !has_name(&lock) && tries < TRIES => {}
             // A file system without locks has one program at a time, we hope.
-            Asked::Given | Asked::Unknown => return Ok(Some(lock)),
+            AtWork::Nobody | AtWork::Unknown => return Ok(Some(lock)),
         }
     }
 }

@@ -5,23 +5,23 @@ use std::fs::TryLockError;
 
 use super::*;
 
-/// What came of asking for a lock without waiting.
+/// Who else is at work with a file or in a folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Asked {
-    /// It is held from now on.
-    Given,
-    /// Somebody else holds it.
-    Busy,
+pub enum AtWork {
+    /// Nobody is.
+    Nobody,
+    /// Somebody is.
+    Somebody,
     /// The file system has no locks.
     Unknown,
 }
 
-/// Asks to hold a file alone.
-pub(super) fn ask_alone(file: &File) -> Asked {
+/// Asks, without waiting, to hold a file alone; it is held from now on where nobody else holds it.
+pub(super) fn ask_alone(file: &File) -> AtWork {
     match file.try_lock() {
-        Ok(()) => Asked::Given,
-        Err(TryLockError::WouldBlock) => Asked::Busy,
-        Err(TryLockError::Error(_)) => Asked::Unknown,
+        Ok(()) => AtWork::Nobody,
+        Err(TryLockError::WouldBlock) => AtWork::Somebody,
+        Err(TryLockError::Error(_)) => AtWork::Unknown,
     }
 }
 

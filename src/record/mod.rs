@@ -24,7 +24,7 @@ mod tables;
 mod unfinished;
 mod variations;
 
-pub use at_work::{AtWork, RunLock};
+pub use at_work::RunLock;
 pub use atomic::{
     FileError, create_folder, json_text, read_file, read_json, read_unchanged, write_csv,
     write_file, write_json,
@@ -38,6 +38,7 @@ pub use hash::{hash_bytes, hash_json};
 pub use identity::{AskedStage, StageEnd, StageIdentity};
 pub use laboratory::*;
 pub use left_out::{MOST_MISSING, NO_VALID_RUN, left_out_in_words};
+pub use lock::AtWork;
 pub use profile::{DistributionRow, ProfileRow, distributions};
 pub use run::{RunKind, RunRecord, run_file};
 pub use sealed::{Beside, keep_beside};

@@ -32,7 +32,7 @@ impl StageStore {
     pub fn open(root: &Path) -> Result<Self, FileError> {
         create_folder(root)?;
         let lock = open_lock(root, LOCK)?;
-        if ask_alone(&lock) == Asked::Given {
+        if ask_alone(&lock) == AtWork::Nobody {
             // Whoever works here holds the lock: what is half written is abandoned.
             for part in parts_in(root) {
                 // A leftover that cannot be removed does no harm.
@@ -123,7 +123,7 @@ impl StageStore {
     }
 
     /// What a stage of a store that is only to be read says of itself, the specimen's state at its
-    /// end, and the file that stands in. `sha256` is what a manifest noted of that file; an empty one
+    /// end, and the file of that state. `sha256` is what a manifest noted of the file; an empty one
     /// was not noted.
     ///
     /// # Errors

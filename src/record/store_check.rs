@@ -178,20 +178,16 @@ fn checkpoints_in(root: &Path, folder: &str) -> Vec<StoredItem> {
     let items = files.iter().map(|path| {
         let file = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         let name = format!("{folder}/{file}");
-        match checkpoint::check_checkpoint(path) {
-            Ok(identity) => {
-                let mut item = StoredItem::new(name, StoredState::Whole, Some(&identity));
-                if identity.key.get(..24) != Some(key) {
-                    item.damaged(format!("it is of another stage, {}", identity.key));
-                }
-                item
+        let checked = checkpoint::check_checkpoint(path);
+        let mut item = StoredItem::new(name, StoredState::Whole, checked.as_ref().ok());
+        match checked {
+            Err(error) => item.damaged(error),
+            Ok(identity) if identity.key.get(..24) != Some(key) => {
+                item.damaged(format!("it is of another stage, {}", identity.key));
             }
-            Err(error) => {
-                let mut item = StoredItem::new(name, StoredState::Damaged, None);
-                item.damaged(error);
-                item
-            }
+            Ok(_) => {}
         }
+        item
     });
     items.collect()
 }
@@ -200,7 +196,7 @@ fn checkpoints_in(root: &Path, folder: &str) -> Vec<StoredItem> {
 fn unfinished(root: &Path) -> Vec<StoredItem> {
     let is_free = |path: &Path| {
         let lock = File::open(path);
-        lock.is_ok_and(|lock| ask_alone(&lock) == Asked::Given)
+        lock.is_ok_and(|lock| ask_alone(&lock) == AtWork::Nobody)
     };
     let state = |free| if free { StoredState::Abandoned } else { StoredState::BeingWritten };
     let parts = parts_in(root);

@@ -67,7 +67,7 @@ pub(super) fn remove_abandoned_in(folder: &Path) {
         let path = folder.join(name);
         // Locks of network file systems ask for a file that can be written.
         let Ok(file) = File::options().read(true).write(true).open(&path) else { continue };
-        if ask_alone(&file) == Asked::Given {
+        if ask_alone(&file) == AtWork::Nobody {
             let _ = fs::remove_file(&path);
         }
     }
