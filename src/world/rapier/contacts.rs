@@ -38,7 +38,7 @@ pub(super) fn read(world: &PhysicsWorld, units: Units, into: &mut Vec<Contact>) 
                     b,
                     point: units.metres((on_a + on_b) * 0.5),
                     normal: super::convert::plain(normal),
-                    gap: (on_a - on_b).dot(normal) / units.per_metre(),
+                    gap: (on_a - on_b).dot(normal) / units.per_metre,
                     impulse: units.metres(normal * found.data.impulse + friction),
                 });
             }

@@ -12,18 +12,10 @@ use crate::geometry::{ConvexPolyhedron, Pose, Vector};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Units {
     /// Engine units in a metre.
-    per_metre: f64,
+    pub per_metre: f64,
 }
 
 impl Units {
-    pub(super) fn new(per_metre: f64) -> Self {
-        Self { per_metre }
-    }
-
-    pub(super) fn per_metre(self) -> f64 {
-        self.per_metre
-    }
-
     /// A length, or what scales like one, to engine units.
     pub(super) fn length(self, metres: &Vector) -> math::Vector {
         vector(&(metres * self.per_metre))
@@ -79,11 +71,11 @@ const SIMPLIFIED_BY: [f64; 4] = [1e-6, 1e-5, 1e-4, 1e-3];
 /// in, those that lie closer together than a share of the size taken as one.
 pub(super) fn shape(units: Units, polyhedron: &Arc<ConvexPolyhedron>) -> Option<SharedShape> {
     if let Some(sphere) = polyhedron.sphere() {
-        return Some(SharedShape::ball(sphere.radius * units.per_metre()));
+        return Some(SharedShape::ball(sphere.radius * units.per_metre));
     }
     let (polyhedron, radius) = polyhedron.core();
     let mesh = |points: Vec<_>, triangles: &[[u32; 3]]| match radius > 0.0 {
-        true => SharedShape::round_convex_mesh(points, triangles, radius * units.per_metre()),
+        true => SharedShape::round_convex_mesh(points, triangles, radius * units.per_metre),
         false => SharedShape::convex_mesh(points, triangles),
     };
     let points: Vec<_> = polyhedron.vertices().iter().map(|p| units.length(&p.coords)).collect();
@@ -92,7 +84,7 @@ pub(super) fn shape(units: Units, polyhedron: &Arc<ConvexPolyhedron>) -> Option<
         .iter()
         .flat_map(|face| face[1..].windows(2).map(|pair| [face[0], pair[0], pair[1]]))
         .collect();
-    let size = polyhedron.equivalent_diameter() * units.per_metre();
+    let size = polyhedron.equivalent_diameter() * units.per_metre;
     mesh(points.clone(), &triangles).or_else(|| {
         SIMPLIFIED_BY.iter().find_map(|share| {
             let (points, triangles) = try_convex_hull(&apart(&points, share * size)).ok()?;

@@ -34,7 +34,6 @@ use super::{
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
 use crate::scenario::EngineSettings;
 use convert::Units;
-use pairs::Pairs;
 
 /// Version of the crate `rapier3d-f64`, which does not tell its own; a test
 /// compares it with `Cargo.lock`.
@@ -55,7 +54,7 @@ struct Present {
 pub struct RapierBackend {
     world: PhysicsWorld,
     units: Units,
-    pairs: Pairs,
+    pairs: PairTable,
     /// By [`BodyId`]; `None` where a body was removed.
     bodies: Vec<Option<Present>>,
     /// Shapes already known to the engine, by address; the `Arc`s keep the
@@ -95,10 +94,11 @@ impl RapierBackend {
             },
             ..PhysicsWorld::new()
         };
+        pairs.check()?;
         Ok(Self {
             world,
             units,
-            pairs: Pairs::new(pairs)?,
+            pairs: pairs.clone(),
             bodies: Vec::new(),
             shapes: HashMap::new(),
             spanned_faces: settings.rapier.spanned_faces,
@@ -250,7 +250,7 @@ impl World for RapierBackend {
         into.extend(self.bodies.iter().map(|present| {
             let collider = self.world.colliders.get(present.as_ref()?.collider)?;
             if let Some(ball) = collider.shape().as_ball() {
-                let on = Vector::new(ball.radius / self.units.per_metre(), 0.0, 0.0);
+                let on = Vector::new(ball.radius / self.units.per_metre, 0.0, 0.0);
                 return Some(HeldShape { corners: vec![on], rounding: 0.0 });
             }
             let (hull, radius) = match collider.shape().as_round_convex_polyhedron() {
@@ -258,7 +258,7 @@ impl World for RapierBackend {
                 None => (collider.shape().as_convex_polyhedron()?, 0.0),
             };
             let corners = hull.points().iter().map(|p| self.units.metres(*p)).collect();
-            Some(HeldShape { corners, rounding: radius / self.units.per_metre() })
+            Some(HeldShape { corners, rounding: radius / self.units.per_metre })
         }));
     }
 

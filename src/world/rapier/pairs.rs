@@ -13,28 +13,16 @@ use rapier3d_f64::prelude::{
     ContactModificationContext, PhysicsHooks, PhysicsWorld,
 };
 
-use super::super::{Material, PairCoefficients, PairTable, WorldError};
+use super::super::{Material, PairCoefficients, PairTable};
 
 /// How far rounding may take the average from the table's value.
 const ROUNDING: f64 = 1e-14;
 
-/// The table of pairs, and what of it rapier's own rule cannot give.
-pub(super) struct Pairs {
-    table: PairTable,
-}
-
-impl Pairs {
-    /// # Errors
-    /// As [`PairTable::check`].
-    pub(super) fn new(table: &PairTable) -> Result<Self, WorldError> {
-        table.check()?;
-        Ok(Self { table: table.clone() })
-    }
-
+impl PairTable {
     /// What a body of this material gets, so that averages with grains come out.
     fn own(&self, material: Material) -> PairCoefficients {
-        let grains = self.table.get(Material::Grain, Material::Grain);
-        let with = self.table.get(Material::Grain, material);
+        let grains = self.get(Material::Grain, Material::Grain);
+        let with = self.get(Material::Grain, material);
         PairCoefficients {
             friction: 2.0 * with.friction - grains.friction,
             restitution: 2.0 * with.restitution - grains.restitution,
@@ -43,13 +31,12 @@ impl Pairs {
 
     /// Whether averages fail for a pair of this material with any other.
     fn needs_hook(&self, material: Material) -> bool {
-        self.table.materials().into_iter().any(|other| {
+        self.materials().into_iter().any(|other| {
             // Two walls never meet.
             if material == Material::Wall && other == Material::Wall {
                 return false;
             }
-            let (a, b, exact) =
-                (self.own(material), self.own(other), self.table.get(material, other));
+            let (a, b, exact) = (self.own(material), self.own(other), self.get(material, other));
             let off = |a: f64, b: f64, exact: f64| ((a + b) / 2.0 - exact).abs() > ROUNDING;
             off(a.friction, b.friction, exact.friction)
                 || off(a.restitution, b.restitution, exact.restitution)
@@ -75,11 +62,11 @@ impl Pairs {
     }
 
     fn exact(&self, a: &Collider, b: &Collider) -> Option<PairCoefficients> {
-        let all = self.table.materials();
+        let all = self.materials();
         let material = |c: &Collider| {
             usize::try_from(c.user_data).ok().and_then(|number| all.get(number).copied())
         };
-        Some(self.table.get(material(a)?, material(b)?))
+        Some(self.get(material(a)?, material(b)?))
     }
 
     /// What a contact of two colliders has; where they do not touch, what
@@ -120,7 +107,8 @@ impl Pairs {
     }
 }
 
-impl PhysicsHooks for Pairs {
+/// What of the table rapier's own rule cannot give.
+impl PhysicsHooks for PairTable {
     fn modify_solver_contacts(&self, context: &mut ContactModificationContext) {
         let (a, b) =
             (context.colliders.get(context.collider1), context.colliders.get(context.collider2));

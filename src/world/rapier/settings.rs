@@ -26,7 +26,7 @@ fn count(setting: &str, value: u32, least: u32) -> Result<usize, WorldError> {
 
 pub(super) fn units(s: &EngineSettings) -> Result<Units, WorldError> {
     let metres = from_mm(positive("rapier.engine_unit_mm", s.rapier.engine_unit_mm)?);
-    Ok(Units::new(1.0 / metres))
+    Ok(Units { per_metre: 1.0 / metres })
 }
 
 /// Rapier's damping c in 1/s, with velocities falling like exp(-c t), for the
@@ -47,9 +47,9 @@ pub(super) fn integration_parameters(
     let size = from_mm(positive("grain_size_mm", s.grain_size_mm)?);
     let scale = Scale::of_smallest(size, Scale::PAPER.gravity);
     let margin = scale::BROADPHASE_MARGIN.at(&scale);
-    let length_unit = margin / MARGIN_OF_LENGTH_UNIT * units.per_metre();
+    let length_unit = margin / MARGIN_OF_LENGTH_UNIT * units.per_metre;
     // Rapier multiplies what it calls normalised by its length unit.
-    let normalised = |metres: f64| metres * units.per_metre() / length_unit;
+    let normalised = |metres: f64| metres * units.per_metre / length_unit;
     let spring = |name: &str, frequency: f64, ratio: f64| {
         Ok(SpringCoefficients {
             natural_frequency: positive(&format!("rapier.{name}_frequency_hz"), frequency)?,
@@ -108,13 +108,13 @@ pub(super) fn effective(
 ) -> EffectiveSettings {
     let p = &world.integration_parameters;
     let gravity = units.metres(world.gravity);
-    let metres = |length: f64| length / units.per_metre();
+    let metres = |length: f64| length / units.per_metre;
     let info = super::info();
     let mut settings: Vec<(&str, Value)> = vec![
         ("engine", info.name.into()),
         ("engine_version", info.version.into()),
         ("engine_precision", info.precision.into()),
-        ("length_scale_units_per_m", json!(units.per_metre())),
+        ("length_scale_units_per_m", json!(units.per_metre)),
         ("time_step_s", json!(p.dt)),
         ("gravity_x_m_per_s2", json!(gravity.x)),
         ("gravity_y_m_per_s2", json!(gravity.y)),

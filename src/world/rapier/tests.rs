@@ -145,7 +145,7 @@ fn the_engine_holds_mass_and_inertia_as_given() {
     steps(&mut world, 1);
     let (_, held) = world.world.bodies.iter().next().expect("a body");
     let own = &held.mass_properties().local_mprops;
-    let scale = world.units.per_metre().powi(2);
+    let scale = world.units.per_metre.powi(2);
     let got = convert::plain(own.principal_inertia()) / scale;
     assert!((own.mass() / mass - 1.0).abs() < 1e-14, "mass {mass}, got {}", own.mass());
     assert!(
@@ -157,9 +157,8 @@ fn the_engine_holds_mass_and_inertia_as_given() {
 #[test]
 fn a_hook_is_used_only_where_averages_fail() {
     let hooks = |table: &PairTable| {
-        let pairs = Pairs::new(table).expect("a sound table");
         let shape = SharedShape::ball(1.0);
-        let of = |material| pairs.apply(ColliderBuilder::new(shape.clone()), material).build();
+        let of = |material| table.apply(ColliderBuilder::new(shape.clone()), material).build();
         [Material::Grain, Material::Wall, Material::Plate].map(|m| !of(m).active_hooks().is_empty())
     };
     assert_eq!(hooks(&uniform(0.5, 0.3)), [false; 3], "one value for all is an average");
@@ -286,7 +285,7 @@ fn every_grain_of_the_papers_specimen_has_a_shape() {
     .expect("a scenario");
     let crate::scenario::GrainsSpec::Sieved(sieved) = &sieved.grains else { unreachable!() };
     let set = crate::grains::generate(sieved, 1).expect("grains");
-    let units = convert::Units::new(100.0);
+    let units = convert::Units { per_metre: 100.0 };
     let mut worst = 0.0_f64;
     for grain in &set.grains {
         let shape = convert::shape(units, &grain.shape).expect("law: every grain has a shape");
