@@ -40,6 +40,17 @@ pub(crate) fn used<V: Copy>(
     (used.iter().map(|&v| vertices[v as usize]).collect(), faces)
 }
 
+/// The loop of some corners, each but once where it follows itself; none of fewer than three,
+/// which has no area.
+pub(crate) fn loop_of(corners: impl Iterator<Item = u32>) -> Option<Vec<u32>> {
+    let mut face: Vec<u32> = corners.collect();
+    face.dedup();
+    while face.len() > 1 && face.first() == face.last() {
+        face.pop();
+    }
+    (face.len() >= 3).then_some(face)
+}
+
 /// Each corner of a loop with the one that follows it, the last with the first.
 pub(crate) fn edges_of<T: Copy>(corners: &[T]) -> impl Iterator<Item = (T, T)> {
     (0..corners.len()).map(move |i| (corners[i], corners[(i + 1) % corners.len()]))

@@ -178,21 +178,15 @@ impl CellComplex {
     /// numbers and every face begins at its lowest one, so that two cells cut
     /// their common face into the same triangles.
     fn cell(&self, cell: usize) -> Result<ConvexPolyhedron, PolyhedronError> {
-        let mut faces: Vec<Vec<u32>> = Vec::with_capacity(self.cells[cell].len());
-        for corners in &self.cells[cell] {
-            let mut face: Vec<u32> = corners.iter().map(|&c| self.root(c)).collect();
-            face.dedup();
-            while face.len() > 1 && face.first() == face.last() {
-                face.pop();
-            }
-            // A face whose corners all merged into two or one has no area left.
-            if face.len() < 3 {
-                continue;
-            }
+        // A face whose corners all merged into two or one has no area left.
+        let own = self.cells[cell].iter();
+        let loops = own.filter_map(|corners| loop_of(corners.iter().map(|&c| self.root(c))));
+        let faces = loops.map(|mut face| {
             let lowest = (0..face.len()).min_by_key(|&i| face[i]).unwrap_or(0);
             face.rotate_left(lowest);
-            faces.push(face);
-        }
+            face
+        });
+        let faces: Vec<Vec<u32>> = faces.collect();
         let (vertices, faces) = used(&faces, &self.vertices);
         ConvexPolyhedron::new(vertices.iter().map(|v| v.position).collect(), faces)
     }

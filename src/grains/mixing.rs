@@ -81,14 +81,9 @@ pub fn rain(
 }
 
 fn check_mixing(mixing: &Mixing, grains: usize) -> Result<(), GrainsError> {
-    let mut named = vec![false; grains];
-    for &grain in &mixing.order {
-        match named.get_mut(grain) {
-            Some(seen) if !*seen => *seen = true,
-            _ => return Err(GrainsError::ForeignMixing { grains }),
-        }
-    }
-    if mixing.order.len() != grains || mixing.orientations.len() != grains {
+    let mut order = mixing.order.clone();
+    order.sort_unstable();
+    if !order.into_iter().eq(0..grains) || mixing.orientations.len() != grains {
         return Err(GrainsError::ForeignMixing { grains });
     }
     Ok(())
@@ -174,13 +169,12 @@ impl Heap {
         best
     }
 
-    fn improve(&self, best: &mut Sphere, x: f64, y: f64) -> bool {
+    /// Puts a sphere elsewhere if it comes to lie lower there.
+    fn improve(&self, best: &mut Sphere, x: f64, y: f64) {
         let z = self.resting_height(x, y, best.radius);
-        let lower = z < best.z;
-        if lower {
+        if z < best.z {
             *best = Sphere { x, y, z, ..*best };
         }
-        lower
     }
 
     /// Rolls a sphere downhill by steps that halve where no direction leads down.

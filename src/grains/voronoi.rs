@@ -79,18 +79,12 @@ fn random_points(count: usize, rng: &mut Pcg64) -> Vec<Vector> {
     (0..count).map(|_| Vector::from_fn(|_, _| uniform(rng))).collect()
 }
 
-/// The Voronoi cells of points inside a cube; the points are given in units of
-/// its side, 0 to 1. Nearly coincident vertices are merged.
+/// The Voronoi cells of points inside a cube, of a box of the given sides, mapped to the cube; the
+/// points are given in units of its side, 0 to 1. Nearly coincident vertices are merged.
 ///
 /// # Errors
 /// No points, points outside the cube or nearer to each other than 1e-9 of
 /// its side, and cells that are no convex polyhedra or do not fill the cube.
-pub fn cells(points: &[Vector], cube: &Cube) -> Result<Vec<ConvexPolyhedron>, GrainsError> {
-    stretched_cells(points, Vector::repeat(1.0), cube)
-}
-
-/// The same, of cells that are those of a box of the given sides, mapped to
-/// the cube.
 fn stretched_cells(
     points: &[Vector],
     sides: Vector,
@@ -223,6 +217,8 @@ fn volume(faces: &[Vec<u32>], vertices: &[SharedVertex]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     const MERGE: f64 = 1e-6;
@@ -230,7 +226,10 @@ mod tests {
     fn cube(side: f64, origin: Vector) -> Cube {
         Cube { side, origin, merge: MERGE }
     }
-    use proptest::prelude::*;
+
+    fn cells(points: &[Vector], cube: &Cube) -> Result<Vec<ConvexPolyhedron>, GrainsError> {
+        stretched_cells(points, Vector::repeat(1.0), cube)
+    }
 
     fn check(cells: &[ConvexPolyhedron], side: f64) -> Result<(), String> {
         for (i, cell) in cells.iter().enumerate() {

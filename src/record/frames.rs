@@ -121,19 +121,17 @@ impl Frame {
 
     fn read(bytes: &[u8], grains: usize) -> Self {
         let places = || bytes[BEFORE_GRAINS..].chunks_exact(PLACE).map(read_place);
-        let there = u32::from_le_bytes(four(bytes, 8));
+        let there = u32::from_le_bytes(taken(bytes, 8));
         let is = |flag| there & flag != 0;
-        let mut time = [0; 8];
-        time.copy_from_slice(&bytes[..8]);
         Self {
-            time: f64::from_le_bytes(time),
+            time: f64::from_le_bytes(taken(bytes, 0)),
             cylinder: is(CYLINDER),
             funnel: is(FUNNEL).then(|| FunnelState {
-                opening_height: f64::from(f32::from_le_bytes(four(bytes, 16))),
+                opening_height: single(bytes, 16),
                 lid: is(LID),
             }),
             base: None,
-            table_x: f64::from(f32::from_le_bytes(four(bytes, 12))),
+            table_x: single(bytes, 12),
             top_plate: is(TOP_PLATE).then(|| read_place(&bytes[20..])).flatten(),
             grains: places().take(grains).collect(),
             pieces: places().skip(grains).collect(),
@@ -141,10 +139,15 @@ impl Frame {
     }
 }
 
-fn four(bytes: &[u8], at: usize) -> [u8; 4] {
-    let mut four = [0; 4];
-    four.copy_from_slice(&bytes[at..at + 4]);
-    four
+/// The bytes of a number that begins at a place.
+fn taken<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
+    let mut taken = [0; N];
+    taken.copy_from_slice(&bytes[at..at + N]);
+    taken
+}
+
+fn single(bytes: &[u8], at: usize) -> f64 {
+    f64::from(f32::from_le_bytes(taken(bytes, at)))
 }
 
 fn write_place(pose: Option<&Pose>, out: &mut impl Write) -> io::Result<()> {
@@ -164,12 +167,11 @@ fn write_place(pose: Option<&Pose>, out: &mut impl Write) -> io::Result<()> {
 }
 
 fn read_place(bytes: &[u8]) -> Option<Pose> {
-    let position = [0, 4, 8].map(|at| f64::from(f32::from_le_bytes(four(bytes, at))));
+    let position = [0, 4, 8].map(|at| single(bytes, at));
     if position.iter().any(|x| !x.is_finite()) {
         return None;
     }
-    let [x, y, z, w] =
-        [12, 14, 16, 18].map(|at| f64::from(i16::from_le_bytes([bytes[at], bytes[at + 1]])));
+    let [x, y, z, w] = [12, 14, 16, 18].map(|at| f64::from(i16::from_le_bytes(taken(bytes, at))));
     let rotation = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 0.5)?;
     Some(Isometry3::from_parts(Translation3::from(position), rotation))
 }
@@ -357,7 +359,7 @@ fn frame_length(head: &[u8]) -> Result<(usize, usize), String> {
     if head.len() < HEAD || !(with_pieces || head.starts_with(MAGIC)) {
         return Err("it does not begin as frames do".to_owned());
     }
-    let number = u32::from_le_bytes(four(head, 8));
+    let number = u32::from_le_bytes(taken(head, 8));
     let pieces = if with_pieces { number >> PIECES_FROM } else { 0 };
     let grains = (number - (pieces << PIECES_FROM)) as usize;
     Ok((BEFORE_GRAINS + PLACE * (grains + pieces as usize), grains))

@@ -85,15 +85,8 @@ fn welded(object: &Object, metres: f64) -> (Vec<Point>, Vec<Vec<u32>>) {
             })
         })
         .collect();
-    let faces = object.faces.iter().filter_map(|corners| {
-        let mut face: Vec<u32> = corners.iter().map(|&c| numbers[c as usize]).collect();
-        face.dedup();
-        while face.len() > 1 && face.first() == face.last() {
-            face.pop();
-        }
-        (face.len() >= 3).then_some(face)
-    });
-    let faces = faces.collect();
+    let joined = |corners: &Vec<u32>| loop_of(corners.iter().map(|&c| numbers[c as usize]));
+    let faces = object.faces.iter().filter_map(joined).collect();
     (vertices, faces)
 }
 

@@ -55,8 +55,6 @@ pub struct ProbeGap {
     pub gap: f64,
     /// Unit vector from A to B.
     pub axis: Vector,
-    /// Whether it is the common normal of two edges.
-    pub of_edges: bool,
 }
 
 /// Two hulls and what their pair remembers.
@@ -132,7 +130,7 @@ impl HullPair {
     /// overlap.
     pub fn widest_gap(&mut self, a: &Pose, b: &Pose, all_edges: bool) -> ProbeGap {
         let found = self.0.pin_mut().widest_gap(&pose(a), &pose(b), all_edges);
-        ProbeGap { gap: found.gap, axis: found.axis.into(), of_edges: found.edges }
+        ProbeGap { gap: found.gap, axis: found.axis.into() }
     }
 
     /// Mean time in ns of a step, over `rounds` times all poses of B, with A
