@@ -143,11 +143,8 @@ impl TryFrom<Raw> for ConvexPolyhedron {
 fn checked(core: ConvexPolyhedron, radius: f64) -> Result<Rounded, PolyhedronError> {
     let sharp = core.sphere.is_none() && core.rounded.is_none();
     let good = sharp && radius.is_finite() && radius > 0.0;
-    if good {
-        Ok(Rounded { core, radius })
-    } else {
-        Err(PolyhedronError::BadRounding { radius_m: radius })
-    }
+    let rounded = good.then_some(Rounded { core, radius });
+    rounded.ok_or(PolyhedronError::BadRounding { radius_m: radius })
 }
 
 impl From<ConvexPolyhedron> for Raw {

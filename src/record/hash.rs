@@ -7,11 +7,8 @@ use sha2::{Digest, Sha256};
 use super::*;
 
 pub(super) use crate::input::hexadecimal;
-
 /// SHA-256 of bytes, in lower-case hexadecimal.
-pub fn hash_bytes(bytes: &[u8]) -> String {
-    input::sha256(bytes)
-}
+pub use crate::input::sha256 as hash_bytes;
 
 /// SHA-256 of a file's content, read in pieces.
 pub(super) fn hash_file(path: &Path) -> io::Result<String> {
