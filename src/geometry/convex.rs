@@ -40,8 +40,8 @@ pub(crate) fn used<V: Copy>(
     (used.iter().map(|&v| vertices[v as usize]).collect(), faces)
 }
 
-/// The loop of some corners, each but once where it follows itself; none of fewer than three,
-/// which has no area.
+/// The loop of some corners, those that follow themselves taken once; none of fewer than three
+/// corners, which has no area.
 pub(crate) fn loop_of(corners: impl Iterator<Item = u32>) -> Option<Vec<u32>> {
     let mut face: Vec<u32> = corners.collect();
     face.dedup();

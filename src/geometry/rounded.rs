@@ -65,8 +65,8 @@ pub(super) fn normals(core: &ConvexPolyhedron) -> Vec<Vector> {
 
 /// The faces about each vertex, counter-clockwise seen from outside.
 pub(super) fn faces_about(core: &ConvexPolyhedron) -> Vec<Vec<usize>> {
-    // Where a face came from.
     let left = left_of_edges(core.faces());
+    // Where a face came from.
     let mut before: HashMap<(u32, usize), u32> = HashMap::new();
     let mut first: Vec<Option<usize>> = vec![None; core.vertices().len()];
     for (face, corners) in core.faces().iter().enumerate() {

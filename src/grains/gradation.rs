@@ -40,8 +40,8 @@ impl Gradation {
 
 /// Group symbol of a coarse soil by ASTM D2487, table 1: gravel if more than half of the coarse
 /// fraction stays on the 4.75 mm sieve, else sand; well graded if 1 ≤ Cc ≤ 3 and Cu ≥ 4 (gravel) or
-/// Cu ≥ 6 (sand), else poorly graded. No symbol where 5 % or more are fines (below 0.075 mm): the class
-/// then depends on their plasticity. Shares are in percent of the mass.
+/// Cu ≥ 6 (sand), else poorly graded. No symbol where 5 % or more are fines (below 0.075 mm): the
+/// class then depends on their plasticity. Shares are in percent of the mass.
 fn uscs(fines: f64, gravel: f64, uniformity: f64, curvature: f64) -> &'static str {
     if !(fines < 5.0) {
         return "not coarse";
