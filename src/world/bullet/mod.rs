@@ -225,9 +225,10 @@ fn refused(error: cxx::Exception) -> WorldError {
     WorldError::BadBody { reason: error.what().to_owned() }
 }
 
-fn rotation_array(pose: &Pose) -> [f64; 4] {
+/// A pose as it crosses the bridge.
+fn body_pose(pose: &Pose) -> ffi::BodyPose {
     let q = pose.rotation.coords;
-    [q.x, q.y, q.z, q.w]
+    ffi::BodyPose { position: pose.translation.vector.into(), rotation: [q.x, q.y, q.z, q.w] }
 }
 
 /// A state as it comes over the bridge.
@@ -254,6 +255,7 @@ impl World for BulletBackend {
             }
             Motion::Free { mass, inertia } => (ffi::BodyKind::Free, mass, inertia),
         };
+        let ffi::BodyPose { position, rotation } = body_pose(&body.state.pose);
         let id = self
             .world
             .pin_mut()
@@ -263,8 +265,8 @@ impl World for BulletBackend {
                 material: body.material.index() as u32,
                 mass,
                 inertia: inertia.into(),
-                position: body.state.pose.translation.vector.into(),
-                rotation: rotation_array(&body.state.pose),
+                position,
+                rotation,
                 linear_velocity: body.state.linear_velocity.into(),
                 angular_velocity: body.state.angular_velocity.into(),
             })
@@ -292,18 +294,14 @@ impl World for BulletBackend {
 
     fn drive(&mut self, id: BodyId, pose: &Pose) -> Result<(), WorldError> {
         self.check_kinematic(id)?;
-        self.world
-            .pin_mut()
-            .drive_body(id.0, &pose.translation.vector.into(), &rotation_array(pose))
-            .map_err(|_| WorldError::NoSuchBody(id))
+        let ffi::BodyPose { position, rotation } = body_pose(pose);
+        let driven = self.world.pin_mut().drive_body(id.0, &position, &rotation);
+        driven.map_err(|_| WorldError::NoSuchBody(id))
     }
 
     fn recall_drive(&mut self, id: BodyId, ends: &[Pose; 3]) -> Result<(), WorldError> {
         self.check_kinematic(id)?;
-        let ends = ends.map(|pose| ffi::BodyPose {
-            position: pose.translation.vector.into(),
-            rotation: rotation_array(&pose),
-        });
+        let ends = ends.map(|pose| body_pose(&pose));
         self.world.pin_mut().recall_drive(id.0, &ends).map_err(|_| WorldError::NoSuchBody(id))
     }
 

@@ -5,7 +5,7 @@
 //! threads of a world without the world, the speeds by which boxes stand off, the
 //! memory that the process holds, and what happens within the step of a world.
 
-use super::{BulletBackend, definition::tolerances, engine, ffi, flat, rotation_array};
+use super::{BulletBackend, body_pose, definition::tolerances, engine, ffi, flat};
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
 use crate::scale::Scale;
 use crate::world::{BodyId, WorldError};
@@ -60,10 +60,6 @@ pub struct ProbeGap {
 /// Two hulls and what their pair remembers.
 pub struct HullPair(cxx::UniquePtr<ffi::HullProbe>);
 
-fn pose(pose: &Pose) -> ffi::BodyPose {
-    ffi::BodyPose { position: pose.translation.vector.into(), rotation: rotation_array(pose) }
-}
-
 impl HullPair {
     /// Prepares two shapes.
     ///
@@ -92,7 +88,7 @@ impl HullPair {
     pub fn step(&mut self, a: &Pose, b: &Pose) -> Vec<ProbePoint> {
         self.0
             .pin_mut()
-            .step(&pose(a), &pose(b))
+            .step(&body_pose(a), &body_pose(b))
             .into_iter()
             .map(|p| ProbePoint {
                 gap: p.gap,
@@ -129,14 +125,14 @@ impl HullPair {
     /// those near the faces that are closest. Both agree wherever the bodies
     /// overlap.
     pub fn widest_gap(&mut self, a: &Pose, b: &Pose, all_edges: bool) -> ProbeGap {
-        let found = self.0.pin_mut().widest_gap(&pose(a), &pose(b), all_edges);
+        let found = self.0.pin_mut().widest_gap(&body_pose(a), &body_pose(b), all_edges);
         ProbeGap { gap: found.gap, axis: found.axis.into() }
     }
 
     /// Mean time in ns of a step, over `rounds` times all poses of B, with A
     /// at the origin; without `remember` every step is the first.
     pub fn time_steps(&mut self, poses: &[Pose], rounds: usize, remember: bool) -> f64 {
-        let poses: Vec<_> = poses.iter().map(pose).collect();
+        let poses: Vec<_> = poses.iter().map(body_pose).collect();
         self.0.pin_mut().time_steps(&poses, rounds, remember)
     }
 

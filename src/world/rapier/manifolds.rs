@@ -120,7 +120,7 @@ fn spanning(count: usize, place: impl Fn(usize) -> Vector, near: Vector) -> ([us
 }
 
 /// A polyhedron, or the core of a rounded one, and the radius of its ball.
-fn polyhedron(shape: &dyn Shape) -> Option<(&ConvexPolyhedron, Real)> {
+pub(super) fn polyhedron(shape: &dyn Shape) -> Option<(&ConvexPolyhedron, Real)> {
     match shape.as_round_convex_polyhedron() {
         Some(round) => Some((&round.inner_shape, round.border_radius)),
         None => Some((shape.as_convex_polyhedron()?, 0.0)),

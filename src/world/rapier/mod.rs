@@ -253,10 +253,7 @@ impl World for RapierBackend {
                 let on = Vector::new(ball.radius / self.units.per_metre, 0.0, 0.0);
                 return Some(HeldShape { corners: vec![on], rounding: 0.0 });
             }
-            let (hull, radius) = match collider.shape().as_round_convex_polyhedron() {
-                Some(round) => (&round.inner_shape, round.border_radius),
-                None => (collider.shape().as_convex_polyhedron()?, 0.0),
-            };
+            let (hull, radius) = manifolds::polyhedron(collider.shape())?;
             let corners = hull.points().iter().map(|p| self.units.metres(*p)).collect();
             Some(HeldShape { corners, rounding: radius / self.units.per_metre })
         }));
