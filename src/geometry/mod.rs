@@ -13,7 +13,9 @@ mod sphere;
 #[cfg(test)]
 pub(crate) mod testing;
 
-pub(crate) use convex::{FLATNESS, cut, edges_of, enclosed_volume, joined_polyhedron, loop_of, used};
+pub(crate) use convex::{
+    FLATNESS, cut, edges_of, enclosed_volume, joined_polyhedron, loop_of, used,
+};
 pub(crate) use hull::{Hull, hull};
 pub use mass::{MassProperties, PrincipalFrame};
 pub use polyhedron::{ConvexPolyhedron, PolyhedronError};

@@ -5,7 +5,9 @@ use std::{collections::HashSet, sync::Arc};
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Point, Pose, Rounded, Sphere, Vector, convex::mean, edges_of, enclosed_volume,
+    Point, Pose, Rounded, Sphere, Vector,
+    convex::mean,
+    edges_of, enclosed_volume,
     outline::{STEP, outline},
     sphere::unit_mesh,
 };

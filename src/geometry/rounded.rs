@@ -7,7 +7,8 @@ use nalgebra::{Matrix3, Matrix4, Vector4};
 use super::{
     ConvexPolyhedron, MassProperties, Point, Vector,
     convex::{cut, left_of_edges, mean},
-    edges_of, hull, joined_polyhedron, mass::Moments,
+    edges_of, hull, joined_polyhedron,
+    mass::Moments,
 };
 
 /// Corners of an eroded polyhedron that are nearer to each other than this, as a fraction of its

@@ -79,8 +79,8 @@ impl<'a> Stand<'a> {
         let under_way = midway.steps > 0;
         let gravity = Vector::new(0.0, 0.0, -setup.gravity);
         let pairs = base::pairs(setup, &specimen.state);
-        let mut world =
-            make_world(&setup.engine, gravity, &pairs).map_err(|source| failed(source, &specimen))?;
+        let mut world = make_world(&setup.engine, gravity, &pairs)
+            .map_err(|source| failed(source, &specimen))?;
         let base = base::base_pieces(&specimen.grains, specimen.state.base.as_ref())?;
         let state = &specimen.state;
         let up = |f: FunnelState| Funnel::new(&setup.funnel, f.opening_height, midway.collar_m);
@@ -137,7 +137,8 @@ impl<'a> Stand<'a> {
             }
             Ok((plate, grains, pieces))
         };
-        let (plate, mut grains, mut pieces) = build().map_err(|source| failed(source, &specimen))?;
+        let (plate, mut grains, mut pieces) =
+            build().map_err(|source| failed(source, &specimen))?;
         parties.extend(plate.map(|id| (Party::Other(Other::TopPlate), id)));
         let present = grains.iter().enumerate();
         parties.extend(present.filter_map(|(n, id)| Some((Party::Grain(n), (*id)?))));

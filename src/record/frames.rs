@@ -126,10 +126,8 @@ impl Frame {
         Self {
             time: f64::from_le_bytes(taken(bytes, 0)),
             cylinder: is(CYLINDER),
-            funnel: is(FUNNEL).then(|| FunnelState {
-                opening_height: single(bytes, 16),
-                lid: is(LID),
-            }),
+            funnel: is(FUNNEL)
+                .then(|| FunnelState { opening_height: single(bytes, 16), lid: is(LID) }),
             base: None,
             table_x: single(bytes, 12),
             top_plate: is(TOP_PLATE).then(|| read_place(&bytes[20..])).flatten(),

@@ -170,7 +170,9 @@ impl SweepPlan {
         // As the command allows: without a limit a plan asks for work without end.
         let count = self.configurations;
         if !(1..=1000).contains(&count) {
-            return refused(format!("the plan's configurations are {count}; allowed are 1 to 1000"));
+            return refused(format!(
+                "the plan's configurations are {count}; allowed are 1 to 1000"
+            ));
         }
         if let Some(count) = self.samples.filter(|count| !(2..=10_000).contains(count)) {
             return refused(format!("the plan's samples are {count}; allowed are 2 to 10000"));

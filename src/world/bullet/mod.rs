@@ -280,7 +280,9 @@ impl World for BulletBackend {
             }
             Motion::Turned { inertia, axis, about } => {
                 let speed = axis.dot(&body.state.angular_velocity);
-                world.turn_body(id, &axis.into(), &about.into(), inertia, speed).map_err(refused)?;
+                world
+                    .turn_body(id, &axis.into(), &about.into(), inertia, speed)
+                    .map_err(refused)?;
             }
             _ => return Ok(BodyId(id)),
         }
