@@ -28,8 +28,7 @@ pub fn compare(
     backends: &[Backend],
     options: &RunOptions,
 ) -> Result<CompareRecord, StudyError> {
-    // The first may run for hours before the turn of one that cannot do it.
-    backends.iter().try_for_each(|backend| check(&with(scenario, *backend)))?;
+    check_each(scenario, backends)?;
     let grains = Arc::new(make_grains(scenario)?);
     let handed_on = scenario
         .stages
@@ -84,6 +83,12 @@ fn with(scenario: &Scenario, backend: Backend) -> Scenario {
         own.engine.stock = StockSettings::default();
     }
     own
+}
+
+/// Whether every engine can do a scenario: the first may run for hours before the turn of one that
+/// cannot.
+fn check_each(scenario: &Scenario, backends: &[Backend]) -> Result<(), StudyError> {
+    Ok(backends.iter().try_for_each(|backend| check(&with(scenario, *backend)))?)
 }
 
 fn planned(
