@@ -49,7 +49,11 @@ impl AtEnd<'_> {
             None if self.grains == 0 => "overlap not measured, as no grain is left".to_owned(),
             None => "overlap not measured, as no two grains touch".to_owned(),
         };
-        let creep = self.creep_um_per_s.map_or("not measured".into(), |c| format!("{c:.1} µm/s"));
+        let creep = match self.creep_um_per_s {
+            // A zero without a sign.
+            Some(creep) => format!("{:.1} µm/s", (10.0 * creep).round() / 10.0 + 0.0),
+            None => "not measured".to_owned(),
+        };
         let mut told = vec![format!(
             "the accuracy standard is not met: {overlap}, creep {creep} ({limit:.3} µm/s)"
         )];
@@ -96,6 +100,7 @@ mod tests {
         for (grains, overlap, creep_um_per_s, meets, words) in [
             (9, Some(&small), Some(0.1), true, ""),
             (9, Some(&large), Some(0.1), false, "overlap mean 0.90 %"),
+            (9, Some(&large), Some(-0.04), false, "creep 0.0 µm/s"),
             (9, Some(&small), Some(-9.0), false, "creep -9.0 µm/s"),
             (9, Some(&small), None, false, "creep not measured"),
             (9, None, Some(0.1), false, "no two grains touch"),

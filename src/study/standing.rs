@@ -36,10 +36,16 @@ impl Standing {
         let voids =
             has_walls.then(|| void_ratio(specimen, container, height.mean_surface)).flatten();
         let inside = container.members(specimen).len();
-        let no_height =
-            is_poured.then(|| no_height(inside, specimen.grains.grains.len())).flatten();
+        let no_height = match inside {
+            _ if is_poured => no_height(inside, specimen.grains.grains.len()),
+            0 if !specimen.state.pieces.is_empty() => {
+                Some("no grain is left above z = 0".to_owned())
+            }
+            _ => None,
+        };
         let no_voids = no_height
             .clone()
+            .filter(|_| has_walls)
             .or_else(|| voids.and_then(|_| no_voids(specimen, container, height.mean_surface)));
         let voids = voids.filter(|_| no_voids.is_none());
         Ok(Self {

@@ -74,6 +74,8 @@ fn a_deposit_that_misses_its_box_is_no_specimen() {
         assert_eq!(summary[field], false, "law: {field} of nothing");
     }
     assert_eq!(summary["creep_um_per_s"], Value::Null, "law: no creep of nothing");
+    let height = &summary["standing_height_mm"]["mean_surface"];
+    assert_eq!(*height, Value::Null, "law: nothing stands");
     for words in ["30 of 30 grains fell out during the deposit", "as no grain is left"] {
         assert_eq!(warned(&summary, words).len(), 1, "law: `{words}` in {}", summary["warnings"]);
     }
