@@ -158,6 +158,19 @@ pub const KEPT: &[Kept] = &[
         takes: "two hours",
     },
     Kept {
+        name: "calibration",
+        what: "The friction coefficient that gives piles of 364 grains an angle of repose of 38.40°",
+        files: &[
+            ("calibration/calibrate.json", "calibrate.json"),
+            ("calibration/evaluations.csv", "evaluations.csv"),
+            ("calibration/angle.svg", "figures/calibration.svg"),
+        ],
+        made: Made::Pluvia(&["calibrate scenarios/quick/repose.json --angle-of-repose 38.4 \
+                              --out OUT"]),
+        build: build("2026-11-27", "19"),
+        takes: "a quarter of an hour",
+    },
+    Kept {
         name: "native",
         what: "Pours of the quick specimen by friction and restitution, 20 realisations, native \
                contacts",
@@ -445,6 +458,7 @@ pub const SOURCES: &[(&str, &str)] = &[
     ("uncertainty", "uncertainty.json"),
     ("interpretations", "interpretations.md"),
     ("stock", "stock-contacts.csv"),
+    ("calibration", "calibration/calibrate.json"),
     ("quick", "quick/vibration.csv"),
     ("quick-stock", "quick/stock-vibration.csv"),
     ("rounding", "shape/rounding.csv"),

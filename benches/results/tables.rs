@@ -17,6 +17,7 @@ pub fn named(name: &str, results: &Results) -> Result<String, String> {
         "handed-over" => handed(&quote),
         "settlement" => settlement(&quote, results.source("settlement")?.as_ref()),
         "twins" => twins(&quote),
+        "calibration" => calibration(results.source("calibration")?.as_ref()),
         "stock" => stock(&quote),
         "missed" => missed(results.source("verify")?.as_ref()),
         "laboratory" => laboratory(&quote, results.source("laboratory")?.as_ref()),
@@ -291,6 +292,21 @@ fn twins(quote: Cells) -> Result<String, String> {
             at("overlap_mean_percent", "mean.3")?,
             at("overlap_p99_percent", "mean.2")?,
             format!("{creep} ({})", at("allowed_creep_um_per_s", ".1")?),
+        ]);
+    }
+    Ok(text)
+}
+
+fn calibration(found: &Value) -> Result<String, String> {
+    let mut text =
+        head(&["friction coefficient μ", "atan μ", "angle of repose, 95 % confidence", "piles"]);
+    for of in found["values"].as_array().ok_or("a calibration has values")? {
+        let at = |field: &str| of[field].as_f64().ok_or(format!("a value has its {field}"));
+        text += &row(&[
+            format!("{:.2}", at("value")?),
+            format!("{:.1}°", at("value")?.atan().to_degrees()),
+            format!("{:.1} ± {:.1}°", at("mean")?, at("half_width_95")?),
+            format!("{}", at("runs")?),
         ]);
     }
     Ok(text)

@@ -97,7 +97,7 @@ pub fn study(runs: &[RunRecord]) -> StudyView<'_> {
             3
         ],
         intermittent: PLAN,
-        pile_friction: constants::FRICTION_RATIO,
+        pile_friction: constants::FRICTION_COEFFICIENT,
         quick: false,
     }
 }

@@ -18,8 +18,8 @@ pub const CONTINUOUS_S: f64 = 20.0;
 pub const PERIOD_S: f64 = 5.0;
 /// Number of periods of the intermittent vibration (section 2).
 pub const PERIODS: u32 = 4;
-/// Friction ratio between the surfaces of the gravels (section 3).
-pub const FRICTION_RATIO: f64 = 0.793;
+/// Friction coefficient between the surfaces of the gravels (section 3: "friction ratio").
+pub const FRICTION_COEFFICIENT: f64 = 0.793;
 /// Coefficient of restitution (section 3, after Robotham et al. 1995).
 pub const RESTITUTION: f64 = 0.315;
 /// Angle of repose in degrees, from slow pluviation on a rough surface (section 2).

@@ -33,7 +33,7 @@ pub struct StudyView<'a> {
     pub shapes: Vec<GrainShape>,
     /// How the intermittent vibration was run.
     pub intermittent: Intermittent,
-    /// Friction ratio between the grains of the piles.
+    /// Friction coefficient between the grains of the piles.
     pub pile_friction: f64,
     /// Whether this is the small, quick study, whose specimen is not the paper's.
     pub quick: bool,

@@ -112,7 +112,7 @@ pub struct CalibrationSolution {
     /// Half the 95 % confidence interval of the mean result there.
     pub result_half_width_95: f64,
     /// Half the interval of the unknown in units of the result: the larger
-    /// side times the slope. Held against the tolerance.
+    /// side times the slope. Compared with the tolerance.
     pub interval_in_result: Option<f64>,
     /// Slope of the line: change of the result for one unit of the unknown.
     pub slope: f64,
@@ -134,10 +134,10 @@ pub struct CalibrationSolution {
 pub struct FrictionIdentity {
     /// Friction coefficient it gives: the tangent of the wanted angle.
     pub friction: f64,
-    /// Angle of friction in degrees of the ratio that was found; `None` where
+    /// Angle of friction in degrees of the coefficient that was found; `None` where
     /// none was.
     pub friction_angle_found_degrees: Option<f64>,
-    /// Friction ratio of the runs beside it: `friction`, rounded as values are.
+    /// Friction coefficient of the runs beside it: `friction`, rounded as values are.
     pub tried: f64,
     /// Mean angle of repose of these runs in degrees.
     pub degrees_there: Option<f64>,

@@ -114,6 +114,27 @@ pub(super) fn rate(value: &Value, grading: &Grading, scale: &Scale) -> f64 {
     (rate / CYCLES - 1e-9).ceil() * CYCLES
 }
 
+/// Of the settling speeds, what a pile is at rest with. Ours: one grain that still rolls down a
+/// flank would else not count among so many at rest.
+const RMS_OF_PILE: f64 = 0.25;
+const LARGEST_OF_PILE: f64 = 0.1;
+
+fn settling_speed(value: &Value, scale: &Scale, default: f64, of_pile: f64) -> f64 {
+    let mut stages = value["stages"].as_array().into_iter().flatten();
+    let is_pile = stages.any(|stage| stage["stage"] == "slow_pluviation");
+    default * Law::Speed.factor(scale) * if is_pile { of_pile } else { 1.0 }
+}
+
+/// Root mean square speed in mm/s with which a specimen counts as settled.
+pub(super) fn rms_speed(value: &Value, _: &Grading, scale: &Scale) -> f64 {
+    settling_speed(value, scale, SettleSpec::default().rms_speed_mm_per_s, RMS_OF_PILE)
+}
+
+/// Largest speed in mm/s with which a specimen counts as settled.
+pub(super) fn largest_speed(value: &Value, _: &Grading, scale: &Scale) -> f64 {
+    settling_speed(value, scale, SettleSpec::default().largest_speed_mm_per_s, LARGEST_OF_PILE)
+}
+
 /// What is allowed of a field, by its unit: from, to.
 pub(super) fn allowed(path: &str) -> (f64, f64) {
     let ends = |unit: &str| path.ends_with(unit);
@@ -144,6 +165,8 @@ pub(super) fn within(path: &str, value: f64) -> f64 {
 pub(super) const RATE: &str = "engine.rate_hz";
 pub(super) const STIFFNESS: &str = "engine.native.contact_stiffness_n_per_m";
 pub(super) const DEPENETRATION: &str = "engine.native.max_depenetration_velocity_m_per_s";
+pub(super) const RMS_SPEED: &str = "settle.rms_speed_mm_per_s";
+pub(super) const LARGEST_SPEED: &str = "settle.largest_speed_mm_per_s";
 
 /// Sizes of the apparatus that are automatic where they are left out.
 const OF_APPARATUS: [&str; 9] = [
@@ -288,10 +311,14 @@ mod tests {
             solids: 0.000_876,
             count: 1456.0,
         };
-        let before = json!({ "name": "a", "stages": stages() });
+        let before = json!({ "stages": [{ "stage": "pour", "falling_height_mm": 50 }] });
         let mut after = before.clone();
         fill(&mut after, &paper);
         assert_eq!(after, before, "law: the defaults are those of the paper's gravel");
+        let mut pile = json!({ "stages": stages() });
+        fill(&mut pile, &paper);
+        let speeds = json!({ "rms_speed_mm_per_s": 5.0, "largest_speed_mm_per_s": 50.0 });
+        assert_eq!(pile["settle"], speeds, "law: a pile is at rest when its last grain is");
     }
 
     #[test]

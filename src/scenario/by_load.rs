@@ -1,7 +1,7 @@
 //! Settings of the contact solver that follow from the largest stress of a scenario, as well as from
 //! its grains.
 
-use super::automatic::{Grading, rounded};
+use super::automatic::{Grading, largest_speed, rms_speed, rounded};
 use super::*;
 
 pub(super) const SUBSTEPS: &str = "engine.native.substep_rate_hz";
@@ -38,6 +38,8 @@ pub(super) fn by_scenario(
         STIFFNESS => stiffness,
         DEPENETRATION => depenetration,
         SUBSTEPS => substep_rate,
+        RMS_SPEED => rms_speed,
+        LARGEST_SPEED => largest_speed,
         _ => return None,
     };
     Some(asked(value, grading, scale))

@@ -344,7 +344,8 @@ pub struct ContactSpec {
 
 /// When a specimen counts as settled (ours; the paper only says "settled in a
 /// static state"): the root mean square speed of grains and plate stays below
-/// one limit and every speed below another for a while.
+/// one limit and every speed below another for a while. With slow pluviation the automatic speeds
+/// are a quarter and a tenth of these.
 #[serde(default)]
 pub struct SettleSpec {
     /// Largest root mean square speed in mm/s.

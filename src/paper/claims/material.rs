@@ -42,7 +42,7 @@ fn poorly_graded(study: &StudyView) -> Claim {
 
 fn friction_is_repose() -> Claim {
     let tangent = constants::ANGLE_OF_REPOSE_DEG.to_radians().tan();
-    let angle = constants::FRICTION_RATIO.atan().to_degrees();
+    let angle = constants::FRICTION_COEFFICIENT.atan().to_degrees();
     Draft::of("friction-is-tangent-of-repose")
         .ours(Some(tangent))
         .note(format!(

@@ -6,7 +6,7 @@ use super::{
     line::in_result,
     search::Answer,
 };
-use crate::paper::{Interval, constants::FRICTION_RATIO};
+use crate::paper::{Interval, constants::FRICTION_COEFFICIENT};
 use crate::record::left_out_in_words;
 use crate::report::{
     CalibrationSolution, FrictionIdentity, target_in_words, unknown_in_words, with_unit,
@@ -273,7 +273,7 @@ fn identity(
         inside_interval: solution
             .and_then(|s| s.interval_95)
             .map(|i| i.low <= friction && friction <= i.high),
-        paper_friction: FRICTION_RATIO,
+        paper_friction: FRICTION_COEFFICIENT,
     })
 }
 

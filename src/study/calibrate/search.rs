@@ -66,7 +66,7 @@ pub(super) struct Answer {
     pub fit: Option<InversePrediction>,
     /// The values it was fitted to.
     pub fitted: Vec<f64>,
-    /// The tolerance held against.
+    /// The tolerance that intervals are compared with.
     pub tolerance: Option<f64>,
     /// Standard deviation of a single run.
     pub scatter: Option<f64>,
