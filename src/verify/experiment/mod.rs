@@ -46,7 +46,10 @@ use std::f64::consts::TAU;
 use nalgebra::{Matrix3, SVector, UnitQuaternion, Vector2};
 use serde::{Deserialize, Serialize};
 
-use super::scene::*;
+use super::scene::{
+    START_GAP, Scene, block, floor, free, grain_body, grains, lowest, mass_of, piece, profile,
+    solid, uniform, wall, walls_around, with_plate,
+};
 use super::{Bench, VerifyError, bench::GRAVITY};
 use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
 use crate::units::{from_deg, from_mm, to_mm};
