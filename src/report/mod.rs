@@ -195,6 +195,6 @@ pub fn pile_figures(
     specimen: &Specimen,
     pile: &AngleOfRepose,
 ) -> Result<(), ReportError> {
-    figures::side_view(specimen, pile)?.write(folder)?;
-    figures::by_azimuth(&[("", pile)])?.write(folder)
+    let both = [figures::side_view(specimen, pile)?, figures::by_azimuth(&[("", pile)])?];
+    both.iter().try_for_each(|figure| figure.write(folder))
 }
