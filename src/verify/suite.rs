@@ -60,6 +60,7 @@ pub enum SuiteError {
 pub fn run_suite(options: &SuiteOptions, make: WorldMaker) -> Result<Vec<Verdict>, SuiteError> {
     let todo: Vec<(&Case, &Setting)> =
         options.cases.iter().flat_map(|c| options.settings.iter().map(move |s| (c, s))).collect();
+    // Finished experiments; a lock, so that they are reported in the order of their numbers.
     let done = Mutex::new(0_usize);
     let pool = pool(options.jobs.max(1))?;
     options.progress.begin_pieces(SUITE, "experiments", todo.len());
@@ -75,8 +76,8 @@ pub fn run_suite(options: &SuiteOptions, make: WorldMaker) -> Result<Vec<Verdict
             let words = in_words(&verdict);
             let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
             *done += 1;
-            let place = format!("{done}/{}", todo.len());
-            options.progress.message(&format!("{place}  {} on {}: {words}", case.id, setting.name));
+            let count = format!("{done}/{}", todo.len());
+            options.progress.message(&format!("{count}  {} on {}: {words}", case.id, setting.name));
             options.progress.update(SUITE, *done as f64, &case.id);
             Some(verdict)
         });

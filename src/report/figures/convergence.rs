@@ -20,8 +20,10 @@ const ROW: u32 = 66;
 pub(in crate::report) fn of_convergence(of: &Convergence) -> Result<Vec<Figure>, ReportError> {
     let lines = lines(of);
     let mut figures = Vec::new();
-    for shown in SHOWN.iter().filter(|_| !lines.is_empty()) {
-        figures.push(against_rate(of, &lines, shown)?);
+    if !lines.is_empty() {
+        for shown in &SHOWN {
+            figures.push(against_rate(of, &lines, shown)?);
+        }
     }
     figures.extend([deviations(of)?, cost(of)?]);
     Ok(figures)

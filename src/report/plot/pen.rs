@@ -163,7 +163,9 @@ impl Pen<'_, '_> {
 
     fn axes(&self) -> Drawn {
         let Frame { left, right, top, bottom } = self.frame;
-        let (sheet, above) = (self.sheet, (HPos::Center, VPos::Top));
+        let sheet = self.sheet;
+        // Text that hangs from its place.
+        let hanging = (HPos::Center, VPos::Top);
         sheet.rectangle([(left, top), (right, bottom)], INK.stroke_width(style::THIN))?;
         for x in self.x.minor.iter().filter_map(|t| self.x(*t)) {
             let x = x as i32;
@@ -177,7 +179,7 @@ impl Pen<'_, '_> {
             let Some(x) = self.x(*tick) else { continue };
             let x = x as i32;
             sheet.path([(x, bottom), (x, bottom - style::TICK)], INK, style::THIN)?;
-            sheet.text(&self.x.number(*tick), (x, bottom + 18), style::NUMBERS, above)?;
+            sheet.text(&self.x.number(*tick), (x, bottom + 18), style::NUMBERS, hanging)?;
         }
         for (tick, number) in self.y.ticks.iter().zip(&self.y_numbers) {
             let Some(y) = self.y(*tick) else { continue };
@@ -185,10 +187,11 @@ impl Pen<'_, '_> {
             sheet.path([(left, y), (left + style::TICK, y)], INK, style::THIN)?;
             sheet.text(number, (left - 20, y), style::NUMBERS, (HPos::Right, VPos::Center))?;
         }
-        let middle = ((left + right) / 2, bottom + 92);
-        sheet.text(&self.plot.x.name, middle, style::NAMES, above)?;
-        let (middle, upright) = ((28, (top + bottom) / 2), FontTransform::Rotate270);
-        sheet.turned_text(&self.plot.y.name, middle, style::NAMES, above, upright)
+        let below = ((left + right) / 2, bottom + 92);
+        sheet.text(&self.plot.x.name, below, style::NAMES, hanging)?;
+        let beside = (28, (top + bottom) / 2);
+        let turned = FontTransform::Rotate270;
+        sheet.turned_text(&self.plot.y.name, beside, style::NAMES, hanging, turned)
     }
 
     fn look(&self, look: &Look, points: &[(f64, f64)]) -> Drawn {

@@ -231,7 +231,7 @@ impl Experiment {
     ///
     /// # Errors
     /// [`VerifyError`] when the engine fails or the event waited for does not come.
-    pub fn run(&self, bench: &Bench) -> Measured {
+    pub fn run(&self, bench: &Bench) -> Result<Outcome> {
         match *self {
             Self::MassProperties => properties(),
             Self::FreeFall { height_mm, duration_s } => {

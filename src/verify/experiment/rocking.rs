@@ -143,9 +143,9 @@ impl RockingBlock {
         let peaks = peaks.map(|(t, a)| (t, a.to_degrees())).to_vec();
         let ratio = first_impact(&law, &motion, tilt).ok_or(VerifyError::NoEvent("an impact"))?;
         let lowest = motion.iter().map(|m| m.1).fold(0.0_f64, f64::min);
-        let (rises, law) = (-lowest.to_degrees(), next.to_degrees());
+        let (rise, expected) = (-lowest.to_degrees(), next.to_degrees());
         Ok(Outcome::over_time("Tilt (°)", curve, "Impact and peaks by Housner’s law", peaks)
-            .said(format!("rises to {rises:.3}°, by the law {law:.3}°"))
+            .said(format!("rises to {rise:.3}°, by the law {expected:.3}°"))
             .got(ratio))
     }
 
