@@ -256,7 +256,7 @@ fn heights(mean_surface: f64) -> StandingHeight {
     StandingHeight { mean_surface, p95: mean_surface + 6.0, highest: mean_surface + 12.5 }
 }
 
-/// A poorly graded gravel of so many mm at 10, 30, 50 and 60 %, with its coefficients of
+/// A poorly graded gravel: its sizes in mm at 10, 30, 50 and 60 %, and its coefficients of
 /// uniformity and curvature.
 fn gradation([d10_mm, d30_mm, d50_mm, d60_mm]: [f64; 4], [cu, cc]: [f64; 2]) -> GradationSummary {
     GradationSummary {

@@ -212,8 +212,8 @@ impl Plot {
         }
     }
 
-    /// Adds a line between two ends, with a stroke across at either, which reaches so far to both
-    /// sides along the axes.
+    /// Adds a line between two ends, and at each end a stroke that reaches `dx` and `dy` to both
+    /// sides, in values of the axes.
     pub fn add_interval(
         &mut self,
         label: &str,

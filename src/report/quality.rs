@@ -34,8 +34,8 @@ pub(super) fn never_mixed<'a>(
     (if left_out.all { others } else { counting }, left_out)
 }
 
-/// What was found of the runs that count, followed by how many of all do not and are left out of
-/// means and of what was found; where nothing was, why.
+/// What was found of the runs that count, followed by how many runs do not count and are left out
+/// of means and of `these`; where nothing was found, why.
 pub(super) fn found_in(
     runs: &[&RunRecord],
     found: Option<String>,

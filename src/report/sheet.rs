@@ -1,5 +1,5 @@
 //! The sheet that figures are drawn on, as SVG: lines, dashed ones too, shapes and text. Plotters
-//! writes it; it draws solid lines only, and knows whole places only.
+//! writes the SVG; it draws only solid lines, and only between whole places.
 
 use plotters::{
     coord::Shift,

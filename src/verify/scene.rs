@@ -104,9 +104,9 @@ impl Scene {
         at.map_or(id, |n| BodyId(n as u32))
     }
 
-    /// Moves a kinematic body by a way (m) from a pose at the end of the next step.
-    pub fn shift(&mut self, id: BodyId, from: &Pose, way: Vector) -> Result<(), VerifyError> {
-        let at = from.translation.vector + way;
+    /// Moves a kinematic body by a displacement (m) from a pose at the end of the next step.
+    pub fn shift(&mut self, id: BodyId, from: &Pose, by: Vector) -> Result<(), VerifyError> {
+        let at = from.translation.vector + by;
         self.drive(id, &Pose::from_parts(at.into(), from.rotation))
     }
 
@@ -161,8 +161,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Steps for a time in s; a point of a curve after about so many of the steps, the last
-    /// among them, each made of the scene and the step's number.
+    /// Steps for a time in s and samples a curve: about as many points as `samples`, the last step
+    /// among them. `point` makes each from the scene and the number of the step.
     pub fn sampled(
         &mut self,
         duration: f64,
@@ -356,7 +356,7 @@ pub fn floor(half_width: f64, motion: Motion) -> Result<Body, VerifyError> {
     wall(sides, Vector::new(0.0, 0.0, -THICKNESS / 2.0), motion)
 }
 
-/// A fixed piece of a floor from one place to another along x, of a width along y, its upper
+/// A static piece of a floor from one place to another along x, of a width along y, its upper
 /// face at a height; all in m.
 pub fn piece(from: f64, to: f64, width: f64, top: f64) -> Result<Body, VerifyError> {
     let at = Vector::new(0.5 * (from + to), 0.0, top - THICKNESS / 2.0);

@@ -66,8 +66,8 @@ impl Dragged {
         let (mut curve, mut down) = (Vec::new(), 0.0);
         let every = (steps / 100).max(1);
         for n in 1..=steps {
-            let way = self.speed_m_per_s * dt * n as f64;
-            scene.shift(pusher, &body.state.pose, Vector::new(way, 0.0, 0.0))?;
+            let displacement = self.speed_m_per_s * dt * n as f64;
+            scene.shift(pusher, &body.state.pose, Vector::new(displacement, 0.0, 0.0))?;
             scene.step()?;
             let forward = -scene.impulse_on(pusher).x;
             total += forward;

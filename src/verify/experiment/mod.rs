@@ -227,7 +227,7 @@ impl Experiment {
         matches!(self, Self::Invariance { over: invariance::Change::LengthScale { .. }, .. })
     }
 
-    /// Carries it out.
+    /// Runs it.
     ///
     /// # Errors
     /// [`VerifyError`] when the engine fails or the event waited for does not come.
@@ -328,7 +328,7 @@ fn at_end(curve: &[(f64, f64)]) -> f64 {
     curve.last().map_or(f64::NAN, |point| point.1)
 }
 
-/// Halves a range some times, so that what is asked stays true of its upper end and false of its
+/// Halves a range as many times as asked. `holds` stays true at its upper end and false at its
 /// lower one.
 fn halved<E>(
     (mut low, mut high): (f64, f64),
@@ -351,7 +351,7 @@ fn pushing(scene: &Scene) -> usize {
     scene.contacts().iter().filter(|c| c.impulse.norm() > 0.0).count()
 }
 
-/// Carries an impact out for each coefficient of restitution: the worst error in %, and words on each.
+/// Runs an impact for each coefficient of restitution: the worst error in %, and words on each.
 fn of_each(
     restitutions: &[f64],
     y: &str,
@@ -372,8 +372,8 @@ const ROOM: f64 = 0.5e-3;
 /// Steps after which an impact is over, counted from when it began.
 const OVER: u64 = 4;
 
-/// Adds a body and steps until some steps after it meets something at a time (s): its state at
-/// the end, and a curve of a value of it.
+/// Adds a body that meets something at a time (s), and steps until `over` steps after that: its
+/// state at the end, and the curve of a value of it.
 fn through_impact(
     scene: &mut Scene,
     body: &Body,
