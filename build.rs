@@ -8,7 +8,8 @@ use std::{env, path::PathBuf, process::exit};
 /// Bullet versions the shims are known to work with: from, up to but not including.
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
-/// The concerns of `cpp/`, one header and one source each.
+/// The sources of `cpp/`. Each has a header of its name, but for `sphere_pair` and `rounded_pair`,
+/// whose functions `hull_pair.h` declares.
 const SHIMS: [&str; 30] = [
     "contact_bodies",
     "contact_colours",

@@ -16,6 +16,8 @@
 
 #include "hull_data.h"
 
+#include <memory>
+
 namespace pluvia {
 
 // From B's frame to A's: x_a = r x_b + t, r row by row.

@@ -21,7 +21,7 @@ namespace pluvia {
 constexpr int LANES = 8;
 constexpr int padded(int count) { return (count + LANES - 1) / LANES * LANES; }
 
-// Room for one of them, of which blocks of arrays are made.
+// Memory for one number per lane. Blocks of arrays are made of it, so that each array is aligned.
 struct alignas(sizeof(float) * LANES) LaneRoom {
     std::byte bytes[sizeof(float) * LANES];
 };

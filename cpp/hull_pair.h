@@ -1,7 +1,8 @@
-// The contact of one pair of hulls, from their poses to at most MOST_POINTS points,
+// The contact of one pair of hulls (hull_pair.cpp), of a sphere (sphere_pair.cpp) or of a rounded
+// polyhedron (rounded_pair.cpp) with another body, from their poses to at most MOST_POINTS points,
 // with a memory from step to step.
 //
-// A pure computation: reads two hulls and two poses, writes the pair's own
+// A pure computation: reads two bodies and their poses, writes the pair's own
 // memory and result, and may therefore run for many pairs at once.
 #pragma once
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace pluvia {

@@ -10,7 +10,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <utility>
 
 namespace pluvia {
 
@@ -29,7 +28,7 @@ class TightHull final : public btConvexHullShape {
     // Faces, edges and vertices in engine units, for Pluvia's own hull–hull test.
     const HullData &data() const { return *data_; }
 
-    // To be called when all points are there.
+    // To be called once, when all points are there.
     void finish(std::unique_ptr<const HullData> data);
 
   private:
