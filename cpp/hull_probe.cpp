@@ -84,7 +84,7 @@ HullProbeGap HullProbe::widest_gap(const BodyPose &a, const BodyPose &b, bool al
         gap = edges.gap;
         axis = three(edges.axis);
     }
-    return {units_.metres(gap), array(pose_a.turn(axis)), edges.edge_a >= 0};
+    return {units_.metres(gap), array(pose_a.turn(axis))};
 }
 
 double HullProbe::time_steps(rust::Slice<const BodyPose> poses, std::size_t rounds, bool remember) {

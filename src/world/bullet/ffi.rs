@@ -201,8 +201,6 @@ mod bridge {
         gap: f64,
         /// Unit vector from `a` to `b`.
         axis: [f64; 3],
-        /// Whether it is the common normal of two edges.
-        edges: bool,
     }
 
     /// What the speeds by which boxes stand off are found from.
