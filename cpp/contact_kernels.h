@@ -55,7 +55,7 @@ template <class L> struct Sides {
     }
 };
 
-// Lets an impulse act in a point.
+// Lets an impulse act in a point: `by` has its components along the normal and the tangents.
 template <class L>
 PLUVIA_INLINE void push(Sides<L> &at, const Pack<L> &pack, const Point<L> &c, const Three<L> &by) {
     const Three<L> impulse = pack.normal * by.x + pack.tangent_1 * by.y + pack.tangent_2 * by.z;

@@ -196,6 +196,7 @@ template <class L> class Run {
         int spread = 0;    // how often others became the few, since there were iterations over all
         int for_speed = 0; // iterations that changed no body by too much
         bool over_few = false;
+        // Goes on with the few alone. Choosing them counts as an iteration over all packs.
         const auto begin_few = [&] {
             few_.choose();
             p_.pairs = &p_.few;

@@ -142,7 +142,8 @@ impl Cylinder {
     pub fn new(spec: &CylinderSpec) -> Result<Self, ApparatusError> {
         let (radius, height) = (from_mm(spec.inner_diameter_mm) / 2.0, from_mm(spec.height_mm));
         let thickness = from_mm(spec.wall_thickness_mm);
-        let pieces = vessel(spec.wall_pieces, radius, (0.0, height), thickness, [true, false]);
+        let closed = [true, false]; // at the bottom alone
+        let pieces = vessel(spec.wall_pieces, radius, (0.0, height), thickness, closed);
         let pieces = pieces.map_err(unbuilt("cylinder"))?;
         Ok(Self { radius, height, pieces })
     }

@@ -46,7 +46,7 @@ pub fn loaded_contacts(
     friction: impl Fn(&[Party; 2]) -> f64,
 ) -> Vec<LoadedContact> {
     let mut number: HashMap<[Party; 2], usize> = HashMap::new();
-    // Sums over points: of places and normals times their normal forces, and of these.
+    // Until all points are in, `point` and `normal` are sums, weighted by the normal forces.
     let mut sums: Vec<LoadedContact> = Vec::new();
     for contact in contacts {
         let normal_force = contact.force_n.dot(&contact.normal);

@@ -126,6 +126,7 @@ impl Surface {
         })
     }
 
+    /// Finds anew how low each tile is that a box touches, as in [`Self::tiles_over`].
     fn update_tiles(&mut self, low: &Vector, high: &Vector) {
         let [columns, rows] = self.tiles_over(low, high);
         for tile_row in rows {

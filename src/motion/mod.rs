@@ -151,7 +151,7 @@ impl TableMotion {
         if self.frames_per_s.is_some() { None } else { self.fastest() }
     }
 
-    /// The same, whatever frames make of it.
+    /// As [`Self::fastest_component`], of a motion without frames.
     fn fastest(&self) -> Option<f64> {
         let along = match self.waveform {
             Waveform::Recorded(_) => return None,

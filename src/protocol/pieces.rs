@@ -45,8 +45,8 @@ pub(super) struct Pieces {
     pressed: Vec<Pressed>,
     pub(super) pressed_work: f64,
     free: Vec<Free>,
-    /// By condition, those whose force may end the stage, none of a condition on something else,
-    /// and the impulse of the grains on them since somebody asked, in N s.
+    /// By condition, the pieces whose force may end the stage, and the impulse in N s of the grains
+    /// on them since it was taken; no pieces for a condition on anything but a force.
     watched: Vec<(Vec<usize>, Vector)>,
     contacts: Vec<Contact>,
 }
@@ -121,7 +121,7 @@ impl Pieces {
         self.watched = watched.collect();
     }
 
-    /// Impulse in N s of the grains on those of a condition since this was asked.
+    /// Impulse in N s of the grains on the pieces of a condition since it was taken last.
     pub(super) fn take_felt(&mut self, condition: usize) -> Vector {
         std::mem::replace(&mut self.watched[condition].1, Vector::zeros())
     }

@@ -24,7 +24,9 @@ pub(super) fn check(setup: &Setup, table_peak: f64) -> RunTimeCheck {
 
 /// Whether a specimen whose state has passed [`SpecimenState::check`] can be one of this
 /// laboratory: a state for each grain, all numbers finite, nothing too fast or too far, nothing
-/// inside or behind walls.
+/// inside or behind walls. The check before it also says whether contacts and fixed grains are of
+/// grains that are there.
+///
 /// The funnel, where it stands, has a collar of a height in m; the table's peak speed is in m/s.
 ///
 /// # Errors
@@ -80,7 +82,7 @@ pub fn plausible(
     Ok(())
 }
 
-/// Whether all numbers are, beyond what [`SpecimenState::check`] looks at.
+/// Whether those numbers are finite and in range that [`SpecimenState::check`] does not look at.
 fn finite(state: &SpecimenState) -> Result<(), String> {
     let body = |b: &BodyState| {
         let pose = &b.pose;

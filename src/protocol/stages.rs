@@ -154,8 +154,8 @@ impl<'a> Laboratory<'a> {
         }
     }
 
-    /// The same, with a warning where everything had not settled within a limit in s after what
-    /// was to be done.
+    /// The same, with a warning that names `what` was done where not everything settled within a
+    /// limit in s.
     fn settled(
         &mut self,
         specimen: Specimen,

@@ -16,7 +16,7 @@ use crate::world::World;
 pub(super) struct Stand<'a> {
     setup: &'a Setup,
     world: Box<dyn World + Send>,
-    /// As last read.
+    /// As last read from the world.
     pub(super) specimen: Specimen,
     /// Bodies of the grains; `None` for those no longer present.
     grains: Vec<Option<BodyId>>,
@@ -61,7 +61,8 @@ pub(super) struct Until {
 
 impl<'a> Stand<'a> {
     /// Builds the world of a specimen: cylinder, funnel and plate where its
-    /// state says they stand, every present grain with its velocity.
+    /// state says they stand, every present grain with its velocity. What moves, presses or ends
+    /// the stage is that of the course.
     pub(super) fn new(
         setup: &'a Setup,
         make_world: WorldMaker,

@@ -122,8 +122,8 @@ impl Tally {
     }
 }
 
-/// What a reader must know, for the first time in this stage, where there is something; an error
-/// where it is no use going on.
+/// `Ok` with what a reader must know, where a stage has it for the first time; `Err` with why the
+/// stage cannot go on.
 pub(super) type Finding = Result<Option<String>, String>;
 
 impl Watch {
