@@ -35,7 +35,7 @@ void match_points(const KeptContact &contact, const KeptContact &before, double 
         }
         left += from[i] < 0;
     }
-    // What is left: nearest first, so that the result does not hang on the order.
+    // What is left: nearest first, so that the result does not depend on the order.
     while (left > 0) {
         double nearest = match * match;
         int new_point = -1;

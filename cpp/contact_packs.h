@@ -6,7 +6,7 @@
 
 namespace pluvia {
 
-// How contacts yield and rebound; engine units.
+// Softness and restitution of contacts; engine units.
 struct ContactLaw {
     int substeps;         // of a step
     int iterations;       // over all contacts in a sub-step, at least

@@ -1,10 +1,10 @@
-// How far the boxes of bodies stand off for their speed within a step.
+// The velocity-based AABB margin of bodies within a step.
 //
 // Two bodies may come closer by the difference of their speeds, and the boxes
-// of a pair must overlap before they meet. A box that stands off by its body's
-// own speed does for all others, but where thousands fall side by side it makes
+// of a pair must overlap before they meet. A margin by the body's own
+// speed does for all others, but where thousands fall side by side it makes
 // pairs of all that are within two steps' way of each other, though none comes
-// any nearer. Here a box stands off by the speed against the bodies around.
+// any nearer. Here the margin is by the speed against the bodies around.
 //
 // Law, for any two bodies i and j that come within the speculative margin of
 // each other within the step:
@@ -16,8 +16,8 @@
 // same or of neighbouring cells the law follows from
 // |v_i - v_j| <= |v_i - u_c| + |u_c - u_c'| + |u_c' - v_j|. Bodies of cells further apart do not
 // come within the speculative margin, since a cell is larger than two radii, the speculative margin
-// and the way of both. Wide bodies, such as walls, are in no cell and stand off by the fastest of
-// all besides their own speed.
+// and the way of both. Wide bodies, such as walls, are in no cell and have a margin by the
+// fastest of all besides their own speed.
 #pragma once
 
 #include "three.h"

@@ -1,6 +1,6 @@
 // Parts of a world outside any world, for tests: its threads, that they share work without losing
-// any of it, and that what fails in one of them comes back; the speeds by which boxes stand off;
-// and what the process holds of its allocator, for tests that look for leaks.
+// any of it, and that what fails in one of them comes back; velocity-based AABB
+// margins; and what the process holds of its allocator, for tests that look for leaks.
 #pragma once
 
 #include "rust/cxx.h"

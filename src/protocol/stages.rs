@@ -136,7 +136,7 @@ impl<'a> Laboratory<'a> {
             let mut feeder = course.feed.clone().map(begin);
             let end = stand.segment(course, feeder.as_mut(), self.observer, self.cancel);
             match end.map_err(|source| failed(source, &stand.specimen))? {
-                LegEnd::OfPart { settled } if part < course.last_part() => {
+                SegmentEnd::OfPart { settled } if part < course.last_part() => {
                     if !settled {
                         stand.warn(not_settled("seating the top plate", course.until.limit));
                     }
@@ -144,9 +144,9 @@ impl<'a> Laboratory<'a> {
                     midway.next_part();
                     continue;
                 }
-                LegEnd::OfPart { settled } => return Ok(Ended { stand, settled, feeder }),
-                LegEnd::Seam => midway = stand.pause(feeder),
-                LegEnd::Cancelled => return Err(StageError::Cancelled),
+                SegmentEnd::OfPart { settled } => return Ok(Ended { stand, settled, feeder }),
+                SegmentEnd::Seam => midway = stand.pause(feeder),
+                SegmentEnd::Cancelled => return Err(StageError::Cancelled),
             }
             if let ControlFlow::Break(()) = self.observer.seam(&midway) {
                 return Err(StageError::Cancelled);

@@ -41,7 +41,7 @@ pub(super) struct Stand<'a> {
 }
 
 /// How a segment ended.
-pub(super) enum LegEnd {
+pub(super) enum SegmentEnd {
     /// With the stage or a part of it, and whether everything had settled.
     OfPart { settled: bool },
     /// Because its time was up.
@@ -200,7 +200,7 @@ impl<'a> Stand<'a> {
         mut feeder: Option<&mut Feeder>,
         observer: &mut dyn Observer,
         cancel: &AtomicBool,
-    ) -> Result<LegEnd, WorldError> {
+    ) -> Result<SegmentEnd, WorldError> {
         let dt = self.world.time_step();
         let steps_in = |time: f64| (time / dt).round() as u64;
         let part_began = self.midway.part_began;
@@ -258,7 +258,7 @@ impl<'a> Stand<'a> {
                 continue;
             }
             if cancel.load(Ordering::Relaxed) {
-                return Ok(LegEnd::Cancelled);
+                return Ok(SegmentEnd::Cancelled);
             }
             let told = self.midway.warnings.len();
             let finding = self.read_back(time, table_velocity(time))?;
@@ -302,10 +302,10 @@ impl<'a> Stand<'a> {
                 }
             }
             if Some(step) == seam && step < last_step {
-                return Ok(LegEnd::Seam);
+                return Ok(SegmentEnd::Seam);
             }
         }
-        Ok(LegEnd::OfPart { settled })
+        Ok(SegmentEnd::OfPart { settled })
     }
 
     fn moment(&self, stage_time: f64, table_velocity: Vector) -> Moment {

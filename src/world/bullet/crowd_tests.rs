@@ -1,6 +1,6 @@
-//! The speeds by which boxes stand off (`cpp/crowd.h`): no pair that may come
-//! within reach in the step is missed, and bodies that move together stand off
-//! little.
+//! The speeds of velocity-based AABB margins (`cpp/crowd.h`): no pair that may come
+//! within the speculative margin in the step is missed, and bodies that move together have
+//! small margins.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

@@ -203,7 +203,7 @@ mod bridge {
         axis: [f64; 3],
     }
 
-    /// What the speeds by which boxes stand off are found from.
+    /// What the speed of a velocity-based AABB margin is found from.
     struct CrowdProbeBody {
         centre: [f64; 3],
         velocity: [f64; 3],

@@ -126,7 +126,7 @@ impl BulletBackend {
         let single = constants::PLUVIA_SCALAR_BYTES == 4;
         let tolerance = if single { 1e-6 } else { 1e-12 };
         // One variable of Bullet's holds whichever of the two thresholds is used; a native
-        // world has none, and boxes that stand off in place of the tree's margin.
+        // world has none, and velocity-based AABB margins in place of the tree's.
         let margin = ("broadphase_margin_m", d.broadphase_margin);
         let speculative_margin = d.contact_threshold.min(d.tolerances.contact_margin);
         let (threshold, margin) = match (d.own_collision, d.relative_contact_threshold > 0.0) {

@@ -2,8 +2,8 @@
 //! for given poses, step after step.
 //!
 //! For tests, which compare it with exact references, and for benchmarks. And the
-//! threads of a world without the world, the speeds by which boxes stand off, the
-//! memory that the process holds, and what happens within the step of a world.
+//! threads of a world without the world, the speeds of velocity-based AABB margins,
+//! the memory that the process holds, and what happens within the step of a world.
 
 use super::{BulletBackend, body_pose, definition::tolerances, engine, ffi, flat};
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
@@ -236,7 +236,7 @@ impl BulletBackend {
     }
 }
 
-/// What the speed by which a body's box stands off is found from.
+/// What the speed of a body's velocity-based AABB margin is found from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrowdBody {
     /// In m.
@@ -251,7 +251,7 @@ pub struct CrowdBody {
     pub free: bool,
 }
 
-/// The speed in m/s by which the box of each body stands off within a step of
+/// The speed in m/s of the velocity-based AABB margin of each body within a step of
 /// `step` s, in worlds of many bodies (`cpp/crowd.h`). `frame`: velocity in m/s of
 /// the place that boxes are counted from; `speculative_margin`: gap in m up to which contact
 /// points are kept. Empty where a number is not finite or no body is free.
