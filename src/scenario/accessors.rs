@@ -208,7 +208,13 @@ impl StageSpec {
             Self::PlaceTopPlate { placement, offset_mm, rotation_deg, .. } => {
                 placement > 0 && (offset_mm != Some(0.0) || rotation_deg != 0.0)
             }
-            _ => false,
+            Self::Pour { .. }
+            | Self::Vibrate { .. }
+            | Self::Move { .. }
+            | Self::Press { .. }
+            | Self::Release { .. }
+            | Self::Remove { .. }
+            | Self::Rest { .. } => false,
         }
     }
 
