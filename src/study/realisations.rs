@@ -6,19 +6,27 @@ use super::*;
 /// Fields that tell realisations apart.
 const OF_CHANCE: [&str; 2] = ["seed", "configuration"];
 
-/// The option that says how many configurations a study takes, and what to do where there is but
-/// one: it may take one.
-pub(super) const CONFIGURATIONS: [&str; 2] = [
-    "--configurations",
-    "take one, or begin with several specimens, as a sweep does with --over \
-     begin.specimen=RUN1,RUN2",
-];
+/// How a study is asked for several realisations.
+#[derive(Clone, Copy)]
+pub(super) struct Asked {
+    /// The option that says how many.
+    option: &'static str,
+    /// What to do where there is only one.
+    instead: &'static str,
+}
 
-/// The same of a calibration, which needs scatter.
-pub(super) const REPLICATES: [&str; 2] = [
-    "--replicates",
-    "a calibration needs scatter: let the scenario make its own specimen, without `begin`",
-];
+/// Of a study that may take one.
+pub(super) const CONFIGURATIONS: Asked = Asked {
+    option: "--configurations",
+    instead: "take one, or begin with several specimens, as a sweep does with --over \
+              begin.specimen=RUN1,RUN2",
+};
+
+/// Of a calibration, which needs scatter.
+pub(super) const REPLICATES: Asked = Asked {
+    option: "--replicates",
+    instead: "a calibration needs scatter: let the scenario make its own specimen, without `begin`",
+};
 
 /// Refuses several realisations of a variation that has but one, and a seed or a configuration
 /// that changes nothing: equal results would be taken for independent ones.
@@ -27,7 +35,7 @@ pub(super) const REPLICATES: [&str; 2] = [
 /// [`StudyError::Scenario`] with what was asked, why it is refused, and what to do.
 pub(super) fn refuse_repeats(
     varied: &Varied,
-    [option, instead]: [&str; 2],
+    Asked { option, instead }: Asked,
     count: u32,
 ) -> Result<(), StudyError> {
     for (variation, scenario) in varied.all.iter().filter(|(_, s)| !s.has_realisations()) {
