@@ -57,8 +57,8 @@ pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
 impl Judged<'_> {
     /// What a field is where it is left out; of grains whose sizes are not known, by the law alone.
     fn automatic(&self, field: &BySize) -> f64 {
-        let asked = self.grading.as_ref();
-        let asked = asked.and_then(|all| by_scenario(field.path, self.value, all, &self.scale));
+        let grading = self.grading.as_ref();
+        let asked = grading.and_then(|of| by_scenario(field.path, self.value, of, &self.scale));
         let by_law = || field.default_value() * field.law.factor(&self.scale);
         automatic::within(field.path, asked.unwrap_or_else(by_law))
     }
@@ -120,10 +120,11 @@ fn unusual_apparatus(scenario: &Scenario, grading: &Grading, faults: &mut Faults
     );
     faults.add_if(height > there, "cylinder.height_mm", short(there), allowed, why);
     let least = JAMS_BELOW * to_mm(grading.sizes.median);
-    let jams = "grains may bridge the cylinder or lie over its rim: it is";
     let across = cylinder.inner_diameter_mm;
+    let jams = "grains may bridge the cylinder or lie over its rim: it is";
     check_opening("cylinder.inner_diameter_mm", across, least, jams, &mut faults);
-    let (across, jams) = (funnel.opening_diameter_mm, "the funnel may jam: its opening is");
+    let across = funnel.opening_diameter_mm;
+    let jams = "the funnel may jam: its opening is";
     check_opening("funnel.opening_diameter_mm", across, least, jams, &mut faults);
 }
 

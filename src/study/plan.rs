@@ -131,10 +131,11 @@ impl Plan {
             let begin = scenario.begin.as_ref();
             let begun = begin.map(|spec| Begun::read(spec, grains, grains_hash, by(0)));
             let begun = begun.transpose()?;
+            let has_rest_test = scenario.rest_test_s > 0.0;
             let rest = StageSpec::Rest { duration_s: scenario.rest_test_s };
-            let rest = Some(rest).filter(|_| scenario.rest_test_s > 0.0);
+            let rest_test = has_rest_test.then_some(&rest);
             let mut nodes: Vec<usize> = Vec::new();
-            for (index, stage) in scenario.stages.iter().chain(&rest).enumerate() {
+            for (index, stage) in scenario.stages.iter().chain(rest_test).enumerate() {
                 let (setup, parent) = (by(index), nodes.last().copied());
                 let begun = begun.as_ref().filter(|_| parent.is_none());
                 let before = parent.map(|parent| plan.nodes[parent].key());
@@ -145,6 +146,7 @@ impl Plan {
                 let next = plan.nodes.len();
                 let node = *known.entry(identity.key.clone()).or_insert(next);
                 nodes.push(node);
+                // Stages that runs have in common are planned once.
                 if node < next {
                     continue;
                 }
@@ -166,7 +168,7 @@ impl Plan {
                     remaining: expected,
                 });
             }
-            let rest_test = rest.and_then(|_| nodes.pop());
+            let rest_test = if has_rest_test { nodes.pop() } else { None };
             plan.runs.push(RunNodes { stages: nodes, rest_test });
         }
         plan.name_engines();

@@ -50,7 +50,8 @@ fn check_funnel(parts: &Parts, faults: &mut Faults) {
         let why = "no grain of the coarsest fraction can leave the funnel";
         faults.add_if(opening <= coarsest, "opening_diameter_mm", opening, allowed, why);
         let longest = LONGEST_GRAIN * coarsest;
-        let (wrong, why) = (top > opening && top < longest, "the funnel is narrower than a grain");
+        let wrong = top > opening && top < longest;
+        let why = "the funnel is narrower than a grain";
         faults.add_if(wrong, "top_diameter_mm", top, as_longest(longest), why);
     }
     let Some(cylinder) = &parts.cylinder else { return };
@@ -77,6 +78,7 @@ fn check_plate(parts: &Parts, faults: &mut Faults) {
     let corner = flat(plate.sides) / (PI / f64::from(plate.sides)).cos();
     let widest = cylinder.inner_diameter_mm * flat(cylinder.wall_pieces) / corner;
     let allowed = format!("less than {} mm, at which its corners touch the wall", short(widest));
-    let (across, why) = (plate.diameter_mm, "the top plate does not fit into the cylinder");
+    let across = plate.diameter_mm;
+    let why = "the top plate does not fit into the cylinder";
     faults.add_if(across >= widest, "diameter_mm", across, allowed, why);
 }

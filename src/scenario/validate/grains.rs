@@ -81,7 +81,8 @@ fn check_meshes(meshes: &MeshGrains, faults: &mut Faults) {
 
 fn check_order(table: &[SieveFraction], faults: &mut Faults) {
     for (i, SieveFraction { passing_mm, retained_mm, .. }) in table.iter().enumerate() {
-        let (wrong, field) = (passing_mm <= retained_mm, format!("sieve_table[{i}].retained_mm"));
+        let wrong = passing_mm <= retained_mm;
+        let field = format!("sieve_table[{i}].retained_mm");
         let allowed = format!("less than passing_mm, {passing_mm}");
         let why = "grains that pass a sieve are retained by a finer one";
         faults.add_if(wrong, &field, retained_mm, allowed, why);
@@ -106,8 +107,8 @@ fn check_sum(table: &[SieveFraction], faults: &mut Faults) {
     let sum: f64 = table.iter().map(|f| f.mass_percent).sum();
     // The margin keeps a sum of decimals that is off by the tolerance itself inside.
     let wrong = !((sum - 100.0).abs() <= PERCENT_TOLERANCE + 1e-9);
-    let (found, allowed) =
-        (format!("a sum of {} %", short(sum)), format!("100 ± {PERCENT_TOLERANCE} %"));
+    let found = format!("a sum of {} %", short(sum));
+    let allowed = format!("100 ± {PERCENT_TOLERANCE} %");
     let why = "the mass percentages of the fractions do not add up";
     faults.add_if(wrong, "sieve_table", found, allowed, why);
 }

@@ -29,9 +29,9 @@ pub(super) fn check_release(parts: &Parts, names: &[String], faults: &mut Faults
         faults.add_if(crosses, &field, &shown, "a piece without `may_cross`", message);
     }
     let all = parts.pieces().all(|(_, piece)| names.contains(&piece.name));
-    let (wrong, names) = (all && parts.has_pieces(), names.join(", "));
+    let wrong = all && parts.has_pieces();
     let why = "nothing is left that could carry what moves freely";
-    faults.add_if(wrong, "pieces", names, "fewer than all pieces", why);
+    faults.add_if(wrong, "pieces", names.join(", "), "fewer than all pieces", why);
 }
 
 /// Checks the loads of a stage; whether their pieces stand is checked with all others.

@@ -230,7 +230,8 @@ fn check_measures(parts: &Parts, measures: &MeasuresSpec, faults: &mut Faults) {
     let mut faults = faults.at("measures");
     for (i, region) in measures.regions.iter().enumerate() {
         let (low, high) = (&region.low_mm, &region.high_mm);
-        let (wrong, found) = (!low.iter().zip(high).all(|(l, h)| l < h), format!("{high:?}"));
+        let wrong = !low.iter().zip(high).all(|(l, h)| l < h);
+        let found = format!("{high:?}");
         let allowed = "a corner above and beyond `low_mm` in every direction";
         let why = "the region holds nothing";
         faults.add_if(wrong, &format!("regions[{i}].high_mm"), found, allowed, why);
@@ -248,7 +249,8 @@ fn check_measures(parts: &Parts, measures: &MeasuresSpec, faults: &mut Faults) {
     let pieces: HashSet<&String> = parts.pieces().map(|(_, piece)| &piece.name).collect();
     for (list, name) in regions.chain(openings).chain(groups) {
         let is_new = known.insert(name) && !(list == "groups" && pieces.contains(name));
-        let (wrong, shown) = (!is_new || !is_plain(name), Value::from(name.as_str()));
+        let wrong = !is_new || !is_plain(name);
+        let shown = Value::from(name.as_str());
         let allowed = "unique names of letters, digits, `-` and `_`";
         faults.add_if(wrong, list, shown, allowed, "results would have ambiguous names");
     }

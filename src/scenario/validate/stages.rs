@@ -160,7 +160,8 @@ fn check_time(parts: &Parts, faults: &mut Faults) {
             if matches!(spec, StageSpec::Move { .. }) && limit <= 0.0 {
                 continue;
             }
-            let (wrong, field) = (limit <= settle.hold_s, format!("stages[{i}].{field}"));
+            let wrong = limit <= settle.hold_s;
+            let field = format!("stages[{i}].{field}");
             let allowed = format!("more than settle.hold_s, {} s", settle.hold_s);
             let why = "the stage ends before anything can count as settled";
             faults.add_if(wrong, &field, limit, allowed, why);
@@ -168,7 +169,8 @@ fn check_time(parts: &Parts, faults: &mut Faults) {
     }
     let stages: f64 = parts.specs().map(|(_, spec)| spec.longest()).sum();
     let total = stages + parts.rest_test_s.unwrap_or(0.0);
-    let (found, allowed) = (format!("{} s", short(total)), format!("at most {LONGEST} s"));
+    let found = format!("{} s", short(total));
+    let allowed = format!("at most {LONGEST} s");
     let why = "stages and rest test together take too long";
     faults.add_if(total > LONGEST, "stages", found, allowed, why);
 }

@@ -1,4 +1,4 @@
-//! Holds every rung against the finest, and chooses the cheapest that passes.
+//! Compares every rung with the finest, and chooses the cheapest that passes.
 
 use super::design::Ladder;
 use super::*;
@@ -84,13 +84,17 @@ fn in_every_ladder(rows: Vec<ConvergenceRow>) -> Vec<ConvergenceRow> {
     rows.iter().map(together).collect()
 }
 
-/// Whether all are so: not where one is known not to be, and not known where some are not.
+/// Whether all hold: they do not where one is known not to hold; `None` where, without such a one,
+/// some are not known.
 fn all(of: impl Iterator<Item = Option<bool>>) -> Option<bool> {
     let of: Vec<Option<bool>> = of.collect();
-    if of.contains(&Some(false)) { Some(false) } else { (!of.contains(&None)).then_some(true) }
+    if of.contains(&Some(false)) {
+        return Some(false);
+    }
+    if of.contains(&None) { None } else { Some(true) }
 }
 
-/// Whether one of them is so; none where some are not known.
+/// Whether any of them holds; `None` where some are not known.
 fn any(of: impl Iterator<Item = Option<bool>>) -> Option<bool> {
     let of: Option<Vec<bool>> = of.collect();
     of.map(|of| of.contains(&true))
