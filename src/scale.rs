@@ -41,7 +41,7 @@ impl GrainSizes {
     pub const PAPER: Self =
         Self { smallest: 0.008, median: 0.010_755_221_034_089_258, largest: 0.016 };
 
-    /// Those of grains so many times as large.
+    /// Sizes of grains that are `larger` times as large.
     pub fn times(self, larger: f64) -> Self {
         let Self { smallest, median, largest } = self;
         Self { smallest: smallest * larger, median: median * larger, largest: largest * larger }

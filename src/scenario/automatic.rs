@@ -199,7 +199,7 @@ pub(super) fn fields_of_stages() -> [(&'static str, &'static str, Law, f64); 15]
         ("slow_pluviation", "spout_diameter_mm", Coarse, spout_diameter()),
         ("vibrate", "settle_limit_s", Time, settle_limit()),
         ("deposit", "time_limit_s", Time, deposit_limit()),
-        ("move", "keep_mean_stress.window_s", Time, window()),
+        ("move", "keep_mean_stress.window_s", Time, stress_window()),
         ("press", "time_limit_s", Time, deposit_limit()),
         ("press", "ramp_s", Time, press_ramp()),
         ("press", "approach_mm_per_s", Speed, approach()),

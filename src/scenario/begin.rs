@@ -118,7 +118,7 @@ fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>
     let text = |entry: &Value, field: &str| entry[field].as_str().unwrap_or_default().to_owned();
     let key = |entry: &Value| text(entry, "key");
     let mut after: Vec<String> = entries.iter().map(|entry| text(entry, "stage")).collect();
-    // None is that of the rest test.
+    // Number of the stage; `None` stands for the rest test.
     let number = match (spec.stage.as_deref(), &stored) {
         (None, None) => entries.len().checked_sub(1),
         (None, Some(stored)) => {

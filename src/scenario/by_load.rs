@@ -16,7 +16,7 @@ const STRESS_OF_DEFAULT: f64 = 10.0;
 /// By how much overlaps are pushed apart faster where a load presses more than that. The limit of
 /// the speed is one of the force, v (c + h k) with damping c and sub-step h: by default ten times
 /// the mean force of a contact under the stress that the stiffness follows from. Grains at the ends
-/// of chains of force bear more, and would sink into each other without end.
+/// of force chains bear more, and would sink into each other without end.
 const FASTER_UNDER_LOAD: f64 = 10.0;
 
 /// Length of a sub-step under a load, at most, in inertial times d √(ρ/P) of the smallest grains under
@@ -25,8 +25,8 @@ const FASTER_UNDER_LOAD: f64 = 10.0;
 /// end. Ours: a specimen of 534 grains under 200 kPa lay still with 0.19, and sank with 0.38.
 const SUBSTEP_OF_INERTIAL_TIME: f64 = 0.2;
 
-/// What a field is that follows from the motions or loads of a scenario, too, as well as from its
-/// grains; none of every other.
+/// The value of a field that follows from the motions or loads of a scenario as well as from its
+/// grains; `None` for every other field.
 pub(super) fn by_scenario(
     path: &str,
     value: &Value,

@@ -14,11 +14,16 @@ macro_rules! defaults {
     };
 }
 
-/// Parts of the scenario file. What a field may be stands once, behind its type: `= v`, its
-/// default; `or default`, that of its type where it is left out; `else "f"`, f() there; `skip "f"`,
-/// left out, and not written where f of it holds; a number `above a to b`, without a, or
-/// `from a to b`, with it; `length a to b` of a text or a list; other limits as the `schema` has
-/// them.
+/// Declares parts of the scenario file: structs, or one enum. Behind the type of a field stands
+/// what it may be, in this order:
+/// - `= v`: its default is v; of a struct either every field has one, or none (see `default_of`);
+/// - `or default`: it may be left out, and is the default of its type then;
+/// - `else "f"`: it may be left out, and is f() then;
+/// - `skip "f"`: it may be left out, and is not written where f of it holds;
+/// - `above a to b`: a number greater than a and at most b;
+/// - `from a to b`: a number of at least a and at most b;
+/// - `length a to b`: of a text or a list;
+/// - `schema(...)`: other limits, as schemars has them.
 macro_rules! parts {
     ($(
         $(#[$of:meta])*
@@ -87,7 +92,7 @@ macro_rules! parts {
     };
 }
 
-/// The default of a part whose fields all have one.
+/// The default of a struct whose fields all have one; nothing for others.
 macro_rules! default_of {
     ($name:ident $($field:ident = $value:expr;)*) => {
         impl Default for $name {

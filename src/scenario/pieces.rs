@@ -222,7 +222,7 @@ pub struct KeepMeanStressSpec {
     /// Names of pieces that forces press: all these forces are multiplied by the same factor.
     pub pieces: Vec<String>, length 1 to 100;
     /// Time in s over which the mean stress is smoothed, and within which the factor follows it.
-    pub window_s: f64, else "window", above 0.0 to 60.0;
+    pub window_s: f64, else "stress_window", above 0.0 to 60.0;
 }
 
 /// What is measured of a laboratory beside the forces on its pieces.
@@ -276,7 +276,7 @@ impl MeasuresSpec {
 }
 
 defaults! {
-    pub(super) window: f64 = 0.1;
+    pub(super) stress_window: f64 = 0.1;
     wall: f64 = 10.0;
     four: u32 = 4;
     blade: f64 = 2.0;

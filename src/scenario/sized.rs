@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// What holds such settings, by default for grains of the paper's size.
+/// The parts of a scenario that hold these settings, by default for grains of the paper's size.
 #[derive(Default)]
 struct Settings {
     engine: EngineSettings,
@@ -15,9 +15,13 @@ pub(super) struct BySize {
     /// How it grows; of the rates of steps and sub-steps, the stiffness and the speed at which
     /// overlaps are pushed apart, the scenario may ask for more.
     pub law: Law,
+    /// The contacts of which it is a setting.
     pub of: Of,
+    /// What goes wrong where it is far too low.
     pub low: &'static str,
+    /// What goes wrong where it is far too high.
     pub high: &'static str,
+    /// Where it stands in the settings.
     place: fn(&mut Settings) -> &mut f64,
 }
 
@@ -134,7 +138,7 @@ impl BySize {
 }
 
 impl EngineSettings {
-    /// The settings for the same bodies so many times as large, under the same gravity.
+    /// The settings for the same bodies `larger` times as large, under the same gravity.
     pub fn enlarged(&self, larger: f64) -> Self {
         let paper = Scale::PAPER;
         let scale = Scale::of_smallest(paper.sizes.smallest * larger, paper.gravity);

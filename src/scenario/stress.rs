@@ -74,8 +74,9 @@ fn pressed_stress(value: &Value) -> f64 {
             return Some(from_kpa(stress));
         }
         if let Some(moment) = load.moment_n_m {
-            // By this moment in N m it resists being turned under a pressure of 1 Pa.
-            return Some(moment / (piece(value, &load.piece)?.shape.turned_mm3()? * 1e-9));
+            // Moment in N m by which the piece resists being turned under a pressure of 1 Pa.
+            let of_one_pa = piece(value, &load.piece)?.shape.turned_mm3()? * 1e-9;
+            return Some(moment / of_one_pa);
         }
         Some(load.force_n? / shown_area(value, &load.piece, load.direction.into())?)
     }))

@@ -41,8 +41,8 @@ pub struct Executed {
 pub struct RunOptions {
     /// Folder for results; what is finished there is not done again.
     pub out: PathBuf,
-    /// Cores: so many stages that do not need each other run at the same time; where there are
-    /// fewer, each gets its share as threads of its world.
+    /// Cores: as many stages that do not need each other run at the same time; where there are
+    /// fewer stages, each gets its share of the cores as threads of its world.
     pub jobs: usize,
     /// Whether stages keep frames, for pictures and the viewer: about 20 bytes a
     /// grain and sample.
@@ -63,13 +63,12 @@ pub struct Shop<'a> {
     pub cancel: &'a AtomicBool,
     /// Told of what goes on.
     pub progress: &'a dyn Progress,
-    /// Cores, at least 1: used by so many stages at the same time or, where fewer are left, by
-    /// several threads of one.
+    /// Cores, at least 1: each runs a stage or, where fewer stages are left, a thread of one.
     pub cores: usize,
 }
 
 impl<'a> Shop<'a> {
-    /// With the cores of such runs, told and stopped as they are.
+    /// With the cores, the progress and the way to stop that these options give.
     pub fn new(store: &'a StageStore, make_world: WorldMaker<'a>, options: &'a RunOptions) -> Self {
         let RunOptions { jobs, cancel, progress, .. } = options;
         Self { store, make_world, cancel, progress: progress.as_ref(), cores: (*jobs).max(1) }

@@ -178,7 +178,7 @@ fn each_once<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T> {
     once
 }
 
-/// Refuses what cannot be made, in words.
+/// Refuses what a study is asked for, and says why.
 fn refused<T>(why: String) -> Result<T, StudyError> {
     Err(StudyError::Scenario(why))
 }

@@ -61,7 +61,7 @@ impl ReadyRun {
 }
 
 /// Runs the runs of a plan, taking from the store in the output folder what is there,
-/// and writes each run's files into its folder. Gives their records, in their order, and the
+/// and writes each run's files into its folder. Gives the records in the order of the runs, and the
 /// engine's settings as read back in the first stage.
 pub(super) fn carry_out(
     plan: &Plan,

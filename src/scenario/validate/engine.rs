@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// stock Bullet contacts alone have a margin, inertia by boxes, a least mass
+/// Stock Bullet contacts alone have a margin, inertia by boxes, a least mass
 /// and sleep; elsewhere these fields would be without effect, which nobody who
 /// sets them means.
 pub(super) fn check(parts: &Parts, faults: &mut Faults) {

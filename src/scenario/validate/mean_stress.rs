@@ -1,4 +1,4 @@
-//! Pieces whose forces keep a mean stress.
+//! Pieces whose forces keep a mean stress, and what stages make of pieces.
 
 use std::collections::HashMap;
 

@@ -3,7 +3,7 @@
 
 use super::*;
 
-/// A fault of the scenario of a state as somebody can mend it who asked for that state.
+/// A fault of the scenario of a state, as whoever asked for that state can fix it.
 pub(super) fn told(
     state: &str,
     fault: Fault,
