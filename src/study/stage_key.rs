@@ -73,7 +73,8 @@ pub(super) fn identity(
 }
 
 /// The settings of the engine that act on a stage: what all engines read, and what the one that
-/// carries the grains asks for alone. Those of others change no key.
+/// carries the grains asks for alone, in the order in which they are declared: who changes it
+/// changes every key. Those of others change no key.
 struct EngineKey<'a>(&'a EngineSettings);
 
 impl Serialize for EngineKey<'_> {
