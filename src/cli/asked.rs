@@ -78,9 +78,8 @@ pub(super) fn held(folder: &Path, command: &str, question: &Value) -> Option<Str
             None => lost(&more, &more_now)
                 .map(|what| format!("it holds more results of `pluvia {command}`: {what}")),
             Some(field) => {
-                let differs = format!(": `{field}` differs");
-                let differs = if field.is_empty() { "" } else { &differs };
-                Some(format!("it holds the results of another `pluvia {command}`{differs}"))
+                let other = format!("it holds the results of another `pluvia {command}`");
+                Some(if field.is_empty() { other } else { format!("{other}: `{field}` differs") })
             }
         };
     }
