@@ -96,8 +96,11 @@ fn chosen(run: &Playback, animation: &Animation) -> Result<Vec<At>, PictureError
     if animation.shot.colour_by == ColourBy::Speed {
         found.retain(|at| values(&moments(run, *at), ColourBy::Speed).is_ok());
     }
-    let last = all.last().filter(|last| found.last().is_some_and(|at| at != *last));
-    found.extend(last.copied());
+    if let Some(&last) = all.last()
+        && found.last().is_some_and(|at| *at != last)
+    {
+        found.push(last);
+    }
     if found.len() < 2 { Err(PictureError::NothingMoves) } else { Ok(found) }
 }
 
