@@ -86,11 +86,11 @@ pub fn values(moments: &Moments, by: ColourBy) -> Result<Vec<Option<f64>>, Pictu
         _ => (moments.began.ok_or(missing("displacement"))?, 1.0),
     };
     let table = Vector::new(now.table_x - from.table_x, 0.0, 0.0);
-    let way = |(now, from): (&Option<Pose>, &Option<Pose>)| {
-        let way = now.as_ref()?.translation.vector - from.as_ref()?.translation.vector - table;
-        Some(to_mm(way.norm()) / per)
+    let value = |(now, from): (&Option<Pose>, &Option<Pose>)| {
+        let displaced = now.as_ref()?.translation.vector - from.as_ref()?.translation.vector;
+        Some(to_mm((displaced - table).norm()) / per)
     };
-    Ok(now.grains.iter().zip(&from.grains).map(way).collect())
+    Ok(now.grains.iter().zip(&from.grains).map(value).collect())
 }
 
 /// A round number that 98 % of the values do not exceed; 1 without values.
