@@ -38,7 +38,7 @@ pub fn parts_of_piece(file: &Path, scale_to_mm: f64) -> Result<Vec<MeshPart>, Ve
     for object in objects {
         let found = each_surface(&object, &spec, scale_to_mm, |surface, _| {
             let split = |fault| Fault { allowed: SPLIT.to_owned(), ..fault };
-            let shape = shape::convex(surface, &spec).map_err(split)?.0;
+            let (shape, _) = shape::convex(surface, &spec).map_err(split)?;
             let vertices = shape.vertices().iter().map(|v| (v.coords * scale_to_mm).into());
             let (vertices_mm, faces) = (vertices.collect(), shape.faces().to_vec());
             parts.push(MeshPart { vertices_mm, faces });
