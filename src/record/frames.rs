@@ -144,6 +144,7 @@ fn taken<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
     taken
 }
 
+/// The number in single precision that begins at a place.
 fn single(bytes: &[u8], at: usize) -> f64 {
     f64::from(f32::from_le_bytes(taken(bytes, at)))
 }

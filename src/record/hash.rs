@@ -7,7 +7,6 @@ use sha2::{Digest, Sha256};
 use super::*;
 
 pub(super) use crate::input::hexadecimal;
-/// SHA-256 of bytes, in lower-case hexadecimal.
 pub use crate::input::sha256 as hash_bytes;
 
 /// SHA-256 of a file's content, read in pieces.

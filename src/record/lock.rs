@@ -8,15 +8,15 @@ use super::*;
 /// Who else is at work with a file or in a folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AtWork {
-    /// Nobody is.
+    /// Nobody else is.
     Nobody,
-    /// Somebody is.
+    /// Somebody else is.
     Somebody,
     /// The file system has no locks.
     Unknown,
 }
 
-/// Asks, without waiting, to hold a file alone; it is held from now on where nobody else holds it.
+/// Asks, without waiting, to hold a file alone. With [`AtWork::Nobody`] it is held from now on.
 pub(super) fn ask_alone(file: &File) -> AtWork {
     match file.try_lock() {
         Ok(()) => AtWork::Nobody,

@@ -242,8 +242,8 @@ impl StageStore {
 
     /// Puts a written stage in its place, unless one is there that is to be
     /// believed, which is given then: it is never taken away, so that no reader
-    /// misses it. What is not believed is replaced by one program at a time, with
-    /// a way to exchange two folders, which says whether it could.
+    /// misses it. What is not believed is replaced by one program at a time:
+    /// `exchange` swaps two folders and says whether it could.
     fn publish(
         &self,
         exchange: fn(&Path, &Path) -> bool,
