@@ -47,7 +47,7 @@ pub(super) struct DensityArgs {
     out: PathBuf,
 }
 
-/// What reads a number within a range.
+/// A reader of numbers from `low` to `high`, for an option.
 fn between(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {
     move |text: &str| {
         let number = text.parse::<f64>().ok().filter(|n| (low..=high).contains(n));

@@ -5,7 +5,7 @@ use std::fs;
 use super::*;
 use crate::record::{AtWork, RunLock, write_json};
 
-/// What is refused.
+/// The action that is refused, as errors name it.
 const WRITE: &str = "write results into";
 
 /// Says which scenario a folder's unfinished run is of; removed once the run is finished.

@@ -44,7 +44,7 @@ impl<W: Write> LinesState<W> {
         let _ = writeln!(self.out, "{}", plain_lines(text));
     }
 
-    /// Takes out a stage: its name, and how long it took. None where it does not run.
+    /// Ends a stage; gives its name and how long it took, `None` where it does not run.
     fn end(&mut self, id: u64) -> Option<(String, String)> {
         let stage = self.running.remove(&id)?;
         self.overall.end_stage(id);

@@ -40,8 +40,8 @@ pub(crate) fn used<V: Copy>(
     (used.iter().map(|&v| vertices[v as usize]).collect(), faces)
 }
 
-/// The loop of some corners, those that follow themselves taken once; none of fewer than three
-/// corners, which has no area.
+/// The face loop of some corners, where a corner that follows itself counts once; `None` of fewer
+/// than three, which have no area.
 pub(crate) fn loop_of(corners: impl Iterator<Item = u32>) -> Option<Vec<u32>> {
     let mut face: Vec<u32> = corners.collect();
     face.dedup();
@@ -56,7 +56,7 @@ pub(crate) fn edges_of<T: Copy>(corners: &[T]) -> impl Iterator<Item = (T, T)> {
     (0..corners.len()).map(move |i| (corners[i], corners[(i + 1) % corners.len()]))
 }
 
-/// The number of the face that runs along each directed edge.
+/// The number of the face to the left of each directed edge, seen from outside.
 pub(super) fn left_of_edges(faces: &[Vec<u32>]) -> HashMap<(u32, u32), usize> {
     let mut left = HashMap::new();
     for (number, face) in faces.iter().enumerate() {
@@ -70,8 +70,8 @@ pub(super) fn mean(points: &[Point]) -> Vector {
     points.iter().map(|p| p.coords).sum::<Vector>() / points.len().max(1) as f64
 }
 
-/// Volume enclosed by face loops in the cube of the vertices' unit, by the divergence theorem about
-/// the mean of the vertices; negative where faces are turned inwards.
+/// Volume that face loops enclose, in the cube of the vertices' unit, by the divergence theorem
+/// about the mean of the vertices; negative where faces are turned inwards.
 pub(crate) fn enclosed_volume(vertices: &[Point], faces: &[Vec<u32>]) -> f64 {
     let centre = mean(vertices);
     let at = |v: u32| vertices[v as usize].coords - centre;

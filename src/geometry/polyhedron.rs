@@ -217,7 +217,7 @@ impl ConvexPolyhedron {
         self.rounded.as_deref()
     }
 
-    /// What a ball of a radius in m sweeps to make the body: the core of a rounded polyhedron; else
+    /// The core of a rounded polyhedron, and the radius in m of the ball that sweeps it; otherwise
     /// the polyhedron itself, and 0.
     pub fn core(&self) -> (&Self, f64) {
         self.rounded().map_or((self, 0.0), |rounded| (&rounded.core, rounded.radius))
@@ -437,7 +437,7 @@ impl ConvexPolyhedron {
         self.mapped(&|point: Point| point * factor, factor)
     }
 
-    /// With every point put elsewhere, and radii multiplied by a factor.
+    /// The same polyhedron with every point mapped, and radii multiplied by a factor.
     fn mapped(&self, to: &impl Fn(Point) -> Point, factor: f64) -> Self {
         let swept =
             |r: &Rounded| Rounded { core: r.core.mapped(to, factor), radius: r.radius * factor };

@@ -79,8 +79,8 @@ fn random_points(count: usize, rng: &mut Pcg64) -> Vec<Vector> {
     (0..count).map(|_| Vector::from_fn(|_, _| uniform(rng))).collect()
 }
 
-/// The Voronoi cells of points inside a cube, of a box of the given sides, mapped to the cube; the
-/// points are given in units of its side, 0 to 1. Nearly coincident vertices are merged.
+/// The Voronoi cells of points in a box of the given sides, mapped to a cube; the points are given
+/// in units of the cube's side, 0 to 1. Nearly coincident vertices are merged.
 ///
 /// # Errors
 /// No points, points outside the cube or nearer to each other than 1e-9 of

@@ -131,7 +131,7 @@ fn exposed(run: &Playback, scenes: &[(Scene, &str)], points: &[Point]) -> Vec<(I
     scenes.iter().map(panel).collect()
 }
 
-/// Moments in panels that share one framing, and what is to be said of them.
+/// Moments in panels that share one framing; their caption begins with `what`.
 fn of_moments(
     run: &Playback,
     stem: &str,

@@ -8,7 +8,7 @@ use super::*;
 /// Smallest and largest side of a picture in pixels.
 const SIDES: std::ops::RangeInclusive<u32> = 64..=8192;
 
-/// An error that says what an option may be, unless it is allowed.
+/// Refuses the value of an option that is not allowed, with what is.
 pub(super) fn in_range(
     option: &'static str,
     value: f64,

@@ -54,9 +54,9 @@ pub type Named = (&'static str, Values);
 
 /// VTK's name of cells that are points.
 pub const VERTS: &str = "Verts";
-/// Of lines.
+/// VTK's name of cells that are lines.
 pub const LINES: &str = "Lines";
-/// Of polygons, counter-clockwise seen from outside.
+/// VTK's name of cells that are polygons, counter-clockwise seen from outside.
 pub const POLYS: &str = "Polys";
 
 /// A file in the making: cells of one kind and what is known of them.

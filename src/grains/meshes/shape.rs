@@ -9,7 +9,7 @@ pub(super) const NEARLY_CONVEX: f64 = 0.99;
 
 /// The convex polyhedron of a surface: the surface itself where it is convex
 /// and has few enough vertices, else its hull where that is near enough or
-/// asked for. Where the surface was, with a record of what was done to it.
+/// asked for. It is where the surface was; the record says what was done to it.
 pub(super) fn convex(
     surface: &Surface,
     spec: &MeshGrains,
