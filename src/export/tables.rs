@@ -5,18 +5,18 @@ use super::*;
 use crate::measure::{pairs_within, touching_gap};
 use crate::units::{to_g, to_mm, to_mm3};
 
-/// Columns of [`grains_csv`].
+/// Columns of [`grains_csv`], in the order of its cells.
 const GRAINS: &str = "grain,fate,mass_g,volume_mm3,equivalent_diameter_mm,x_mm,y_mm,z_mm,\
                       rotation_x,rotation_y,rotation_z,rotation_w,\
                       velocity_x_mm_per_s,velocity_y_mm_per_s,velocity_z_mm_per_s,\
                       angular_velocity_x_rad_per_s,angular_velocity_y_rad_per_s,\
                       angular_velocity_z_rad_per_s";
 
-/// Columns of [`contacts_csv`].
+/// Columns of [`contacts_csv`], in the order of its cells.
 const CONTACTS: &str = "first,second,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z,\
                         force_x_n,force_y_n,force_z_n";
 
-/// Columns of [`pairs_csv`].
+/// Columns of [`pairs_csv`], in the order of its cells.
 const PAIRS: &str = "first,second,gap_mm,overlap_percent";
 
 /// A header and rows with as many cells; groups of cells within a row lie flat.
@@ -93,6 +93,47 @@ pub fn pairs_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::export::testing;
+
+    /// Law: cells stand below the names of their columns.
+    #[test]
+    fn cells_stand_below_the_names_of_their_columns() {
+        let check = |table: Result<Vec<u8>, csv::Error>, expected: &[(&str, f64)]| {
+            let text = String::from_utf8(table.expect("a table")).expect("UTF-8");
+            let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<&str>>());
+            let (names, cells) = (lines.next().expect("a header"), lines.next().expect("a row"));
+            for (name, value) in expected {
+                let place = names.iter().position(|n| n == name).expect("a column");
+                let cell: f64 = cells[place].parse().expect("a number");
+                assert_eq!(cell, *value, "law: of the column {name}");
+            }
+        };
+        let moments = testing::moments(&[3], 0.08);
+        let state = moments.stages[0].end.clone();
+        let specimen = Specimen { grains: moments.grains.clone(), state };
+        let (grain, body) = (&specimen.grains.grains[0], &specimen.state.bodies[0].body);
+        let of_grain = [
+            ("mass_g", to_g(grain.mass)),
+            ("volume_mm3", to_mm3(grain.volume)),
+            ("equivalent_diameter_mm", to_mm(grain.equivalent_diameter)),
+            ("x_mm", to_mm(body.pose.translation.vector.x)),
+            ("z_mm", to_mm(body.pose.translation.vector.z)),
+            ("rotation_z", body.pose.rotation.coords.z),
+            ("rotation_w", body.pose.rotation.coords.w),
+            ("velocity_z_mm_per_s", to_mm(body.linear_velocity.z)),
+            ("angular_velocity_z_rad_per_s", body.angular_velocity.z),
+        ];
+        check(grains_csv(&specimen), &of_grain);
+        let contact = &specimen.state.contacts[0];
+        let of_contact = [
+            ("x_mm", to_mm(contact.point_m.x)),
+            ("z_mm", to_mm(contact.point_m.z)),
+            ("normal_z", contact.normal.z),
+            ("force_x_n", contact.force_n.x),
+            ("force_z_n", contact.force_n.z),
+        ];
+        check(contacts_csv(&moments.setup, &specimen), &of_contact);
+    }
 
     #[test]
     fn a_table_without_rows_has_the_header_of_one_with_them() {
