@@ -129,7 +129,8 @@ pub fn write_variations(out: &Path, runs: &[RunRow]) -> Result<(), StudyError> {
 
 /// Runs every variation in configurations 1 to `configurations` of its scenario and gives one row a
 /// run. The first configuration of all comes first, then the second, so that what there is after an
-/// interruption is a whole table. `so_far` is reported all rows whenever some are added.
+/// interruption is a whole table; where there are fewer variations than cores, several configurations
+/// together. `so_far` is reported all rows whenever some are added.
 ///
 /// # Errors
 /// When grains cannot be made, files not be written, or everything is stopped.
@@ -140,8 +141,17 @@ pub fn carry_out_variations(
     options: &RunOptions,
     so_far: &mut dyn FnMut(&[RunRow]) -> Result<(), StudyError>,
 ) -> Result<Vec<RunRow>, StudyError> {
-    let one_by_one: Vec<_> = (0..configurations).map(|number| number..number + 1).collect();
-    carry_out_in(&crate::world::create, varied, &one_by_one, options, so_far)
+    let ranges = ranges(configurations, varied.all.len(), options.jobs);
+    carry_out_in(&crate::world::create, varied, &ranges, options, so_far)
+}
+
+/// Ranges of configurations that run together: so many that every core has a run of its own, which
+/// is faster than several threads of one.
+fn ranges(configurations: u32, variations: usize, cores: usize) -> Vec<Range<u32>> {
+    let together = cores.div_ceil(variations.max(1)).max(1);
+    let together = u32::try_from(together).unwrap_or(u32::MAX);
+    let begin = (0..configurations).step_by(together as usize);
+    begin.map(|first| first..first.saturating_add(together).min(configurations)).collect()
 }
 
 /// Carries out variations and, whenever more of them are done, makes of all rows so far what they

@@ -135,3 +135,22 @@ fn programmes_are_told_apart_by_all_that_is_done() {
     }
     assert_ne!(one, of(&[("a", &["seed=2"])], 3), "configurations count");
 }
+
+/// Law: every configuration stands in one range, and there are as many runs together as cores, or
+/// more by less than the number of variations.
+#[test]
+fn every_core_has_a_run() {
+    for (configurations, variations, cores, expected) in [
+        (4, 1, 2, &[(0, 2), (2, 4)][..]),
+        (3, 1, 2, &[(0, 2), (2, 3)]),
+        (2, 3, 2, &[(0, 1), (1, 2)]),
+        (3, 3, 4, &[(0, 2), (2, 3)]),
+        (2, 1, 64, &[(0, 2)]),
+        (2, 0, 0, &[(0, 1), (1, 2)]),
+        (0, 1, 2, &[]),
+    ] {
+        let got = ranges(configurations, variations, cores);
+        let got: Vec<(u32, u32)> = got.into_iter().map(|range| (range.start, range.end)).collect();
+        assert_eq!(got, expected, "law: {configurations} of {variations} on {cores} cores");
+    }
+}
