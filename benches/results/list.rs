@@ -171,6 +171,16 @@ pub const KEPT: &[Kept] = &[
         takes: "a quarter of an hour",
     },
     Kept {
+        name: "calibrated-continuous",
+        what: "The paper's continuous vibration with that coefficient, three realisations",
+        files: &[("calibration/continuous.csv", "sweep.csv")],
+        made: Made::Pluvia(&["sweep scenarios/paper/vibration-continuous.json \
+                              --configurations 3 \
+                              --over contact.grain_grain_friction=0.3284 --out OUT"]),
+        build: build("2026-11-27", "19"),
+        takes: "half an hour",
+    },
+    Kept {
         name: "native",
         what: "Pours of the quick specimen by friction and restitution, 20 realisations, native \
                contacts",
@@ -459,6 +469,7 @@ pub const SOURCES: &[(&str, &str)] = &[
     ("interpretations", "interpretations.md"),
     ("stock", "stock-contacts.csv"),
     ("calibration", "calibration/calibrate.json"),
+    ("calibrated", "calibration/continuous.csv"),
     ("quick", "quick/vibration.csv"),
     ("quick-stock", "quick/stock-vibration.csv"),
     ("rounding", "shape/rounding.csv"),
