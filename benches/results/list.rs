@@ -103,7 +103,7 @@ pub const KEPT: &[Kept] = &[
         ],
         made: Made::Pluvia(&["reproduce --configurations 10 --out OUT"]),
         build: build("2026-11-25", "14"),
-        takes: "an hour",
+        takes: "three hours",
     },
     Kept {
         name: "interpretations",
