@@ -213,8 +213,8 @@ quantities! {
     UNSOLVED_GAP = Fine 0.02e-3, "unsolved_gap_m",
         "Overlap that a sub-step may add at a contact before the solver iterates further.";
     HYSTERESIS = Fine 0.02e-3, "hysteresis_m",
-        "Advantage that a feature of two hulls needs to replace the last one; with 0 packings \
-         creep.";
+        "Advantage that a feature of two hulls needs to replace the last one; with 0 specimens \
+         sink at rest.";
     HOLD = Fine 0.02e-3, "hold_m",
         "Displacement up to which features are kept without a search.";
     FACE_PREFERENCE = Fine 0.005e-3, "face_preference_m",
@@ -254,7 +254,7 @@ quantities! {
     SLOW = Speed 0.02, "slow_m_per_s",
         "Speed below which a grain belongs to the pile.";
     CREEP_LIMIT = Speed 5e-6, "creep_limit_m_per_s",
-        "Creep that the accuracy standard allows.";
+        "Numerical creep that the accuracy standard allows.";
     LARGEST_SPIN = Rate 4000.0, "largest_spin_rad_per_s",
         "Angular speed beyond which a state is unphysical.";
     LARGEST_SPEED = Speed 20.0, "largest_speed_m_per_s",
@@ -267,7 +267,7 @@ quantities! {
     OVERLAP_INTERVAL = Time 2.0, "overlap_interval_s",
         "Interval of overlap checks; one costs a hundredth of a simulated second.";
     SHORTEST_REST = Time 1.0, "shortest_rest_s",
-        "Shortest rest between periods of vibration in which creep is measured.";
+        "Shortest rest between periods of vibration in which numerical creep is measured.";
     FRAME_EARLY = Time 2e-3, "frame_early_s",
         "How much earlier than due a frame may be recorded: about an engine step.";
 }

@@ -153,7 +153,7 @@ fn setting(point: &Rows, first: &Rows) -> String {
     let fields: [(&str, Written); 5] = [
         ("engine.native.solver_tolerance", |v| format!("tolerance {v}")),
         ("engine.native.iterations", |v| format!("{v} iterations")),
-        ("engine.native.substep_rate_hz", |v| format!("{v} sub-steps a second")),
+        ("engine.native.substep_rate_hz", |v| format!("{v} sub-steps per second")),
         ("engine.rate_hz", |v| format!("{v} Hz")),
         ("engine.native.contact_stiffness_n_per_m", |v| format!("{} kN/m", v / 1000.0)),
     ];

@@ -292,7 +292,7 @@ pub const KEPT: &[Kept] = &[
                sub-steps",
         files: &[("under-load.csv", "")],
         made: Made::Once(
-            "scenarios/validation/oedometer.json to 200 kPa with 1440 sub-steps a second, \
+            "scenarios/validation/oedometer.json to 200 kPa with 1440 sub-steps per second, \
              realisation 2; begun with this, a rest of 0.3 s with 8 iterations and \
              --set engine.native.substep_rate_hz=1440, 2880, 5760, 11520",
         ),
@@ -332,7 +332,7 @@ pub const KEPT: &[Kept] = &[
         ],
         made: Made::Make("joint"),
         build: build("2026-11-26", "15"),
-        takes: "two hours a batch",
+        takes: "two hours per batch",
     },
     Kept {
         name: "bench",

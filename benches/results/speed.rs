@@ -67,12 +67,12 @@ pub fn steps(all: &Value) -> Result<String, String> {
         "state",
         "grains",
         "threads",
-        "ms a step",
-        "µs a grain and step",
+        "ms per step",
+        "µs per grain and step",
         "growth",
         "serial share, %",
         "faster than on one thread",
-        "KiB a grain",
+        "KiB per grain",
     ]);
     for of in rows(all)? {
         let state = of["state"].as_str().ok_or("a row without a state")?.replace('_', ", ");
