@@ -164,6 +164,7 @@ fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn a_packing_at_rest_hardly_feels_a_seam() {
     let folder = tempfile::tempdir().expect("a folder");
     let stage = json!({ "stage": "rest", "duration_s": 3.5 });

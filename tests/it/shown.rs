@@ -209,6 +209,7 @@ fn a_sweep_over_names_shows_them_as_they_are() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn a_calibration_shows_names_as_they_are() {
     let Some(mut browser) = Browser::start("names in the page of a calibration") else { return };
     let folder = tempfile::tempdir().expect("a folder");
