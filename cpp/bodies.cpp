@@ -1,3 +1,5 @@
+// Makes Bullet's rigid bodies from their definitions, and looks up the friction and restitution of
+// a pair of materials.
 #include "bodies.h"
 
 namespace pluvia {

@@ -1,3 +1,4 @@
+// Reads each body from Bullet into the solver's own form, and moves it by what the solver found.
 #include "contact_bodies.h"
 
 #include "convert.h"

@@ -1,3 +1,5 @@
+// Groups the touching pairs so that several can be solved at once with the same result (graph
+// colouring), and gives each group of pairs to a thread.
 #include "contact_colours.h"
 
 #include "hull_memory.h"

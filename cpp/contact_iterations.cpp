@@ -1,3 +1,5 @@
+// Runs the native solver over one step: loads pairs and bodies into vector lanes, runs the sub-
+// steps with the instructions that the processor has, and writes the results back.
 #include "contact_iterations.h"
 
 #include "contact_run.h"

@@ -1,3 +1,5 @@
+// Carries impulses from a pair's old contact points to its new ones, and saves and restores
+// contacts for another world.
 #include "contact_memory.h"
 
 #include "hull_algorithm.h"

@@ -1,3 +1,5 @@
+// The entry to the native contact solver: numbers the bodies, collects the pairs, has the step
+// solved and moves the bodies.
 #include "contact_solver.h"
 
 #include "contact_load.h"

@@ -1,3 +1,5 @@
+// Computes the closest points of two convex polyhedra that are apart, by the algorithm of Gilbert,
+// Johnson and Keerthi.
 #include "core_distance.h"
 
 #include <algorithm>

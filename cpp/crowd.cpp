@@ -1,3 +1,5 @@
+// Computes how fast each body moves relative to the bodies around it, on a grid of cells, so that
+// grains falling side by side need no wide AABB margins.
 #include "crowd.h"
 
 #include <algorithm>

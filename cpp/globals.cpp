@@ -1,3 +1,5 @@
+// Sets the variables that Bullet keeps once per process, its hooks for the friction and restitution
+// of a pair among them, and refuses worlds that would need other values.
 #include "globals.h"
 
 #include "bodies.h"

@@ -1,3 +1,5 @@
+// Finds the contact of one pair by the test that fits its shapes, and keeps what the pair carries
+// to the next step.
 #include "hull_algorithm.h"
 
 #include "pluvia/src/world/bullet/ffi.rs.h"

@@ -1,3 +1,5 @@
+// Compiles the kernels of the separating axis test twice, for every processor and for AVX2, and
+// chooses one at run time.
 #include "hull_axis.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Adds contact points next to those that the test of faces or edges finds: corners about to land,
+// and corners of faces that lie almost flat on each other.
 #include "hull_beside.h"
 
 #include <algorithm>

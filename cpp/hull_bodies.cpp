@@ -1,3 +1,4 @@
+// Reads pose, motion and axis-aligned box of every body once a step, for the search for contacts.
 #include "hull_bodies.h"
 
 #include "convert.h"

@@ -1,3 +1,5 @@
+// Makes contact points from two features that touch: clips a face against a face, intersects two
+// edges, and keeps the points that hold the bodies best.
 #include "hull_clip.h"
 
 #include "hull_memory.h"

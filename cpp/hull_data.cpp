@@ -1,3 +1,5 @@
+// Lays out vertices, faces and edges of a convex polyhedron for the hull–hull test, and checks that
+// its surface is closed.
 #include "hull_data.h"
 
 #include <algorithm>

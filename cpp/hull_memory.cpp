@@ -1,3 +1,5 @@
+// What a pair of hulls remembers of its last contact: packs it into numbers, restores it, and
+// bounds how far the bodies have moved since.
 #include "hull_memory.h"
 
 #include <cmath>

@@ -1,3 +1,5 @@
+// Finds the contact of two convex polyhedra by the separating axis test, starting from what the
+// pair remembers of the last step.
 #include "hull_pair.h"
 
 #include "hull_frames.h"

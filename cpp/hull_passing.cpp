@@ -1,3 +1,5 @@
+// Predicts where two bodies are later in the step, and chooses the face along which they slide past
+// each other where there is one.
 #include "hull_passing.h"
 
 #include <cmath>

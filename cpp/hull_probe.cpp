@@ -1,3 +1,4 @@
+// Runs the hull–hull test on one pair outside any world, for tests and benchmarks.
 #include "hull_probe.h"
 
 #include "pluvia/src/world/bullet/ffi.rs.h"

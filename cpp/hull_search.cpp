@@ -1,3 +1,5 @@
+// Goes through all pairs whose boxes overlap, leaves out those that cannot touch, and finds the
+// contacts of the rest on all threads.
 #include "hull_search.h"
 
 #include "bodies.h"

@@ -1,3 +1,5 @@
+// The world with Pluvia's own step on Bullet's bodies and broadphase: renews boxes, finds and
+// solves the contacts, moves the bodies.
 #include "native_world.h"
 
 #include "contact_memory.h"

@@ -1,3 +1,5 @@
+// Runs single parts of a world outside any world for tests: the threads, the speeds within a crowd,
+// the memory of the process.
 #include "part_probe.h"
 
 #include "crowd.h"

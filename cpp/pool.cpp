@@ -1,3 +1,4 @@
+// Hands out pieces of memory of one size from large blocks.
 #include "pool.h"
 
 #if defined(__linux__)

@@ -1,3 +1,4 @@
+// Finds the contact of two polyhedra of which at least one is rounded: a core swept by a ball.
 #include "core_distance.h"
 #include "hull_frames.h"
 

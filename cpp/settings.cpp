@@ -1,3 +1,4 @@
+// Gives a world's settings to Bullet, and reads them back from it.
 #include "settings.h"
 
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>

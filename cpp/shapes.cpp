@@ -1,3 +1,5 @@
+// Makes Bullet's shapes of convex polyhedra, rounded polyhedra and spheres, with their exact axis-
+// aligned boxes.
 #include "shapes.h"
 
 #include <BulletCollision/CollisionShapes/btSphereShape.h>

@@ -1,3 +1,4 @@
+// Finds the contact of a sphere with another body.
 #include "hull_pair.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// The world with stock Bullet contacts: Bullet's own step, with its times measured and the pairs
+// left out that cannot touch.
 #include "stock_world.h"
 
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>

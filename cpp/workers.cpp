@@ -1,3 +1,4 @@
+// Runs work in parts on several threads that wait for each other only where the order matters.
 #include "workers.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Implements the functions of the bridge (src/world/bullet/ffi.rs) on a native or a stock world.
 #include "world.h"
 
 #include "bodies.h"

@@ -1,3 +1,4 @@
+// Compares a number with what it should be, and reports each comparison.
 #include "checks.h"
 
 #include <cmath>

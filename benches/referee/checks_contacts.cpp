@@ -1,3 +1,4 @@
+// Checks the referee's collision detection on pairs whose contacts are known.
 #include "checks.h"
 #include "scene.h"
 

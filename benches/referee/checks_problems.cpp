@@ -1,3 +1,4 @@
+// Checks the referee's solvers on contact problems whose solutions are known.
 #include "checks.h"
 #include "cone.h"
 #include "siconos.h"

@@ -1,3 +1,4 @@
+// Checks the referee's time stepping and its law of impact on motions that are known.
 #include "checks.h"
 #include "pour.h"
 #include "restitution.h"

@@ -1,3 +1,4 @@
+// Solves Coulomb's law at one contact point exactly, and projects onto the friction cone.
 #include "cone.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Finds where two convex polyhedra touch, by trying every face and every pair of edges.
 #include "hull.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Solves a contact problem by Newton's method on the velocities of the bodies.
 #include "newton.h"
 
 #include "cone.h"

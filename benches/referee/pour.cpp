@@ -1,3 +1,4 @@
+// Steps grains through time: finds their contacts, solves them, and moves the grains.
 #include "pour.h"
 
 #include <algorithm>

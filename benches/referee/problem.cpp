@@ -1,3 +1,5 @@
+// Reads a contact problem, brings it into the coordinates of its kinetic norm, and measures how
+// well impulses solve it.
 #include "problem.h"
 
 #include "cone.h"

@@ -1,3 +1,4 @@
+// Lets contacts rebound in the referee's time stepping.
 #include "restitution.h"
 
 #include "cone.h"

@@ -1,3 +1,4 @@
+// Reads grains, planes and pieces from JSON, and finds the contacts between them.
 #include "scene.h"
 
 #include <nlohmann/json.hpp>

@@ -1,3 +1,4 @@
+// Hands a contact problem to the library Siconos, and takes its solution back.
 #include "siconos.h"
 
 #include <FrictionContactProblem.h>

@@ -1,3 +1,5 @@
+// Solves a contact problem contact by contact, and goes on with Newton's method where that does not
+// get there.
 #include "solve.h"
 
 #include "cone.h"

@@ -1,3 +1,5 @@
+//! A fuzz target: reads bytes as a checkpoint (`checkpoint` in `targets.rs`).
+
 #![no_main]
 
 #[path = "../targets.rs"]

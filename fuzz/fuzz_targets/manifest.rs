@@ -1,3 +1,5 @@
+//! A fuzz target: reads bytes as the manifest of a run (`manifest` in `targets.rs`).
+
 #![no_main]
 
 #[path = "../targets.rs"]

@@ -1,3 +1,5 @@
+//! A fuzz target: reads bytes as the plan of a sweep (`plan` in `targets.rs`).
+
 #![no_main]
 
 #[path = "../targets.rs"]

@@ -1,3 +1,5 @@
+//! A fuzz target: reads bytes as a request to the viewer (`request` in `targets.rs`).
+
 #![no_main]
 
 #[path = "../targets.rs"]

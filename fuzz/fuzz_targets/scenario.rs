@@ -1,3 +1,5 @@
+//! A fuzz target: reads bytes as a scenario file (`scenario` in `targets.rs`).
+
 #![no_main]
 
 #[path = "../targets.rs"]

@@ -1,3 +1,5 @@
+//! A fuzz target: reads bytes as a specimen, a grain file or frames (`specimen` in `targets.rs`).
+
 #![no_main]
 
 #[path = "../targets.rs"]

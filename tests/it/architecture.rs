@@ -1,6 +1,6 @@
 //! The rules of `ARCHITECTURE.md`, checked from the source text: which module
 //! may use which, where the engine's names and `unsafe` may stand, how long a
-//! file may be.
+//! file may be, and that it says first what it is.
 
 mod imports;
 mod tokens;
@@ -64,14 +64,22 @@ fn faults(path: &str, text: &str) -> Vec<String> {
         faults.extend(rapier_names(path, &tokens));
         if path.starts_with("src/") {
             faults.extend(upward_imports(path, &tokens));
-            if !text.starts_with("//!") {
-                faults.push(format!(
-                    "{path}:1: a file begins with a `//!` line that says what it is"
-                ));
-            }
         }
     }
+    faults.extend(says_nothing(path, text));
     faults
+}
+
+/// A file without a first line that says what it is.
+fn says_nothing(path: &str, text: &str) -> Option<String> {
+    let rust = path.ends_with(".rs");
+    if rust && !path.starts_with("src/") && !path.starts_with("fuzz/") {
+        return None;
+    }
+    let mark = if rust { "//!" } else { "//" };
+    let said = text.lines().next().and_then(|line| line.strip_prefix(mark));
+    let says = said.is_some_and(|words| !words.trim().is_empty());
+    (!says).then(|| format!("{path}:1: a file begins with a `{mark}` line that says what it is"))
 }
 
 fn too_long(path: &str, text: &str) -> Vec<String> {
@@ -212,7 +220,8 @@ fn files(folders: &[&str], extensions: &[&str]) -> Vec<(String, String)> {
 
 #[test]
 fn the_source_keeps_the_rules() {
-    let files = files(&["src", "cpp", "tests", "benches", "python/src"], &["rs", "h", "cpp"]);
+    let folders = ["src", "cpp", "tests", "benches", "python/src", "fuzz/fuzz_targets"];
+    let files = files(&folders, &["rs", "h", "cpp"]);
     assert!(files.len() >= 10, "expected the whole source, found only {} files", files.len());
     let faults: Vec<String> = files.iter().flat_map(|(path, text)| faults(path, text)).collect();
     assert!(faults.is_empty(), "expected no faults, got {}:\n{}", faults.len(), faults.join("\n"));
@@ -365,5 +374,19 @@ mod tests {
         assert_eq!(count("//! Many runs.\n"), 0, "a leading doc is in order");
         assert_eq!(count("use std::fs;\n//! Many runs.\n"), 1, "the doc must come first");
         assert_eq!(count(""), 1, "an empty file has no doc");
+        assert_eq!(count("//!\n"), 1, "an empty doc says nothing");
+        assert_eq!(faults("fuzz/fuzz_targets/mesh.rs", "#![no_main]\n").len(), 1, "a fuzz target");
+        assert_eq!(faults("tests/it/main.rs", "mod same;\n").len(), 0, "a test needs none");
+    }
+
+    /// Law: every C++ source and header begins with a comment that says what it is.
+    #[test]
+    fn cpp_files_without_a_leading_comment_are_caught() {
+        for path in ["cpp/world.cpp", "cpp/world.h", "benches/referee/cone.cpp"] {
+            let count = |text| faults(path, text).len();
+            assert_eq!(count("// The bridge.\n#include <a.h>\n"), 0, "{path}: a comment is there");
+            assert_eq!(count("#include <a.h>\n// The bridge.\n"), 1, "{path}: it must come first");
+            assert_eq!(count("//\n#include <a.h>\n"), 1, "{path}: an empty one says nothing");
+        }
     }
 }
