@@ -71,8 +71,6 @@ void prefetch_body(const btRigidBody &body) {
     prefetch(&body.getInvInertiaTensorWorld(), &body.getTotalTorque() + 1);
 }
 
-Vec centre(const btRigidBody &body) { return three(body.getWorldTransform().getOrigin()); }
-
 SolverBody free_body(const btRigidBody &body) {
     SolverBody out;
     out.velocity = three(body.getLinearVelocity());

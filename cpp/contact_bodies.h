@@ -33,9 +33,6 @@ struct SolverBody {
 // Asks the memory for what is read of a body below.
 void prefetch_body(const btRigidBody &body);
 
-// Its centre of mass.
-Vec centre(const btRigidBody &body);
-
 // A body that moves freely, by its weight and by Bullet's forces on it.
 SolverBody free_body(const btRigidBody &body);
 

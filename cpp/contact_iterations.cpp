@@ -35,7 +35,8 @@ template <class N> LaneLaw<N> lane_law(const ContactLaw &law, double substep) {
 }
 
 template <class L>
-void run_step(Problem<L> &problem, Kernel<L> kernel, const Contacts &contacts, Look *look) {
+void run_step(Problem<L> &problem, Run<L> &run, Kernel<L> kernel, const Contacts &contacts,
+              Look *look) {
     const ContactLaw &law = contacts.law;
     const Colours &colours = contacts.colours;
     const Homes &homes = contacts.homes;
@@ -62,7 +63,7 @@ void run_step(Problem<L> &problem, Kernel<L> kernel, const Contacts &contacts, L
     at_home([&](std::size_t i) { load(contacts, i, problem); });
     workers.each(bodies.size(), BODIES_AT_ONCE,
                  [&](std::size_t i) { pack(contacts, i, problem.bodies); });
-    Run<L> run(problem, kernel, contacts);
+    run.begin(kernel, contacts);
     if (packs > 0) {
         for (int i = 0; i < law.substeps; ++i) {
             run.substep(i + 1 == law.substeps ? look : nullptr);
@@ -81,9 +82,19 @@ void run_step(Problem<L> &problem, Kernel<L> kernel, const Contacts &contacts, L
 
 } // namespace
 
+template <class L> struct Iterations::InLanes {
+    Problem<L> problem;
+    Run<L> run{problem};
+};
+
+Iterations::Iterations()
+    : single_(std::make_unique<InLanes<double>>()), eight_(std::make_unique<InLanes<Float8>>()) {}
+
+Iterations::~Iterations() = default;
+
 void Iterations::run(Kernels how, const Contacts &contacts, Look *look) {
     if (how == Kernels::OneByOne) {
-        run_step(single_, &portable<double>, contacts, look);
+        run_step(single_->problem, single_->run, &portable<double>, contacts, look);
         return;
     }
     Kernel<Float8> kernel = &portable<Float8>;
@@ -92,7 +103,7 @@ void Iterations::run(Kernels how, const Contacts &contacts, Look *look) {
         kernel = &avx2;
     }
 #endif
-    run_step(eight_, kernel, contacts, look);
+    run_step(eight_->problem, eight_->run, kernel, contacts, look);
 }
 
 } // namespace pluvia

@@ -4,6 +4,8 @@
 
 #include "contact_load.h"
 
+#include <memory>
+
 namespace pluvia {
 
 // How iterations are computed. All give the same law; the two in eight lanes
@@ -26,12 +28,18 @@ enum class Kernels {
 // the way they have gone.
 class Iterations {
   public:
+    Iterations();
+    ~Iterations();
+
     // `look`, or null, is filled in the last sub-step.
     void run(Kernels how, const Contacts &contacts, Look *look);
 
   private:
-    Problem<double> single_;
-    Problem<Float8> eight_;
+    // The pairs and bodies of a step in lanes of one kind, and what runs over them: kept from step
+    // to step with the memory of its lists.
+    template <class L> struct InLanes;
+    std::unique_ptr<InLanes<double>> single_;
+    std::unique_ptr<InLanes<Float8>> eight_;
 };
 
 } // namespace pluvia

@@ -59,18 +59,25 @@ class Pace {
     double last_ = 0; // work
 };
 
-// All sub-steps of a step.
+// The sub-steps of one step after another, whose lists keep their memory.
 template <class L> class Run {
     using N = typename Lane<L>::Number;
 
   public:
-    Run(Problem<L> &problem, Kernel<L> kernel, const Contacts &contacts)
-        : p_(problem), kernel_(kernel), contacts_(contacts),
-          least_((contacts.law.iterations + 1) / 2), now_(problem, kernel, contacts),
-          few_(problem, contacts) {
+    explicit Run(Problem<L> &problem) : p_(problem), now_(problem), few_(problem) {}
+
+    // To be called when the pairs and bodies of a step are in the problem; `contacts` must be there
+    // until it is over.
+    void begin(Kernel<L> kernel, const Contacts &contacts) {
+        kernel_ = kernel;
+        contacts_ = &contacts;
+        least_ = (contacts.law.iterations + 1) / 2;
+        now_.begin(kernel, contacts);
+        few_.begin(contacts);
         const auto bodies = p_.bodies.motion.size();
         p_.active.assign(bodies, 0);
         p_.unsolved.assign(static_cast<std::size_t>(contacts.workers.count()), Unsolved<L>{});
+        touched_.clear();
         for (int b = 1; b <= contacts.moves.all; ++b) {
             if (contacts.colours.touched(b)) {
                 touched_.push_back(b);
@@ -114,11 +121,11 @@ template <class L> class Run {
 
   private:
     Problem<L> &p_;
-    Kernel<L> kernel_;
-    const Contacts &contacts_;
-    int least_;                // iterations
-    Sequence<L> now_;          // what is to be done before the next look
-    std::vector<int> touched_; // bodies
+    Kernel<L> kernel_ = nullptr;
+    const Contacts *contacts_ = nullptr; // of the step
+    int least_ = 0;                      // iterations
+    Sequence<L> now_;                    // what is to be done before the next look
+    std::vector<int> touched_;           // bodies
     Turn all_, asleep_;
     Few<L> few_;
 
@@ -130,9 +137,9 @@ template <class L> class Run {
     }
 
     void choose_awake() {
-        choose(contacts_.colours, contacts_.homes, all_,
+        choose(contacts_->colours, contacts_->homes, all_,
                [&](std::size_t i) { return p_.awake[i] != 0; });
-        choose(contacts_.colours, contacts_.homes, asleep_,
+        choose(contacts_->colours, contacts_->homes, asleep_,
                [&](std::size_t i) { return p_.awake[i] == 0; });
     }
 
@@ -308,7 +315,7 @@ template <class L> class Run {
             const auto first = static_cast<std::size_t>(pack.first);
             record_contacts(
                 pack, &p_.all.points[first], &p_.memory[first],
-                [&](int pair) { return contacts_.places[pair].points; }, *look.record);
+                [&](int pair) { return contacts_->places[pair].points; }, *look.record);
         }
     }
 

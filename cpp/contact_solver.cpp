@@ -145,15 +145,17 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
 // Free bodies in the order of places along the axis along which they are spread most.
 void ContactSolver::sort_places() {
     const std::size_t count = moving_.size();
-    std::vector<Vec> centres(count);
-    workers_.each(
-        count, AT_ONCE, [&](std::size_t i) { centres[i] = centre(*moving_[i].body); }, AHEAD,
-        [&](std::size_t i) { prefetch(moving_[i].body->getWorldTransform()); });
+    centres_.resize(count);
+    const auto take = [&](std::size_t i) {
+        centres_[i] = three(moving_[i].body->getWorldTransform().getOrigin());
+    };
+    workers_.each(count, AT_ONCE, take, AHEAD,
+                  [&](std::size_t i) { prefetch(moving_[i].body->getWorldTransform()); });
     if (count == 0) {
         return;
     }
-    Vec low = centres[0], high = low;
-    for (const Vec &c : centres) {
+    Vec low = centres_[0], high = low;
+    for (const Vec &c : centres_) {
         low = {std::min(low.x, c.x), std::min(low.y, c.y), std::min(low.z, c.z)};
         high = {std::max(high.x, c.x), std::max(high.y, c.y), std::max(high.z, c.z)};
     }
@@ -167,12 +169,12 @@ void ContactSolver::sort_places() {
         const double share = (c.*along - low.*along) / length;
         return share >= 0 && share < 1 ? static_cast<std::size_t>(share * SLICES) : SLICES - 1;
     };
-    for (const Vec &c : centres) {
+    for (const Vec &c : centres_) {
         ++begin[slice(c) + 1];
     }
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
     for (std::size_t i = 0; i < count; ++i) {
-        place_[moving_[i].number] = 1 + begin[slice(centres[i])]++;
+        place_[moving_[i].number] = 1 + begin[slice(centres_[i])]++;
     }
 }
 

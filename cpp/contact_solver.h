@@ -103,8 +103,9 @@ class ContactSolver {
     struct Part {
         btRigidBody *own, *whole;
     };
-    std::vector<Part> parts_; // every further part of a body
-    std::vector<int> place_;  // by the body's number: among bodies_
+    std::vector<Part> parts_;  // every further part of a body
+    std::vector<Vec> centres_; // of mass, of the free bodies
+    std::vector<int> place_;   // by the body's number: among bodies_
     // The world, free bodies along the specimen, those that are pressed, those that are driven.
     std::vector<SolverBody> bodies_;
     std::vector<PairPlace> places_; // of the pairs that touch

@@ -140,7 +140,7 @@ void HullBodies::take(const btCollisionObjectArray &objects, const AxisKernels &
                       Workers &workers, std::vector<std::uint8_t> &left) {
     const auto count = static_cast<std::size_t>(objects.size());
     left.resize(count);
-    std::vector<double> fastest(static_cast<std::size_t>(workers.count()), 0);
+    fastest_of_.assign(static_cast<std::size_t>(workers.count()), 0);
     const Share all{count, BODIES_AT_ONCE, BODIES_AT_ONCE};
     workers.share(&all, 1, [&](std::size_t, int worker, std::size_t begin, std::size_t end) {
         double own = 0;
@@ -149,10 +149,10 @@ void HullBodies::take(const btCollisionObjectArray &objects, const AxisKernels &
             const HullRange &range = take(objects, i, kernels, own);
             left[n] = !holds(*objects[i]->getBroadphaseHandle(), range);
         }
-        double &most = fastest[worker];
+        double &most = fastest_of_[static_cast<std::size_t>(worker)];
         most = std::max(most, own);
     });
-    fastest_ = *std::max_element(fastest.begin(), fastest.end());
+    fastest_ = *std::max_element(fastest_of_.begin(), fastest_of_.end());
 }
 
 const HullRange &HullBodies::take(const btCollisionObjectArray &objects, int i,

@@ -90,8 +90,9 @@ class HullBodies {
     Frame frame_;        // of the step
     Vec moved_{0, 0, 0}; // by the frame since the last
     double step_ = 0, margin_ = 0;
-    double fastest_ = 0;   // speed in the frame, of all read since the step began
-    std::size_t most_ = 0; // numbers of bodies
+    double fastest_ = 0;             // speed in the frame, of all read since the step began
+    std::vector<double> fastest_of_; // by thread
+    std::size_t most_ = 0;           // numbers of bodies
     bool crowded_ = false;
     Crowd crowd_;
     std::vector<CrowdBody> members_; // of the crowd, in the order of the objects

@@ -37,7 +37,7 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     // `materials` must outlive the world.
     NativeWorld(const Units &units, const WorldDefinition &definition, const Materials &materials);
 
-    // Bullet's own align by 16 bytes: vectors of eight and the threads' counters need more.
+    // Bullet's own align by 16 bytes, whatever the members need.
     static void *operator new(std::size_t size) {
         return ::operator new(size, std::align_val_t(alignof(NativeWorld)));
     }
