@@ -19,7 +19,7 @@ BodyPtr make_body(const Units &units, const WorldDefinition &world,
     info.m_linearDamping = static_cast<btScalar>(world.linear_damping);
     info.m_angularDamping = static_cast<btScalar>(world.angular_damping);
     info.m_additionalDamping = false;
-    // Unused by the pair hooks below; one keeps Bullet's own product neutral.
+    // The hooks for pairs (globals.cpp) do not read these; with 1, Bullet's product is 1 as well.
     info.m_friction = 1;
     info.m_restitution = 1;
     info.m_rollingFriction = 0;

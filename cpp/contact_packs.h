@@ -16,8 +16,8 @@ struct ContactLaw {
     double restitution_speed;          // approach speed below which nothing rebounds
     double closed_gap;                 // gap up to which what does not come fast counts as closed
     double unsolved_gap; // overlap that a sub-step may add before it is iterated further
-    // Of what contacts change of a body in a sub-step, the mean of all: what the last
-    // iteration may change of any.
+    // What the last iteration may change of any body, as a share of what contacts change of a free
+    // one in a sub-step (root mean square).
     double unsolved_share;
 };
 
@@ -85,9 +85,11 @@ template <class L> struct alignas(64) Search { Three<L> impulse; };
 // Bodies in records, each kind by itself: what iterations read and write is the
 // motion alone. A body that is driven or stands still keeps its motion.
 //
-// A pressed body has one degree of freedom, its speed along a direction times the root of its
-// mass. It stands where others have the first component of their spin, all else of its motion is
-// 0, and in `root` are the direction over the root of the mass, 0, 0, 0, the inverse mass, 1.
+// A pressed body has one degree of freedom: its speed along a direction times the root of its mass,
+// or that about an axis times the root of its moment of inertia. It stands where others have the
+// first component of their spin, and all else of its motion is 0 but the last, which is 1. In
+// `root` are the velocity of its origin at unit speed and the axis about which it turns (0, 0, 0
+// without one), both over that root, the inverse mass or moment of inertia, and 1.
 template <class N> struct PackedBodies {
     UnsetVector<Record<N>> motion; // velocity, inverse mass, inertia root times spin, 1 if it turns
     // Of the inverse inertia, in the world: xx, yy, zz, xy, xz, yz; the inverse mass, 0.

@@ -23,7 +23,9 @@ class ReadBack {
     rust::Vec<EngineSetting> out_;
 };
 
-// Gravity, solver and dispatch settings. No default of Bullet's is left alone.
+// Gravity, solver and dispatch settings. Bullet's defaults are left alone in three that are only
+// read back: the turn ERP of split impulses, the smallest batch, and the restitution of speculative
+// contacts.
 void set_world(btDiscreteDynamicsWorld &world, const Units &units,
                const WorldDefinition &definition);
 

@@ -88,8 +88,8 @@ mod bridge {
         substeps: i32,
         /// Over all contacts in a sub-step, at least.
         native_iterations: i32,
-        /// Share of what contacts change of a body in a sub-step by which the last round
-        /// may change a contact.
+        /// What the last iteration may change of any body, as a share of what contacts change
+        /// of a free one in a sub-step (root mean square).
         solver_tolerance: f64,
         /// That share the work of a step.
         threads: i32,
@@ -305,7 +305,7 @@ mod bridge {
             coordinates: &mut Vec<f64>,
             roundings: &mut Vec<f64>,
         );
-        /// How each kinematic body went through the last step. Empty with Bullet's own
+        /// How each kinematic body went through the last step. Empty with stock Bullet
         /// contacts, and once a body came or went.
         fn read_drives(self: &BulletWorld, out: &mut Vec<DriveRead>);
         fn read_contacts(self: &BulletWorld, out: &mut Vec<ContactRead>);

@@ -3,7 +3,7 @@
 //! Everything is validated here, in Rust, before it crosses to C++, and every
 //! setting is read back from the engine ([`World::effective`]).
 //!
-//! What finds contacts and what solves them is chosen in one place: `make_world` of
+//! What finds contacts and what solves them is chosen in one place, the constructor of
 //! `BulletWorld::Impl` in `cpp/world.cpp`, by [`crate::scenario::ContactSolver`].
 
 mod constants;

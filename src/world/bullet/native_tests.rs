@@ -116,7 +116,7 @@ fn a_body_with_more_pairs_than_colours_rests_on_all_of_them() {
 #[test]
 fn a_world_told_of_its_contacts_goes_on_without_a_jump() {
     let _turn = shared_turn();
-    // Sweeps that go on until forces are found need not be told of them.
+    // Iterations that go on until forces are found need not be told of them.
     let settings = || NativeSettings { solver_tolerance: 1.0, ..Default::default() };
     let mut first = world(settings());
     let table = packing(&mut first);

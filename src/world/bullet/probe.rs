@@ -220,7 +220,7 @@ impl BulletBackend {
         self.world.pin_mut().find_contacts().map_err(engine)
     }
 
-    /// How each kinematic body went through the last step; empty with Bullet's own
+    /// How each kinematic body went through the last step; empty with stock Bullet
     /// contacts, and once a body came or went.
     pub fn drives(&self) -> Vec<ProbeDrive> {
         let mut drives = Vec::new();

@@ -12,7 +12,7 @@ const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
 const HALF_WIDTH: f64 = 0.03;
 
 fn world() -> BulletBackend {
-    // Sweeps that go on until forces are found would hide that one was not recalled.
+    // Iterations that go on until forces are found would hide that one was not recalled.
     let native = NativeSettings { solver_tolerance: 1.0, ..Default::default() };
     let settings = EngineSettings { native, ..Default::default() };
     BulletBackend::new(&settings, GRAVITY, &uniform(0.8, 0.3)).expect("a world")

@@ -35,7 +35,7 @@ impl BulletBackend {
     }
 
     /// The contact problem of the last step's last sub-step, and its solution; see
-    /// [`SubstepRecord`]. Empty where contacts are Bullet's own.
+    /// [`SubstepRecord`]. Empty with stock Bullet contacts.
     pub fn recorded_substep(&self) -> SubstepRecord {
         let (mut bodies, mut contacts) = (Vec::new(), Vec::new());
         self.world.read_substep(&mut bodies, &mut contacts);
