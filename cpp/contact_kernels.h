@@ -78,7 +78,8 @@ PLUVIA_INLINE L parting(const Sides<L> &at, const Three<L> &direction, const Jac
 template <class L>
 inline constexpr typename Lane<L>::Number TINY = static_cast<typename Lane<L>::Number>(1e-30);
 
-// Share of a friction impulse that is within the cone, in which it is at most `most`.
+// Share of a friction impulse that is within the cone, in which it is at most `most`. (Iterations
+// have their own, contact_solve.h.)
 template <class L> PLUVIA_INLINE L within_cone(const L &most, const L &first, const L &second) {
     const L size = root(L(first * first + second * second));
     return most / larger(most, larger(size, L(L{} + TINY<L>)));

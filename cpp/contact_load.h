@@ -25,7 +25,11 @@ struct Contacts {
     Workers &workers;
 };
 
-// A gap that nothing crosses in a step, in engine units: some tens of metres.
+// The gap, in engine units, of the points of a pack that a pair has not: their lanes bear nothing
+// as long as no body approaches another by as much in a sub-step. That is 100 m for the paper's
+// gravel (100 units in a metre), 10 km at the smallest `engine.length_scale` allowed and 1 m at the
+// largest. It may not be infinite: it is multiplied by normals, which are 0 in lanes without a
+// pair.
 constexpr double NEVER = 1e4;
 
 // Two tangents of a unit normal (Duff et al. 2017, "Building an orthonormal

@@ -71,7 +71,6 @@ void match_points(const KeptContact &contact, const KeptContact &before, double 
 // what presses on A points against them.
 Load turned(const Load &load, const Vec &before, const Vec &now) {
     Load out = load;
-    ++out.age;
     const Vec impulse = three(load.impulse);
     const Vec &normal = before.dot(now) >= SAME_NORMAL ? before : now;
     const double pressed = std::max(0.0, -impulse.dot(normal));

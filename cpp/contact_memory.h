@@ -21,7 +21,6 @@ struct Touching;
 struct Load {
     float impulse[3] = {0, 0, 0}; // of the last step on A, in the world
     float warm_start = 1;         // share of it that the next step begins with: impacts are not
-    std::int32_t age = 0;         // steps since the point was made
 };
 
 // One pair: the contact found last with its loads, point by point.

@@ -54,7 +54,8 @@ PLUVIA_INLINE void solve(const Pack<L> &pack, Point<L> &c, Search<L> &last, cons
     L next_2 = c.impulse.z - c.tangent_mass * slip_2;
     const L most = pack.friction * borne;
     const L size = root(L(next_1 * next_1 + next_2 * next_2 + TINY<L>));
-    // min(1, most/size), for size 0 as well.
+    // min(1, most/size), for size 0 as well. Not `within_cone`, which rounds sizes below 1e-15
+    // differently: the bits of results would change.
     const L scale = most / larger(most, size);
     next_1 = next_1 * scale;
     next_2 = next_2 * scale;

@@ -10,15 +10,11 @@
 #include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 
-#include <array>
 #include <chrono>
-#include <stdexcept>
 
 namespace pluvia {
 
 struct ContactRead;
-struct DriveRead;
-struct Press;
 
 // Sizes of Bullet's pools for what pairs carry.
 inline btDefaultCollisionConstructionInfo pool_sizes(int pairs) {
@@ -49,7 +45,7 @@ class Stopwatch {
 };
 
 // Either `StockWorld`, Bullet as it comes, or `NativeWorld`, whose steps are
-// Pluvia's own. What does nothing here is what only one of them does.
+// Pluvia's own. What only native worlds can do is declared there.
 class EngineWorld : public btDiscreteDynamicsWorld {
   public:
     using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
@@ -70,16 +66,6 @@ class EngineWorld : public btDiscreteDynamicsWorld {
     virtual void remove(btRigidBody &body) { removeRigidBody(&body); }
     // Where a kinematic body is at the end of the next step.
     virtual void drive(btRigidBody &body, const btTransform &end) = 0;
-    // Lets a kinematic body move along one direction alone, from the next step on.
-    virtual void press(btRigidBody &, const Press &) {
-        throw std::runtime_error("only native contacts can press a body along one direction");
-    }
-    // Changes the force on it in N, or of what turns the moment in N m.
-    virtual void set_force(btRigidBody &, double) {}
-    // Makes a body a further part of another, which has the same pose and is none itself.
-    virtual void join(btRigidBody &, btRigidBody &) {
-        throw std::runtime_error("only native contacts have bodies of several parts");
-    }
     virtual void step(btScalar length) = 0;
     // Without a step.
     virtual void find_contacts() = 0;
@@ -89,16 +75,6 @@ class EngineWorld : public btDiscreteDynamicsWorld {
     virtual PairValue pair_value(const btRigidBody &a, const btRigidBody &b) const = 0;
     // As it was set, beside what both have.
     virtual void read_settings(ReadBack &out) const = 0;
-
-    // How a body was driven before, by its poses at the ends of three steps.
-    virtual void recall_drive(btRigidBody &, const std::array<btTransform, 3> &, btScalar) {}
-    virtual void read_drives(rust::Vec<DriveRead> &) const {}
-    virtual void remember_contacts(rust::Vec<ContactRead> &) const {}
-    virtual void recall_contacts(rust::Slice<const ContactRead>) {}
-    // Of the last solution, see ContactSolver; -1 where there is none.
-    virtual double solver_residual() const { return -1; }
-    virtual void record_substeps(bool) {}
-    virtual void read_substep(rust::Vec<double> &, rust::Vec<double> &) const {}
     virtual PhaseTimes phases() const { return phases_; }
 
   protected:

@@ -40,20 +40,24 @@ double collide(const PairCase &pair);
 
 // One for each pair in the broadphase; holds what the pair carries from step
 // to step. No manifold of Bullet's: the solver reads the pairs themselves.
+//
+// A collision algorithm of Bullet's, because a pair in the broadphase can carry nothing else, and
+// Bullet destroys it when the boxes part. What such a class must define besides is never called.
 class HullAlgorithm final : public btCollisionAlgorithm {
   public:
     // `at_a`, `at_b`: the bodies' places in HullBodies.
     HullAlgorithm(HullCollision &shared, const PairValue &value, std::size_t at_a,
                   std::size_t at_b);
 
-    // Never called: HullSearch goes to `find` at once.
+    // HullSearch calls `find` instead.
     void processCollision(const btCollisionObjectWrapper *, const btCollisionObjectWrapper *,
                           const btDispatcherInfo &, btManifoldResult *) override {}
-    // Bodies are not swept: the step ends where contacts begin.
+    // Bodies are not swept.
     btScalar calculateTimeOfImpact(btCollisionObject *, btCollisionObject *,
                                    const btDispatcherInfo &, btManifoldResult *) override {
         return 1;
     }
+    // There are none.
     void getAllContactManifolds(btManifoldArray &) override {}
 
     // Finds the contact of the pair; both shapes are TightHulls. `travelled`: the

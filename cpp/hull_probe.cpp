@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <stdexcept>
 
 namespace pluvia {
@@ -21,6 +22,10 @@ HullProbe::HullProbe(double scale, const Tolerances &tolerances, bool portable,
 rust::Vec<HullProbePoint> HullProbe::step(const BodyPose &a, const BodyPose &b) {
     const Rigid pose_a = rigid(units_.pose(a.position, a.rotation));
     const Rigid pose_b = rigid(units_.pose(b.position, b.rotation));
+    // Counts steps in what a point hands on to the one that continues it, and no solver reads here.
+    for (Load &load : state_.loads) {
+        load.warm_start += 1;
+    }
     find(pose_a, pose_b);
     const KeptContact &contact = state_.memory.last;
     const Vec normal = three(contact.normal);
@@ -36,7 +41,7 @@ rust::Vec<HullProbePoint> HullProbe::step(const BodyPose &a, const BodyPose &b) 
         point.on_a = units_.metres(pose_a.apply(three(p.on_a)));
         point.on_b = units_.metres(pose_b.apply(three(p.on_b)));
         point.id = p.id;
-        point.age = load.age;
+        point.age = static_cast<std::int32_t>(load.warm_start) - 1;
         point.impulse = units_.metres(pressed);
         point.friction = units_.metres(impulse + normal * pressed);
         out.push_back(point);

@@ -26,12 +26,12 @@ constexpr std::size_t FIND_AT_ONCE = 256; // where contacts are found
 
 } // namespace
 
-void *HullPairs::allocateCollisionAlgorithm(int) {
+void *HullDispatcher::allocateCollisionAlgorithm(int) {
     throw std::logic_error("Bullet finds a contact where Pluvia does");
 }
 
-HullSearch::HullSearch(HullCollision &collision, HullPairs &pairs, Workers &workers)
-    : collision_(collision), pairs_(pairs), workers_(workers),
+HullSearch::HullSearch(HullCollision &collision, HullDispatcher &dispatcher, Workers &workers)
+    : collision_(collision), dispatcher_(dispatcher), workers_(workers),
       scratch_(static_cast<std::size_t>(workers.count())) {}
 
 // As Bullet's near callback, for pairs of hulls only: leaves out what cannot
@@ -155,7 +155,7 @@ void HullSearch::find(btOverlappingPairCache &pairs, const std::vector<std::uint
         for (const auto &[pair, at] : block.fresh) {
             Work &work = work_[at];
             const PairValue &value = collision_.materials->of(work.a->number, work.b->number);
-            work.algorithm = new (pairs_.room())
+            work.algorithm = new (dispatcher_.room())
                 HullAlgorithm(collision_, value, HullBodies::index(*pair->m_pProxy0),
                               HullBodies::index(*pair->m_pProxy1));
             pair->m_algorithm = work.algorithm;

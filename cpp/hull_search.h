@@ -15,13 +15,15 @@
 
 namespace pluvia {
 
-// Room for what pairs carry from step to step, which Bullet gives back when their
-// boxes part.
-class HullPairs final : public btCollisionDispatcher {
+// The dispatcher of a native world, which Bullet's world and its cache of pairs ask for: it has the
+// room for what pairs carry from step to step, and takes it back when their boxes part.
+class HullDispatcher final : public btCollisionDispatcher {
   public:
     using btCollisionDispatcher::btCollisionDispatcher;
 
     void *room() { return room_.take(); }
+    // Throws: only Bullet's own narrow phase asks for an algorithm, which never runs here, and the
+    // room that it would get is not of the pool that takes it back.
     void *allocateCollisionAlgorithm(int size) override;
     void freeCollisionAlgorithm(void *algorithm) override { room_.give_back(algorithm); }
 
@@ -32,7 +34,7 @@ class HullPairs final : public btCollisionDispatcher {
 class HullSearch {
   public:
     // All must outlive the search. Every shape must be a TightHull.
-    HullSearch(HullCollision &collision, HullPairs &pairs, Workers &workers);
+    HullSearch(HullCollision &collision, HullDispatcher &dispatcher, Workers &workers);
 
     // Pairs are culled in fixed blocks and computed one by one by all threads, each writing
     // only what belongs to its pair or block: the result does not depend on the
@@ -59,7 +61,7 @@ class HullSearch {
         std::vector<Fresh> fresh;
     };
     HullCollision &collision_;
-    HullPairs &pairs_;
+    HullDispatcher &dispatcher_;
     Workers &workers_;
     std::vector<Work> work_; // a stretch for every block, as long as it has pairs
     std::vector<Block> blocks_;

@@ -7,6 +7,7 @@
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <new>
@@ -14,10 +15,12 @@
 
 namespace pluvia {
 
+struct DriveRead;
+
 // What the world is made of; it must be there before it, and after.
 struct NativeParts {
     btDefaultCollisionConfiguration configuration{pool_sizes(1)}; // Bullet's contacts are not kept
-    HullPairs dispatcher{&configuration};
+    HullDispatcher dispatcher{&configuration};
     btDbvtBroadphase boxes;
 };
 
@@ -48,24 +51,28 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     void add(btRigidBody &body, BodyKind kind) override;
     void remove(btRigidBody &body) override;
     void drive(btRigidBody &body, const btTransform &end) override;
-    void press(btRigidBody &body, const Press &press) override;
-    void set_force(btRigidBody &body, double force) override;
-    void join(btRigidBody &part, btRigidBody &whole) override;
     void step(btScalar length) override;
     void find_contacts() override;
     void read_contacts(rust::Vec<ContactRead> &out) const override;
     PairValue pair_value(const btRigidBody &a, const btRigidBody &b) const override;
     void read_settings(ReadBack &out) const override;
-
-    void recall_drive(btRigidBody &body, const std::array<btTransform, 3> &ends,
-                      btScalar step) override;
-    void read_drives(rust::Vec<DriveRead> &out) const override;
-    void remember_contacts(rust::Vec<ContactRead> &out) const override;
-    void recall_contacts(rust::Slice<const ContactRead> contacts) override;
-    double solver_residual() const override { return solver_.residual(); }
-    void record_substeps(bool on) override { solver_.record(on); }
-    void read_substep(rust::Vec<double> &bodies, rust::Vec<double> &contacts) const override;
     PhaseTimes phases() const override;
+
+    // Lets a kinematic body move along one direction alone, from the next step on.
+    void press(btRigidBody &body, const Press &press);
+    // Changes the force on it in N, or of what turns the moment in N m.
+    void set_force(btRigidBody &body, double force);
+    // Makes a body a further part of another, which has the same pose and is none itself.
+    void join(btRigidBody &part, btRigidBody &whole);
+    // How a kinematic body moved before, by its poses at the ends of three steps.
+    void recall_drive(btRigidBody &body, const std::array<btTransform, 3> &ends, btScalar step);
+    void read_drives(rust::Vec<DriveRead> &out) const;
+    void remember_contacts(rust::Vec<ContactRead> &out) const;
+    void recall_contacts(rust::Slice<const ContactRead> contacts);
+    // Of the last solution, see ContactSolver.
+    double solver_residual() const { return solver_.residual(); }
+    void record_substeps(bool on) { solver_.record(on); }
+    void read_substep(rust::Vec<double> &bodies, rust::Vec<double> &contacts) const;
 
   private:
     // Bullet's rule, and parts of one body never meet.

@@ -18,6 +18,13 @@
 
 namespace pluvia {
 
+namespace {
+
+// What only native contacts do.
+constexpr const char *PRESSES = "can press a body along one direction";
+
+} // namespace
+
 // Members are destroyed from the last to the first: the world before the bodies
 // and shapes that it pointed to.
 class BulletWorld::Impl {
@@ -28,7 +35,9 @@ class BulletWorld::Impl {
                                                                     {pairs.begin(), pairs.end()},
                                                                     {}} {
         if (of.own_collision) {
-            world = std::make_unique<NativeWorld>(units, of, materials);
+            auto made = std::make_unique<NativeWorld>(units, of, materials);
+            native = made.get();
+            world = std::move(made);
         } else {
             world = std::make_unique<StockWorld>(units, of, materials);
         }
@@ -57,6 +66,14 @@ class BulletWorld::Impl {
         return *bodies[id];
     }
 
+    // The world, where its contacts are native; else throws that only those can do it.
+    NativeWorld &native_that(const char *does) const {
+        if (native == nullptr) {
+            throw std::runtime_error(std::string("only native contacts ") + does);
+        }
+        return *native;
+    }
+
     std::uint32_t keep(std::unique_ptr<btConvexInternalShape> shape) {
         shapes.push_back(std::move(shape));
         return static_cast<std::uint32_t>(shapes.size() - 1);
@@ -70,6 +87,7 @@ class BulletWorld::Impl {
     Pool body_pool{sizeof(btRigidBody)};
     std::vector<BodyPtr> bodies;
     std::unique_ptr<EngineWorld> world;
+    NativeWorld *native = nullptr; // the same world, where its contacts are native
 };
 
 std::unique_ptr<BulletWorld> new_world(const WorldDefinition &definition,
@@ -153,7 +171,9 @@ void BulletWorld::recall_drive(std::uint32_t id, rust::Slice<const BodyPose> end
     const auto pose = [&](std::size_t i) {
         return impl_->units.pose(ends[i].position, ends[i].rotation);
     };
-    impl_->world->recall_drive(body, {pose(0), pose(1), pose(2)}, impl_->time_step);
+    if (impl_->native != nullptr) {
+        impl_->native->recall_drive(body, {pose(0), pose(1), pose(2)}, impl_->time_step);
+    }
 }
 
 void BulletWorld::press_body(std::uint32_t id, const std::array<double, 3> &direction, double mass,
@@ -163,8 +183,8 @@ void BulletWorld::press_body(std::uint32_t id, const std::array<double, 3> &dire
         throw std::runtime_error("a body that is pressed is kinematic and has a mass");
     }
     const btVector3 along = vector(three(direction.data())).normalized();
-    impl_->world->press(body,
-                        Press{along, 1 / mass, 0, false, btVector3(0, 0, 0), impl_->units.scale()});
+    impl_->native_that(PRESSES).press(
+        body, Press{along, 1 / mass, 0, false, btVector3(0, 0, 0), impl_->units.scale()});
     body.setLinearVelocity(along * impl_->units.length(speed));
 }
 
@@ -177,19 +197,22 @@ void BulletWorld::turn_body(std::uint32_t id, const std::array<double, 3> &axis,
     const double scale = impl_->units.scale();
     const btVector3 along = vector(three(axis.data())).normalized();
     const btVector3 place = impl_->units.length(about);
-    impl_->world->press(body,
-                        Press{along, 1 / (inertia * scale * scale), 0, true, place, scale * scale});
+    impl_->native_that(PRESSES).press(
+        body, Press{along, 1 / (inertia * scale * scale), 0, true, place, scale * scale});
     body.setAngularVelocity(along * static_cast<btScalar>(speed));
     body.setLinearVelocity(
         (along * static_cast<btScalar>(speed)).cross(body.getWorldTransform().getOrigin() - place));
 }
 
 void BulletWorld::set_force(std::uint32_t id, double force) {
-    impl_->world->set_force(impl_->body(id), force);
+    btRigidBody &body = impl_->body(id);
+    impl_->native_that(PRESSES).set_force(body, force);
 }
 
 void BulletWorld::join_body(std::uint32_t id, std::uint32_t whole) {
-    impl_->world->join(impl_->body(id), impl_->body(whole));
+    btRigidBody &part = impl_->body(id);
+    btRigidBody &of = impl_->body(whole);
+    impl_->native_that("have bodies of several parts").join(part, of);
 }
 
 void BulletWorld::step() { impl_->world->step(impl_->time_step); }
@@ -226,7 +249,9 @@ void BulletWorld::read_corners(rust::Vec<std::uint32_t> &counts, rust::Vec<doubl
 
 void BulletWorld::read_drives(rust::Vec<DriveRead> &out) const {
     out.clear();
-    impl_->world->read_drives(out);
+    if (impl_->native != nullptr) {
+        impl_->native->read_drives(out);
+    }
 }
 
 void BulletWorld::read_contacts(rust::Vec<ContactRead> &out) const {
@@ -238,23 +263,35 @@ void BulletWorld::find_contacts() { impl_->world->find_contacts(); }
 
 void BulletWorld::remember_contacts(rust::Vec<ContactRead> &out) const {
     out.clear();
-    impl_->world->remember_contacts(out);
+    if (impl_->native != nullptr) {
+        impl_->native->remember_contacts(out);
+    }
 }
 
 void BulletWorld::recall_contacts(rust::Slice<const ContactRead> contacts) {
-    impl_->world->recall_contacts(contacts);
+    if (impl_->native != nullptr) {
+        impl_->native->recall_contacts(contacts);
+    }
 }
 
 PhaseTimes BulletWorld::phases() const { return impl_->world->phases(); }
 
-double BulletWorld::solver_residual() const { return impl_->world->solver_residual(); }
+double BulletWorld::solver_residual() const {
+    return impl_->native != nullptr ? impl_->native->solver_residual() : -1;
+}
 
-void BulletWorld::record_substeps(bool on) { impl_->world->record_substeps(on); }
+void BulletWorld::record_substeps(bool on) {
+    if (impl_->native != nullptr) {
+        impl_->native->record_substeps(on);
+    }
+}
 
 void BulletWorld::read_substep(rust::Vec<double> &bodies, rust::Vec<double> &contacts) const {
     bodies.clear();
     contacts.clear();
-    impl_->world->read_substep(bodies, contacts);
+    if (impl_->native != nullptr) {
+        impl_->native->read_substep(bodies, contacts);
+    }
 }
 
 PairValue BulletWorld::pair_value(std::uint32_t a, std::uint32_t b) const {

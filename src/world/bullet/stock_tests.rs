@@ -137,3 +137,29 @@ fn our_own_contacts_refuse_all_of_it() {
         "law: a margin on the native contact solver is refused"
     );
 }
+
+/// Law: what only native contacts do is refused with stock ones, or there is none of it.
+#[test]
+fn what_only_native_contacts_do_is_refused_or_empty() {
+    let _turn = shared_turn();
+    let (mut world, floor, _) = cube_on_slab(&on(StockSettings::default()));
+    world.record_substeps();
+    steps(&mut world, 48);
+    let mut remembered = Vec::new();
+    world.remember(&mut remembered);
+    assert!(remembered.is_empty(), "law: contacts are not remembered, got {remembered:?}");
+    assert!(world.recall(&remembered).is_ok(), "law: nothing is recalled");
+    assert!(world.drives().is_empty(), "law: kinematic bodies go on from no step before");
+    assert_eq!(world.recorded_substep(), SubstepRecord::default(), "law: there is no sub-step");
+    assert_eq!(world.solver_residual(), None, "law: no residual is measured");
+    let pressed = world.add(&slab(Motion::Pressed { mass: 1.0, direction: Vector::z() }));
+    let other = world.add(&slab(Motion::Kinematic)).expect("added");
+    let joined = world.join(other, floor);
+    for refused in [pressed.map(|_| ()), joined] {
+        let says = "only native contacts";
+        assert!(
+            matches!(&refused, Err(WorldError::BadBody { reason }) if reason.contains(says)),
+            "law: pressed bodies and bodies of parts are refused, got {refused:?}"
+        );
+    }
+}
