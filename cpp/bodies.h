@@ -1,4 +1,4 @@
-// Rigid bodies: free, driven (kinematic) and static, and the friction and
+// Rigid bodies: free, kinematic and static, and the friction and
 // restitution of each pair of materials.
 #pragma once
 

@@ -119,7 +119,7 @@ SolverBody kinematic_body(const btRigidBody &body, double step, Drive &drive) {
 }
 
 // Bullet moves a body by its velocity and turns it by its spin, for a step:
-// they are given as what takes it the way it goes. A free body's spin
+// they are given as what makes its displacement. A free body's spin
 // changes while it turns; the spin it has half a step on, from the angular
 // momentum it had on average, turns it right to the second order (midpoint
 // rule).
@@ -154,20 +154,20 @@ SolverBody pressed_body(const btRigidBody &body, const Press &press) {
     SolverBody out;
     const Vec direction = three(press.direction);
     // Velocity of the origin at unit speed, along the direction or about the axis.
-    Vec way = direction;
+    Vec unit = direction;
     double speed = direction.dot(three(body.getLinearVelocity()));
     const double root = std::sqrt(press.inverse_mass);
     const double faster = press.force * press.inverse_mass;
     if (press.turns) {
-        way = direction.cross(three(body.getWorldTransform().getOrigin() - press.about));
+        unit = direction.cross(three(body.getWorldTransform().getOrigin() - press.about));
         speed = direction.dot(three(body.getAngularVelocity()));
         out.press_turn = direction * root;
         out.spin = direction * speed;
         out.spin_up = direction * faster;
     }
-    out.press = way * root;
-    out.velocity = way * speed;
-    out.acceleration = way * faster;
+    out.press = unit * root;
+    out.velocity = unit * speed;
+    out.acceleration = unit * faster;
     return out;
 }
 

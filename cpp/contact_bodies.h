@@ -1,4 +1,4 @@
-// Bodies on their way from Bullet into the solver and back.
+// Bodies as the solver has them: read from Bullet, and moved by what was found.
 #pragma once
 
 #include "three.h"
@@ -57,7 +57,7 @@ struct Drive {
     Vec change{0, 0, 0}, spin_change{0, 0, 0};
 };
 
-// The same of a body that was driven so in another world: its poses at the ends of
+// The same of a body that moved so in another world: its poses at the ends of
 // the last three steps, the last one last.
 Drive recalled_drive(const std::array<btTransform, 3> &ends, double step);
 

@@ -15,8 +15,8 @@ struct PairPlace {
     bool near; // may well bear something in the step
 };
 
-// Which bodies move, by number: from 1 on the free ones, then those that are pressed; what is
-// driven or stands still follows.
+// Which bodies move, by number: from 1 on the free ones, then those that are pressed;
+// kinematic ones follow.
 struct Moves {
     int free, all;
 

@@ -36,7 +36,7 @@ template <class N> LaneLaw<N> lane_law(const ContactLaw &law, double substep) {
 
 template <class L>
 void run_step(Problem<L> &problem, Run<L> &run, Kernel<L> kernel, const Contacts &contacts,
-              Look *look) {
+              Inspection *inspection) {
     const ContactLaw &law = contacts.law;
     const Colours &colours = contacts.colours;
     const Homes &homes = contacts.homes;
@@ -66,7 +66,7 @@ void run_step(Problem<L> &problem, Run<L> &run, Kernel<L> kernel, const Contacts
     run.begin(kernel, contacts);
     if (packs > 0) {
         for (int i = 0; i < law.substeps; ++i) {
-            run.substep(i + 1 == law.substeps ? look : nullptr);
+            run.substep(i + 1 == law.substeps ? inspection : nullptr);
         }
     }
     at_home([&](std::size_t i) { unload(problem, contacts, i); });
@@ -92,9 +92,9 @@ Iterations::Iterations()
 
 Iterations::~Iterations() = default;
 
-void Iterations::run(Kernels how, const Contacts &contacts, Look *look) {
+void Iterations::run(Kernels how, const Contacts &contacts, Inspection *inspection) {
     if (how == Kernels::OneByOne) {
-        run_step(single_->problem, single_->run, &portable<double>, contacts, look);
+        run_step(single_->problem, single_->run, &portable<double>, contacts, inspection);
         return;
     }
     Kernel<Float8> kernel = &portable<Float8>;
@@ -103,7 +103,7 @@ void Iterations::run(Kernels how, const Contacts &contacts, Look *look) {
         kernel = &avx2;
     }
 #endif
-    run_step(eight_->problem, eight_->run, kernel, contacts, look);
+    run_step(eight_->problem, eight_->run, kernel, contacts, inspection);
 }
 
 } // namespace pluvia

@@ -25,14 +25,14 @@ enum class Kernels {
 // Smaller steps of the solver do more for the same work than more iterations
 // (Macklin et al. 2019, "Small steps in physics simulation"). Pairs end with
 // the impulses of the whole step, bodies with their velocities at its end and
-// the way they have gone.
+// their displacement.
 class Iterations {
   public:
     Iterations();
     ~Iterations();
 
-    // `look`, or null, is filled in the last sub-step.
-    void run(Kernels how, const Contacts &contacts, Look *look);
+    // `inspection`, or null, is filled in the last sub-step.
+    void run(Kernels how, const Contacts &contacts, Inspection *inspection);
 
   private:
     // The pairs and bodies of a step in lanes of one kind, and what runs over them: kept from step

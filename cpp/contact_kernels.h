@@ -90,7 +90,7 @@ template <class L>
 inline constexpr typename Lane<L>::Number UNLIMITED = static_cast<typename Lane<L>::Number>(1e30);
 
 // The Jacobians of lanes whose body is pressed: an impulse acts on its one degree of freedom by
-// its component along the way of its point. `press`: that of the origin at unit speed, and the
+// its component along the path of its point. `press`: that of the origin at unit speed, and the
 // axis about which it turns, over the root of the mass or of the moment of inertia.
 template <class L>
 PLUVIA_INLINE void set_pressed(const Pack<L> &pack, unsigned lanes, const Symmetric<L> &press,
@@ -184,10 +184,10 @@ template <class L> PLUVIA_INLINE Symmetric<L> roots(const Bodies<L> &bodies, con
 }
 
 // How bodies have moved and turned since the step began.
-template <class L> struct Way {
+template <class L> struct Displacement {
     Three<L> moved, turned;
 
-    PLUVIA_INLINE Way(const Bodies<L> &bodies, const int *index) {
+    PLUVIA_INLINE Displacement(const Bodies<L> &bodies, const int *index) {
         L f[8];
         gather(bodies.displacement.data(), index, f);
         moved = {f[0], f[1], f[2]};
@@ -211,7 +211,7 @@ PLUVIA_INLINE void prepare(const Pack<L> &pack, Point<L> *points, PointMemory<L>
     const L zero{};
     const L one = zero + 1;
     const Sides<L> at(pack, bodies.motion.data());
-    const Way<L> displacement_a(bodies, pack.a), displacement_b(bodies, pack.b);
+    const Displacement<L> displacement_a(bodies, pack.a), displacement_b(bodies, pack.b);
     const Symmetric<L> root_a = roots<L>(bodies, pack.a), root_b = roots<L>(bodies, pack.b);
     const L both = larger(L(at.a.inverse_mass + at.b.inverse_mass), L(zero + TINY<L>));
     const L share_a = at.b.inverse_mass / both, share_b = at.a.inverse_mass / both;
@@ -294,8 +294,8 @@ template <class N> PLUVIA_INLINE void begin_search(PackedBodies<N> &bodies, std:
     bodies.before[b] = bodies.search[b] = bodies.motion[b];
 }
 
-// A body's part of going on along the way from where the iteration before the last ended to where
-// the last one did.
+// Extrapolates the motion of a body from where the iteration before the last ended to where the
+// last one did, and beyond.
 template <class N> PLUVIA_INLINE void extrapolate(PackedBodies<N> &bodies, std::size_t b, N beta) {
     for (int i = 0; i < 8; ++i) {
         const N now = bodies.motion[b].at[i];
@@ -305,7 +305,7 @@ template <class N> PLUVIA_INLINE void extrapolate(PackedBodies<N> &bodies, std::
     }
 }
 
-// The way that a body goes.
+// Adds what a body is displaced by in a sub-step.
 template <class N>
 PLUVIA_INLINE void integrate_position(PackedBodies<N> &bodies, std::size_t b, N step) {
     const auto &r = bodies.root[b].at;

@@ -1,4 +1,4 @@
-// Pairs and bodies on their way into the solver's packs and back.
+// Puts pairs and bodies into the solver's packs, and what was found back.
 #pragma once
 
 #include "contact_bodies.h"
@@ -202,13 +202,13 @@ template <class N> void pack(const Contacts &contacts, std::size_t i, PackedBodi
         const Vec &axis = body.press_turn;
         const Vec &free = body.turned() ? axis : body.press;
         const double root = 1 / std::sqrt(free.dot(free)); // of the mass or the moment of inertia
-        const Vec way = free * (root * root);              // times that root
+        const Vec along = free * (root * root);            // times that root
         const Vec &speed = body.turned() ? body.spin : body.velocity;
         const Vec &faster = body.turned() ? body.spin_up : body.acceleration;
-        put({0, 0, 0, 0, way.dot(speed), 0, 0, 1},
+        put({0, 0, 0, 0, along.dot(speed), 0, 0, 1},
             {body.press.x, body.press.y, body.press.z, axis.x, axis.y, axis.z, 1 / (root * root),
              1},
-            {0, 0, 0, 0, way.dot(faster) * substep, 0, 0, 0});
+            {0, 0, 0, 0, along.dot(faster) * substep, 0, 0, 0});
         return;
     }
     const bool moves = body.inverse_mass > 0;

@@ -83,7 +83,7 @@ template <class L> struct alignas(64) PointMemory {
 template <class L> struct alignas(64) Search { Three<L> impulse; };
 
 // Bodies in records, each kind by itself: what iterations read and write is the
-// motion alone. A body that is driven or stands still keeps its motion.
+// motion alone. A kinematic body, or one that stands still, keeps its motion.
 //
 // A pressed body has one degree of freedom: its speed along a direction times the root of its mass,
 // or that about an axis times the root of its moment of inertia. It stands where others have the

@@ -14,27 +14,27 @@ enum class Phase {
     // Packs.
     Prepare,
     WarmStart, // by colour
-    ClearSearch,
-    ForcesThere, // these four by colour, those back from the last to the first
-    ForcesBack,
-    ImpactsThere,
-    ImpactsBack,
-    Look,
-    Fastest,
-    Compress,
-    Restitute,
+    BeginSearchOfPoints,
+    SolveForcesForward, // these four by colour, those backward from the last to the first
+    SolveForcesBackward,
+    SolveImpactsForward,
+    SolveImpactsBackward,
+    AddResidual,
+    FindFastestImpact,
+    BeginCompression,
+    BeginRestitution,
     StoreForceImpulses,
     StoreImpactImpulses,
     // Bodies.
     IntegrateVelocities,
-    Keep,
-    Without,
-    BeginSearch,
+    KeepFreeMotion,
+    RestoreFreeMotion,
+    BeginSearchOfBodies,
     Extrapolate,
     IntegratePositions,
     // Blocks of bodies.
-    ForcesChange,
-    ImpactsChange,
+    FindChangeByForces,
+    FindChangeByImpacts,
 };
 
 // How much the last iteration changed bodies, as energies; by impacts, as squares of a speed.
@@ -76,9 +76,9 @@ template <class L> struct Problem {
     std::vector<BodyChange> changes;   // by block
     std::vector<Unsolved<L>> unsolved; // by worker
     LaneLaw<N> law;
-    L beta;       // how far to go on along the way
+    L beta;       // how far to extrapolate
     double limit; // from which on a body that changes is active
-    Look *look;
+    Inspection *inspection;
 };
 
 // A part of the packs, bodies or blocks of bodies that a phase goes over.
@@ -102,7 +102,7 @@ PLUVIA_INLINE void visit_all(Problem<L> &p, const Part &part) {
     const L beta = p.beta;
     Records<L> *const motion = p.bodies.motion.data();
     for (std::size_t k = part.begin; k < part.end; ++k) {
-        const std::size_t i = part.at(HALF == Half::There ? k : part.begin + part.end - 1 - k);
+        const std::size_t i = part.at(HALF == Half::Forward ? k : part.begin + part.end - 1 - k);
         const Pack<L> &pack = p.pairs->packs[i];
         visit<WHAT, HALF>(pack, &p.pairs->points[pack.first], &p.pairs->search[pack.first], beta,
                           motion, own);
@@ -168,7 +168,7 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
         packs([&](const auto &pack, auto *points, auto *, auto *, std::size_t)
                   __attribute__((always_inline)) { pluvia::warm_start(pack, points, motion); });
         break;
-    case Phase::ClearSearch:
+    case Phase::BeginSearchOfPoints:
         packs([&](const auto &pack, auto *points, auto *, auto *search, std::size_t)
                   __attribute__((always_inline)) {
                       for (int n = 0; n < pack.points; ++n) {
@@ -176,33 +176,33 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
                       }
                   });
         break;
-    case Phase::ForcesThere:
-        visit_all<Solved::Forces, Half::There>(p, part);
+    case Phase::SolveForcesForward:
+        visit_all<Solved::Forces, Half::Forward>(p, part);
         break;
-    case Phase::ForcesBack:
-        visit_all<Solved::Forces, Half::Back>(p, part);
+    case Phase::SolveForcesBackward:
+        visit_all<Solved::Forces, Half::Backward>(p, part);
         break;
-    case Phase::ImpactsThere:
-        visit_all<Solved::Impacts, Half::There>(p, part);
+    case Phase::SolveImpactsForward:
+        visit_all<Solved::Impacts, Half::Forward>(p, part);
         break;
-    case Phase::ImpactsBack:
-        visit_all<Solved::Impacts, Half::Back>(p, part);
+    case Phase::SolveImpactsBackward:
+        visit_all<Solved::Impacts, Half::Backward>(p, part);
         break;
-    case Phase::Look:
+    case Phase::AddResidual:
         packs([&](const auto &pack, auto *points, auto *, auto *, std::size_t) __attribute__((
-            always_inline)) { add_residual(pack, points, motion, p.look->residual); });
+            always_inline)) { add_residual(pack, points, motion, p.inspection->residual); });
         break;
-    case Phase::Fastest: {
+    case Phase::FindFastestImpact: {
         L &fastest = p.unsolved[part.worker].fastest;
         packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t) __attribute__((
             always_inline)) { find_fastest(pack, points, memory, motion, p.law, fastest); });
         break;
     }
-    case Phase::Compress:
+    case Phase::BeginCompression:
         packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t) __attribute__((
             always_inline)) { begin_compression(pack, points, memory, motion, p.law); });
         break;
-    case Phase::Restitute:
+    case Phase::BeginRestitution:
         packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t) __attribute__((
             always_inline)) { begin_restitution(pack, points, memory, motion); });
         break;
@@ -218,13 +218,13 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
         bodies([&](std::size_t b)
                    __attribute__((always_inline)) { integrate_velocity(p.bodies, b); });
         break;
-    case Phase::Keep:
+    case Phase::KeepFreeMotion:
         bodies([&](std::size_t b) { p.bodies.free[b] = p.bodies.motion[b]; });
         break;
-    case Phase::Without:
+    case Phase::RestoreFreeMotion:
         bodies([&](std::size_t b) { p.bodies.motion[b] = p.bodies.free[b]; });
         break;
-    case Phase::BeginSearch:
+    case Phase::BeginSearchOfBodies:
         bodies([&](std::size_t b) __attribute__((always_inline)) { begin_search(p.bodies, b); });
         break;
     case Phase::Extrapolate: {
@@ -237,10 +237,10 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
         bodies([&](std::size_t b)
                    __attribute__((always_inline)) { integrate_position(p.bodies, b, p.law.step); });
         break;
-    case Phase::ForcesChange:
+    case Phase::FindChangeByForces:
         find_change<Solved::Forces>(p, part);
         break;
-    case Phase::ImpactsChange:
+    case Phase::FindChangeByImpacts:
         find_change<Solved::Impacts>(p, part);
         break;
     }

@@ -27,8 +27,8 @@ struct SubstepRecord {
     std::vector<double> bodies, contacts;
 };
 
-// What is looked at in the last sub-step of a step; the problem where `record` is given.
-struct Look {
+// What is read of the last sub-step of a step; the problem, too, where `record` is given.
+struct Inspection {
     Residual residual;
     SubstepRecord *record = nullptr;
 };

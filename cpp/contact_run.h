@@ -13,7 +13,7 @@ constexpr int MOST_ITERATIONS = 256;
 
 // Among few pairs there are more iterations than asked for, until this number
 // of packs has been solved or there were so many: they cost nothing, without
-// them a single block is half a percent of its way off after it has slid, and
+// them a single block is half a percent of its path off after it has slid, and
 // one that meets two supports needs hundreds for the impact.
 constexpr int SMALL_WORK = 512;
 constexpr int SMALL_ITERATIONS = 32;
@@ -42,7 +42,7 @@ constexpr double LOCAL_SHARE = 0.25;
 constexpr double WORSE = 1.25;
 constexpr double FARTHEST = 0.85;
 
-// How far iterations go on along the way, as a share of the last.
+// How far iterations extrapolate, as a share of what the last one changed.
 class Pace {
   public:
     // `work`: what the last iteration changed, as an energy.
@@ -85,20 +85,20 @@ template <class L> class Run {
         }
     }
 
-    void substep(Look *look) {
+    void substep(Inspection *inspection) {
         now_.packs(Phase::Prepare);
         now_.bodies(Phase::IntegrateVelocities);
         now_.run();
-        if (look != nullptr && look->record != nullptr) {
-            record_bodies(p_.bodies, false, *look->record);
+        if (inspection != nullptr && inspection->record != nullptr) {
+            record_bodies(p_.bodies, false, *inspection->record);
         }
         choose_awake();
         now_.colours(Phase::WarmStart, all_, false);
         iterate<Solved::Forces>(p_.law.unsolved_speed);
         find_motion();
-        if (look != nullptr) {
+        if (inspection != nullptr) {
             now_.run();
-            look_at(*look);
+            inspect(*inspection);
         }
         now_.bodies(Phase::IntegratePositions);
         const N fastest = fastest_impact();
@@ -108,11 +108,11 @@ template <class L> class Run {
             return;
         }
         const N limit = std::max(p_.law.restitution_speed, fastest * IMPACT_SHARE<L>);
-        now_.packs(Phase::Compress);
+        now_.packs(Phase::BeginCompression);
         iterate<Solved::Impacts>(limit);
         find_motion();
-        now_.packs(Phase::Restitute);
-        now_.bodies(Phase::Keep);
+        now_.packs(Phase::BeginRestitution);
+        now_.bodies(Phase::KeepFreeMotion);
         iterate<Solved::Impacts>(limit);
         find_motion();
         now_.packs(Phase::StoreImpactImpulses);
@@ -124,7 +124,7 @@ template <class L> class Run {
     Kernel<L> kernel_ = nullptr;
     const Contacts *contacts_ = nullptr; // of the step
     int least_ = 0;                      // iterations
-    Sequence<L> now_;                    // what is to be done before the next look
+    Sequence<L> now_;                    // what is to be done before the control goes on
     std::vector<int> touched_;           // bodies
     Turn all_, asleep_;
     Few<L> few_;
@@ -132,7 +132,7 @@ template <class L> class Run {
     // The motion of bodies from the impulses that iterations have found: every visit to a contact
     // rounds it once more, and a loose grain may be visited thousands of times.
     void find_motion() {
-        now_.bodies(Phase::Without);
+        now_.bodies(Phase::RestoreFreeMotion);
         now_.colours(Phase::WarmStart, all_, false);
     }
 
@@ -165,10 +165,10 @@ template <class L> class Run {
         return all;
     }
 
-    // Iterations begin without a way.
+    // Begins iterations, the first of which extrapolates nothing.
     void begin_search(const Turn &turn, const std::vector<int> &bodies) {
-        now_.packs(Phase::ClearSearch, turn.packs);
-        now_.bodies(Phase::BeginSearch, bodies);
+        now_.packs(Phase::BeginSearchOfPoints, turn.packs);
+        now_.bodies(Phase::BeginSearchOfBodies, bodies);
         p_.beta = L{};
     }
 
@@ -188,8 +188,8 @@ template <class L> class Run {
     // when one of their pack bears something.
     template <Solved WHAT> void iterate(N limit) {
         constexpr bool IMPACTS = WHAT == Solved::Impacts;
-        const Phase there = IMPACTS ? Phase::ImpactsThere : Phase::ForcesThere;
-        const Phase back = IMPACTS ? Phase::ImpactsBack : Phase::ForcesBack;
+        const Phase forward = IMPACTS ? Phase::SolveImpactsForward : Phase::SolveForcesForward;
+        const Phase backward = IMPACTS ? Phase::SolveImpactsBackward : Phase::SolveForcesBackward;
         const int packs = std::max(1, static_cast<int>(p_.all.packs.size()));
         const int few = IMPACTS ? SMALL_IMPACT_ITERATIONS : SMALL_ITERATIONS;
         const int least = std::max(least_, std::min(few, SMALL_WORK / packs));
@@ -212,16 +212,16 @@ template <class L> class Run {
             local = 0;
             pace = Pace{};
         };
-        now_.packs(Phase::ClearSearch);
-        now_.bodies(Phase::BeginSearch, touched_);
+        now_.packs(Phase::BeginSearchOfPoints);
+        now_.bodies(Phase::BeginSearchOfBodies, touched_);
         p_.beta = L{};
         for (int n = 1; left > 0; ++n) {
             const Turn &turn = over_few ? few_.turn() : all_;
             const std::vector<int> &bodies = over_few ? few_.bodies() : touched_;
             p_.limit = LOCAL_SHARE * allowed;
-            now_.colours(there, turn, false);
-            now_.colours(back, turn, true);
-            now_.change(IMPACTS ? Phase::ImpactsChange : Phase::ForcesChange, bodies);
+            now_.colours(forward, turn, false);
+            now_.colours(backward, turn, true);
+            now_.change(IMPACTS ? Phase::FindChangeByImpacts : Phase::FindChangeByForces, bodies);
             now_.run();
             left -= std::max<double>(1, static_cast<double>(turn.packs.size()));
             const Unsolved<L> unsolved = take_unsolved();
@@ -253,7 +253,7 @@ template <class L> class Run {
             const bool met_slowly = IMPACTS || !any_larger(unsolved.speed, limit);
             for_speed += still && !met_slowly;
             const bool solved = still && (met_slowly || for_speed >= MOST_FOR_SPEED);
-            if ((n == 1 || n % least == 0 || solved) && !wake(back) && solved) {
+            if ((n == 1 || n % least == 0 || solved) && !wake(backward) && solved) {
                 break;
             }
             if ((IMPACTS || n >= least) && few_left && changed.active > 0 && !still) {
@@ -272,7 +272,7 @@ template <class L> class Run {
         }
     }
 
-    // Goes on along the way, the farther the more iterations there were since it
+    // Goes on as the last iteration did, the farther the more of them there were since it
     // began anew.
     void extrapolate(const std::vector<int> &bodies, double work, Pace &pace) {
         p_.beta = L{} + static_cast<N>(pace.next(work));
@@ -280,12 +280,12 @@ template <class L> class Run {
     }
 
     // Looks at the pairs that are asleep. Whether one woke.
-    bool wake(Phase back) {
+    bool wake(Phase backward) {
         if (asleep_.packs.empty()) {
             return false;
         }
         p_.beta = L{};
-        now_.colours(back, asleep_, true);
+        now_.colours(backward, asleep_, true);
         now_.run();
         take_unsolved();
         bool any = false;
@@ -303,24 +303,24 @@ template <class L> class Run {
         return any;
     }
 
-    void look_at(Look &look) {
-        p_.look = &look;
-        kernel_(Phase::Look, p_, {nullptr, 0, 0, 0, p_.all.packs.size()});
-        if (look.record == nullptr) {
+    void inspect(Inspection &inspection) {
+        p_.inspection = &inspection;
+        kernel_(Phase::AddResidual, p_, {nullptr, 0, 0, 0, p_.all.packs.size()});
+        if (inspection.record == nullptr) {
             return;
         }
-        record_bodies(p_.bodies, true, *look.record);
-        look.record->contacts.clear();
+        record_bodies(p_.bodies, true, *inspection.record);
+        inspection.record->contacts.clear();
         for (const Pack<L> &pack : p_.all.packs) {
             const auto first = static_cast<std::size_t>(pack.first);
             record_contacts(
                 pack, &p_.all.points[first], &p_.memory[first],
-                [&](int pair) { return contacts_->places[pair].points; }, *look.record);
+                [&](int pair) { return contacts_->places[pair].points; }, *inspection.record);
         }
     }
 
     N fastest_impact() {
-        now_.packs(Phase::Fastest);
+        now_.packs(Phase::FindFastestImpact);
         now_.run();
         const L found = take_unsolved().fastest;
         N fastest = 0;

@@ -109,7 +109,7 @@ template <class L> class Sequence {
     bool chained_ = false;
     std::size_t first_ = 0, next_ = 0;
 
-    // What impulses give, there, back, and what comes between.
+    // Warm start, forwards, backwards, and what comes between.
     static_assert(6 * Colours::MOST + 7 <= Workers::MOST_SHARES);
 
     // `listed` are in the list, `size` things are done; `least` of them a thread takes.

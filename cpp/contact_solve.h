@@ -2,11 +2,11 @@
 //
 // An iteration visits all pairs colour by colour, and then all of them in the reverse
 // order of the colours: projected Gauss-Seidel, symmetric. It is accelerated after Nesterov:
-// every iteration begins beyond where the last one ended, along the way that it and the one
-// before took together, and begins anew where that made things worse (Mazhar, Heyn, Negrut &
+// every iteration begins beyond where the last one ended, in the direction from where the one
+// before ended, and begins anew where that made things worse (Mazhar, Heyn, Negrut &
 // Tasora 2015, "Using Nesterov's method to accelerate multibody dynamics with friction and
 // contact"; O'Donoghue & Candès 2015, "Adaptive restart for accelerated gradient schemes").
-// There and back, because acceleration wants a symmetric preconditioner.
+// Forwards and backwards, because acceleration wants a symmetric preconditioner.
 #pragma once
 
 #include "contact_kernels.h"
@@ -19,7 +19,7 @@ namespace pluvia {
 enum class Solved { Forces, Impacts };
 
 // Which half of an iteration.
-enum class Half { There, Back };
+enum class Half { Forward, Backward };
 
 // What packs have found.
 template <class L> struct alignas(64) Unsolved {
@@ -30,14 +30,13 @@ template <class L> struct alignas(64) Unsolved {
 // Solves one point of each pair. Friction first, within the cone that the normal
 // impulse allows so far; the normal last, since overlap is worse than a little sliding.
 //
-// On the way there it first goes on along its way, `beta` times as far as the last
-// iteration took it.
+// Forwards, impulses first go on as the last iteration changed them, `beta` times as far.
 template <Solved WHAT, Half HALF, class L>
 PLUVIA_INLINE void solve(const Pack<L> &pack, Point<L> &c, Search<L> &last, const L &beta,
                          Sides<L> &at, Unsolved<L> &unsolved) {
     const L zero{};
     L borne = c.impulse.x;
-    if (HALF == Half::There) {
+    if (HALF == Half::Forward) {
         const auto go_on = [&](L & impulse, L & then) __attribute__((always_inline)) {
             const L now = impulse;
             impulse = now + (now - then) * beta;
@@ -70,7 +69,7 @@ PLUVIA_INLINE void solve(const Pack<L> &pack, Point<L> &c, Search<L> &last, cons
     L next = larger(zero, L(c.impulse.x - c.normal_mass * error));
     if (WHAT == Solved::Impacts) {
         next = smaller(next, c.most);
-    } else if (HALF == Half::Back) {
+    } else if (HALF == Half::Backward) {
         unsolved.speed = larger(unsolved.speed, L(zero - error));
     }
     const L more = next - c.impulse.x;

@@ -18,8 +18,8 @@ namespace {
 // So many bodies or pairs ahead the memory is asked for them.
 constexpr std::size_t AHEAD = 4;
 
-// Steps from one that is looked at to the next: looking costs about as much as an iteration.
-constexpr unsigned LOOK_EVERY = 16;
+// Steps from one whose solution is inspected to the next: that costs about as much as an iteration.
+constexpr unsigned INSPECT_EVERY = 16;
 
 // Slices of the specimen by which bodies are sorted.
 constexpr std::size_t SLICES = 1024;
@@ -70,16 +70,16 @@ void ContactSolver::solve(double step) {
             body_homes_[i] = static_cast<std::uint16_t>(homes_.of_body(place_[i]));
         }
     }
-    Look look;
+    Inspection inspection;
     recorded_ = SubstepRecord{};
-    look.record = recording_ ? &recorded_ : nullptr;
-    const bool looks = recording_ || steps_++ % LOOK_EVERY == 0;
+    inspection.record = recording_ ? &recorded_ : nullptr;
+    const bool inspects = recording_ || steps_++ % INSPECT_EVERY == 0;
     iterations_.run(kernels_,
                     {law_, step / law_.substeps, touching_, places_, colours_, homes_, moves,
                      bodies_, workers_},
-                    looks ? &look : nullptr);
-    if (looks) {
-        const Residual &residual = look.residual;
+                    inspects ? &inspection : nullptr);
+    if (inspects) {
+        const Residual &residual = inspection.residual;
         residual_ = residual.impulse > 0 ? std::sqrt(residual.error / residual.impulse) : 0;
     }
 }
@@ -100,7 +100,7 @@ void ContactSolver::take_pairs(double step) {
 void ContactSolver::bodies_changed() {
     moving_.clear();
     pressed_.clear();
-    driving_.clear();
+    kinematic_.clear();
     parts_.clear();
     bodies_.clear();
     sorted_ = false;
@@ -119,13 +119,13 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
         place_[number] = 0;
         by_number.resize(place_.size());
         by_number[number] = body;
-        // What is driven counts as static with Bullet, too.
+        // Kinematic bodies count as static with Bullet, too.
         if (whole_of(number) != number) {
             parts_.push_back({body, nullptr});
         } else if (presses_.count(number) != 0) {
             pressed_.push_back(body);
         } else if (body->isKinematicObject()) {
-            driving_.push_back(body);
+            kinematic_.push_back(body);
         } else if (!body->isStaticObject()) {
             moving_.push_back({body, number});
         }
@@ -134,7 +134,7 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
         part.whole = by_number.at(whole_of(part.own->getUserIndex()));
     }
     int next = 1 + static_cast<int>(moving_.size());
-    for (const auto *list : {&pressed_, &driving_}) {
+    for (const auto *list : {&pressed_, &kinematic_}) {
         for (const btRigidBody *body : *list) {
             place_[body->getUserIndex()] = next++;
         }
@@ -183,7 +183,7 @@ void ContactSolver::take_bodies(double step) {
     for (const Part &part : parts_) {
         place_[part.own->getUserIndex()] = place_[part.whole->getUserIndex()];
     }
-    bodies_.resize(1 + moving_.size() + pressed_.size() + driving_.size());
+    bodies_.resize(1 + moving_.size() + pressed_.size() + kinematic_.size());
     bodies_[0] = SolverBody{};
     const auto take = [&](std::size_t i) {
         bodies_[place_[moving_[i].number]] = free_body(*moving_[i].body);
@@ -195,7 +195,7 @@ void ContactSolver::take_bodies(double step) {
         bodies_[place_[number]] = pressed_body(*body, presses_.at(number));
     }
     drives_now_.clear();
-    for (const btRigidBody *body : driving_) {
+    for (const btRigidBody *body : kinematic_) {
         const int number = body->getUserIndex();
         Drive &drive = drives_now_[number] = drives_[number];
         bodies_[place_[number]] = kinematic_body(*body, step, drive);
@@ -207,7 +207,7 @@ void ContactSolver::read_drives(const Units &units, rust::Vec<DriveRead> &out) c
     const std::size_t first = 1 + moving_.size() + pressed_.size();
     for (std::size_t i = first; i < bodies_.size(); ++i) {
         const SolverBody &body = bodies_[i];
-        const auto id = static_cast<std::uint32_t>(driving_[i - first]->getUserIndex());
+        const auto id = static_cast<std::uint32_t>(kinematic_[i - first]->getUserIndex());
         out.push_back(DriveRead{id, units.metres(body.velocity), units.metres(body.acceleration),
                                 array(body.spin), array(body.spin_up)});
     }

@@ -28,8 +28,8 @@ class ContactSolver {
 
     // To be called at the beginning of a step with all bodies of the world.
     void sort_bodies(const btCollisionObjectArray &bodies);
-    // Those that are driven.
-    const std::vector<btRigidBody *> &driven() const { return driving_; }
+    // The kinematic ones that are not pressed.
+    const std::vector<btRigidBody *> &kinematic() const { return kinematic_; }
 
     // To be called once a step.
     void solve(double step);
@@ -69,7 +69,7 @@ class ContactSolver {
         return found == wholes_.end() ? number : found->second;
     }
 
-    // How a body was driven before the first step of its world, by its number.
+    // How a kinematic body moved before the first step of its world, by its number.
     void recall_drive(int number, const Drive &drive) { drives_[number] = drive; }
     // Adds how each kinematic body went through the last step; none once a body came or went.
     void read_drives(const Units &units, rust::Vec<DriveRead> &out) const;
@@ -97,23 +97,23 @@ class ContactSolver {
         btRigidBody *body;
         int number; // in the world
     };
-    std::vector<Moving> moving_;         // every free body
-    std::vector<btRigidBody *> pressed_; // every body that is pressed
-    std::vector<btRigidBody *> driving_; // every other kinematic body
+    std::vector<Moving> moving_;           // every free body
+    std::vector<btRigidBody *> pressed_;   // every body that is pressed
+    std::vector<btRigidBody *> kinematic_; // every other kinematic body
     struct Part {
         btRigidBody *own, *whole;
     };
     std::vector<Part> parts_;  // every further part of a body
     std::vector<Vec> centres_; // of mass, of the free bodies
     std::vector<int> place_;   // by the body's number: among bodies_
-    // The world, free bodies along the specimen, those that are pressed, those that are driven.
+    // The world, free bodies along the specimen, those that are pressed, kinematic ones.
     std::vector<SolverBody> bodies_;
     std::vector<PairPlace> places_; // of the pairs that touch
     Colours colours_;
     Homes homes_;
     std::vector<std::uint16_t> body_homes_; // by the body's number
     Iterations iterations_;
-    bool sorted_ = false; // moving_ and driving_ are the world's bodies
+    bool sorted_ = false; // moving_ and kinematic_ are the world's bodies
     // By the body's number in its world: a new body may get the address of one that left.
     std::unordered_map<int, Drive> drives_, drives_now_;
     std::unordered_map<int, Press> presses_; // by the same number

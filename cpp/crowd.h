@@ -3,7 +3,7 @@
 // Two bodies may come closer by the difference of their speeds, and the boxes
 // of a pair must overlap before they meet. A margin by the body's own
 // speed does for all others, but where thousands fall side by side it makes
-// pairs of all that are within two steps' way of each other, though none comes
+// pairs of all that are within two steps' displacement of each other, though none comes
 // any nearer. Here the margin is by the speed against the bodies around.
 //
 // Law, for any two bodies i and j that come within the speculative margin of
@@ -16,7 +16,7 @@
 // same or of neighbouring cells the law follows from
 // |v_i - v_j| <= |v_i - u_c| + |u_c - u_c'| + |u_c' - v_j|. Bodies of cells further apart do not
 // come within the speculative margin, since a cell is larger than two radii, the speculative margin
-// and the way of both. Wide bodies, such as walls, are in no cell and have a margin by the
+// and the displacement of both. Wide bodies, such as walls, are in no cell and have a margin by the
 // fastest of all besides their own speed.
 #pragma once
 

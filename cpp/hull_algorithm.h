@@ -22,7 +22,7 @@ struct HullCollision {
     PairSettings settings;
     double match; // distance up to which points of successive steps are taken for the same
     const AxisKernels *kernels;
-    double step = 0;                // length of a step, for which fast pairs are foreseen
+    double step = 0;                // length of a step, for the speculative margin of fast pairs
     RecalledContacts recalled;      // for the first step
     HullBodies bodies;              // of this step
     std::vector<Touching> touching; // of this step, in the order of the pairs
@@ -61,7 +61,7 @@ class HullAlgorithm final : public btCollisionAlgorithm {
     void getAllContactManifolds(btManifoldArray &) override {}
 
     // Finds the contact of the pair; both shapes are TightHulls. `travelled`: the
-    // bodies' ways, added up. Writes only what belongs to the pair.
+    // bodies' paths, added up. Writes only what belongs to the pair.
     void find(const HullBody &a, const HullBody &b, double travelled, PairScratch &scratch);
     // Whether the pair was apart, and cannot have come within the speculative margin since.
     bool rests(double travelled, double margin) const { return travelled + margin < apart_until_; }
@@ -78,7 +78,7 @@ class HullAlgorithm final : public btCollisionAlgorithm {
     HullCollision &shared_;
     // First what is read of every pair in every step.
     //
-    // The bodies' ways, added up, at which they may meet.
+    // The bodies' paths, added up, at which they may meet.
     double apart_until_ = -1;
     std::uint32_t at_a_, at_b_;
     int points_ = 0;

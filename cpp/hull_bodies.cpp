@@ -27,7 +27,7 @@ constexpr std::size_t BODIES_AT_ONCE = 64;
 
 // Speeds against the bodies around are looked for where a body went so many times
 // the speculative margin in the last step: else there is little to be had.
-constexpr double CROWD_WAY = 2;
+constexpr double CROWD_MARGINS = 2;
 
 bool holds(const btBroadphaseProxy &proxy, const HullRange &range) {
     for (int i = 0; i < 3; ++i) {
@@ -82,7 +82,7 @@ void HullBodies::begin(const Frame &frame, const btCollisionObjectArray &objects
     frame_ = frame;
     step_ = step;
     margin_ = margin;
-    const bool fast = fastest_ * step > CROWD_WAY * margin;
+    const bool fast = fastest_ * step > CROWD_MARGINS * margin;
     fastest_ = 0;
     crowded_ = fast && gather(objects);
 }
@@ -131,7 +131,7 @@ HullBody &HullBodies::read(const btCollisionObject &object) {
     const HullBody before = body;
     body = hull_body(object);
     if (before.object == body.object) {
-        ranges_[at].travelled += way(body, before.pose, moved_);
+        ranges_[at].travelled += displacement(body, before.pose, moved_);
     }
     return body;
 }
@@ -188,9 +188,8 @@ const HullRange &HullBodies::take(const btCollisionObjectArray &objects, int i,
     return range;
 }
 
-// As `farthest_way` of a pair: the way of the centre, and the
-// turning times the radius.
-double HullBodies::way(const HullBody &body, const Rigid &before, const Vec &moved) {
+// As `farthest_displacement` of a pair: that of the centre, and the turning times the radius.
+double HullBodies::displacement(const HullBody &body, const Rigid &before, const Vec &moved) {
     double turn = 0;
     for (int i = 0; i < 9; ++i) {
         turn += (body.pose.r[i] - before.r[i]) * (body.pose.r[i] - before.r[i]);

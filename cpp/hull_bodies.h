@@ -97,7 +97,7 @@ class HullBodies {
     Crowd crowd_;
     std::vector<CrowdBody> members_; // of the crowd, in the order of the objects
 
-    // Brings what is kept of a body up to date; its range's way, too.
+    // Brings what is kept of a body up to date, and how far its range has travelled.
     HullBody &read(const btCollisionObject &object);
     // Reads object number `i`; `fastest` is raised to its speed in the frame.
     const HullRange &take(const btCollisionObjectArray &objects, int i, const AxisKernels &kernels,
@@ -106,10 +106,10 @@ class HullBodies {
     // number `i`: one leads to the next, so that the farther ahead an object is
     // the less is asked for.
     static void ask_ahead(const btCollisionObjectArray &objects, int i);
-    // Reads all bodies, and finds how far each stands off. False where it cannot be told.
+    // Reads all bodies, and finds the speeds for their AABB margins. False where it cannot.
     bool gather(const btCollisionObjectArray &objects);
     // How far any point of a body has gone from one pose to the next.
-    static double way(const HullBody &body, const Rigid &before, const Vec &moved);
+    static double displacement(const HullBody &body, const Rigid &before, const Vec &moved);
 };
 
 } // namespace pluvia

@@ -40,7 +40,7 @@ class PairFrames : protected PairCase {
     // How far any point of one body, or of its core, can have come in the frame of the other since
     // it was at `then`. A gap along an axis changes by no more, so the widest does not either.
     float moved(const Relative &then) const {
-        return farthest_way(then, now_, std::min(a.core_radius(), b.core_radius()));
+        return farthest_displacement(then, now_, std::min(a.core_radius(), b.core_radius()));
     }
 
     // Whether the points of a face contact can stay where they are on their bodies. Corners that

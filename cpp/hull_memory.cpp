@@ -57,7 +57,7 @@ void KeptContact::keep(const PairContact &contact) {
     }
 }
 
-float farthest_way(const Relative &from, const Relative &to, float radius) {
+float farthest_displacement(const Relative &from, const Relative &to, float radius) {
     float turn = 0;
     float shift = 0;
     for (int i = 0; i < 9; ++i) {

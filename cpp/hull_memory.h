@@ -104,7 +104,7 @@ struct PairMemory {
 // How far any point of a body can have come from one place to another: |t - t'| +
 // |R - R'| radius, the norm of the difference of two rotations being its
 // Frobenius norm over the root of 2.
-float farthest_way(const Relative &from, const Relative &to, float radius);
+float farthest_displacement(const Relative &from, const Relative &to, float radius);
 
 // Makes a pair that has no memory remember what touched, as another pair of the
 // same hulls found it; the points are for `last`. What does not fit the hulls

@@ -17,7 +17,7 @@ namespace pluvia {
 struct PairSettings {
     // Points are kept up to this gap.
     double speculative_margin;
-    // How much of it is for the way that the bodies may come closer in the step.
+    // How much of it is for what the bodies may come closer in the step.
     double approach;
     // Last step's feature is kept while no other has a gap wider by this.
     // Without it, features of nearly equal depth alternate, the solver's

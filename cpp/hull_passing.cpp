@@ -81,20 +81,21 @@ PairFace passing_face(const AxisKernels &kernels, const HullData &a, const HullD
     ahead.fit(a, b);
     FaceGaps widest;
     kernels.faces(a, b, b_to_a.rounded(), ahead, widest);
-    const auto way = [&](bool is_a, int f) {
+    const auto approach = [&](bool is_a, int f) {
         return is_a ? now.gap_a[f] - ahead.gap_a[f] : now.gap_b[f] - ahead.gap_b[f];
     };
     PairFace best = found;
-    float shortest = way(found.is_a, found.face) / 2;
-    if (!(shortest > 0)) {
+    float least = approach(found.is_a, found.face) / 2;
+    if (!(least > 0)) {
         return found;
     }
     for (const bool is_a : {true, false}) {
         const float *gap = is_a ? now.gap_a : now.gap_b;
         const float *then = is_a ? ahead.gap_a : ahead.gap_b;
         for (int f = 0; f < (is_a ? a.faces : b.faces); ++f) {
-            if (std::abs(gap[f]) <= most && std::abs(then[f]) <= most && way(is_a, f) < shortest) {
-                shortest = way(is_a, f);
+            if (std::abs(gap[f]) <= most && std::abs(then[f]) <= most &&
+                approach(is_a, f) < least) {
+                least = approach(is_a, f);
                 best = {is_a, f};
             }
         }

@@ -74,7 +74,7 @@ void NativeWorld::remove(btRigidBody &body) {
         follow(nullptr);
     }
     drives_.erase(std::remove_if(drives_.begin(), drives_.end(),
-                                 [&body](const Kinematic &driven) { return driven.body == &body; }),
+                                 [&body](const Kinematic &next) { return next.body == &body; }),
                   drives_.end());
 }
 
@@ -146,8 +146,8 @@ void NativeWorld::timed_step(btScalar length) {
         solver_.solve(static_cast<double>(length));
     }
     solver_.move_bodies(static_cast<double>(length));
-    for (const Kinematic &driven : kinematic_) {
-        driven.body->setWorldTransform(driven.end);
+    for (const Kinematic &moved : kinematic_) {
+        moved.body->setWorldTransform(moved.end);
     }
     kinematic_.clear();
     collision_.recalled.forget();
@@ -171,17 +171,17 @@ void NativeWorld::search() {
     search_.find(*getPairCache(), solver_.homes());
 }
 
-// Bodies that are not driven in the step stand still in it.
+// Kinematic bodies without a pose for the end of the step stand still in it.
 void NativeWorld::begin_drives(btScalar step) {
-    for (btRigidBody *body : solver_.driven()) {
+    for (btRigidBody *body : solver_.kinematic()) {
         body->setLinearVelocity(btVector3(0, 0, 0));
         body->setAngularVelocity(btVector3(0, 0, 0));
     }
-    for (const Kinematic &driven : kinematic_) {
+    for (const Kinematic &moved : kinematic_) {
         const KinematicVelocity velocity =
-            kinematic_velocity(driven.body->getWorldTransform(), driven.end, step);
-        driven.body->setLinearVelocity(velocity.linear);
-        driven.body->setAngularVelocity(velocity.angular);
+            kinematic_velocity(moved.body->getWorldTransform(), moved.end, step);
+        moved.body->setLinearVelocity(velocity.linear);
+        moved.body->setAngularVelocity(velocity.angular);
     }
 }
 

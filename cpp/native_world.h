@@ -34,7 +34,7 @@ struct NativeParts {
 // The boxes are larger than the bodies, so that a body takes a new one only when
 // it has left the old, and they are counted from a place that moves along with
 // the apparatus, so that shaking alone lets none leave. Contacts are found where
-// bodies are at the beginning of the step, driven ones as all others.
+// bodies are at the beginning of the step, kinematic ones as all others.
 class NativeWorld final : private NativeParts, public EngineWorld {
   public:
     // `materials` must outlive the world.

@@ -170,7 +170,7 @@ void StockWorld::drive(btRigidBody &body, const btTransform &end) {
         const bool moves = !(end == body.getWorldTransform());
         body.forceActivationState(moves ? DISABLE_DEACTIVATION : ISLAND_SLEEPING);
         if (!moves) {
-            // Asleep, Bullet would not take its velocity from its way any more.
+            // Asleep, Bullet would not take its velocity from its displacement any more.
             body.setLinearVelocity(btVector3(0, 0, 0));
             body.setAngularVelocity(btVector3(0, 0, 0));
         }

@@ -40,7 +40,7 @@ class StockWorld final : private StockParts, public EngineWorld {
     // A kinematic body that stands still is asleep from the beginning, where bodies
     // fall asleep: awake, it would keep all awake that touch it.
     void add(btRigidBody &body, BodyKind kind) override;
-    // It wakes when it moves, and sleeps again when it is driven to where it is.
+    // It wakes when it moves, and sleeps again when it is to stay where it is.
     void drive(btRigidBody &body, const btTransform &end) override;
     void step(btScalar length) override;
     void find_contacts() override;

@@ -25,7 +25,7 @@ fn drive(world: &mut BulletBackend, id: BodyId, pose: &Pose) {
     world.step().expect("a step");
 }
 
-/// A driven slab somewhere.
+/// A kinematic slab somewhere.
 fn table(pose: Pose) -> Body {
     let mut body = slab(Motion::Kinematic);
     body.state.pose = pose;

@@ -67,7 +67,8 @@ pub struct BulletBackend {
     /// Shapes already known to the engine, by address; the `Arc`s keep the
     /// addresses from being used again.
     shapes: HashMap<*const ConvexPolyhedron, (u32, Arc<ConvexPolyhedron>)>,
-    driven: Vec<bool>,
+    /// By body: whether it may be driven.
+    kinematic: Vec<bool>,
     pressed: Vec<BodyId>,
 }
 
@@ -113,7 +114,7 @@ impl BulletBackend {
             world,
             time_step: definition.time_step,
             shapes: HashMap::new(),
-            driven: Vec::new(),
+            kinematic: Vec::new(),
             pressed: Vec::new(),
         };
         backend.check_kept(&definition)?;
@@ -162,7 +163,7 @@ impl BulletBackend {
     }
 
     fn check_kinematic(&self, id: BodyId) -> Result<(), WorldError> {
-        match self.driven.get(id.0 as usize) {
+        match self.kinematic.get(id.0 as usize) {
             None => Err(WorldError::NoSuchBody(id)),
             Some(false) => Err(WorldError::NotKinematic(id)),
             Some(true) => Ok(()),
@@ -271,7 +272,7 @@ impl World for BulletBackend {
                 angular_velocity: body.state.angular_velocity.into(),
             })
             .map_err(engine)?;
-        self.driven.push(matches!(body.motion, Motion::Kinematic));
+        self.kinematic.push(matches!(body.motion, Motion::Kinematic));
         let world = self.world.pin_mut();
         match body.motion {
             Motion::Pressed { mass, direction } => {
@@ -297,8 +298,8 @@ impl World for BulletBackend {
     fn drive(&mut self, id: BodyId, pose: &Pose) -> Result<(), WorldError> {
         self.check_kinematic(id)?;
         let ffi::BodyPose { position, rotation } = body_pose(pose);
-        let driven = self.world.pin_mut().drive_body(id.0, &position, &rotation);
-        driven.map_err(|_| WorldError::NoSuchBody(id))
+        let done = self.world.pin_mut().drive_body(id.0, &position, &rotation);
+        done.map_err(|_| WorldError::NoSuchBody(id))
     }
 
     fn recall_drive(&mut self, id: BodyId, ends: &[Pose; 3]) -> Result<(), WorldError> {
@@ -320,7 +321,7 @@ impl World for BulletBackend {
             return Err(WorldError::BadBody { reason: "its parts differ in pose".into() });
         }
         self.world.pin_mut().join_body(part.0, whole.0).map_err(refused)?;
-        self.driven[part.0 as usize] = false;
+        self.kinematic[part.0 as usize] = false;
         Ok(())
     }
 

@@ -14,7 +14,7 @@ fn world(settings: &EngineSettings) -> BulletBackend {
     BulletBackend::new(settings, gravity, &uniform(0.8, 0.0)).expect("a world")
 }
 
-/// A cube of 10 mm on a driven slab.
+/// A cube of 10 mm on a kinematic slab.
 fn cube_on_slab(settings: &EngineSettings) -> (BulletBackend, BodyId, BodyId) {
     let mut world = world(settings);
     let floor = world.add(&slab(Motion::Kinematic)).expect("added");
