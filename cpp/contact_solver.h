@@ -79,6 +79,7 @@ class ContactSolver {
     const std::vector<std::uint16_t> &homes() const { return body_homes_; }
 
     const ContactLaw &law() const { return law_; }
+    bool gyroscopic() const { return gyroscopic_; }
     // Natural-map residual of the last sub-step of the step looked at last, over
     // its impulses, both in the kinetic norm; 0 before the first.
     double residual() const { return residual_; }

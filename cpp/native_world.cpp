@@ -286,6 +286,7 @@ void NativeWorld::read_settings(ReadBack &out) const {
     out.put("threads", workers_.count());
     const ContactLaw &law = solver_.law();
     out.put("portable_instructions", solver_.kernels() == Kernels::Portable);
+    out.put("gyroscopic", solver_.gyroscopic());
     out.put("substeps", law.substeps);
     out.put("iterations_in_a_substep", law.iterations);
     out.put("solver_tolerance", law.unsolved_share);

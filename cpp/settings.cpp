@@ -8,6 +8,9 @@ namespace pluvia {
 void set_world(btDiscreteDynamicsWorld &world, const Units &units,
                const WorldDefinition &definition) {
     world.setGravity(units.length(definition.gravity));
+    if (definition.own_collision) {
+        return;
+    }
     auto &dispatch = world.getDispatchInfo();
     dispatch.m_useContinuous = false;
     dispatch.m_enableSatConvex = false;
@@ -30,12 +33,15 @@ void set_world(btDiscreteDynamicsWorld &world, const Units &units,
     info.m_sor = 1;
 }
 
-void read_world(const Units &units, btDiscreteDynamicsWorld &world, ReadBack &into) {
-    const auto &info = world.getSolverInfo();
-    const auto &dispatch = world.getDispatchInfo();
+void read_world(const Units &units, btDiscreteDynamicsWorld &world, bool stock, ReadBack &into) {
     into.put("gravity_x_m_per_s2", units.metres(world.getGravity().x()));
     into.put("gravity_y_m_per_s2", units.metres(world.getGravity().y()));
     into.put("gravity_z_m_per_s2", units.metres(world.getGravity().z()));
+    if (!stock) {
+        return;
+    }
+    const auto &info = world.getSolverInfo();
+    const auto &dispatch = world.getDispatchInfo();
     into.put("iterations", info.m_numIterations);
     into.put("solver_mode", info.m_solverMode);
     into.put("erp", info.m_erp);
@@ -59,14 +65,17 @@ void read_world(const Units &units, btDiscreteDynamicsWorld &world, ReadBack &in
     into.put("speculative_contact_restitution", world.getApplySpeculativeContactRestitution());
 }
 
-void read_body(const Units &units, const btRigidBody &body, ReadBack &into) {
+void read_body(const Units &units, const btRigidBody &body, bool stock, ReadBack &into) {
     into.put("linear_damping", body.getLinearDamping());
     into.put("angular_damping", body.getAngularDamping());
-    into.put("rigid_body_flags", body.getFlags());
-    into.put("activation_state", body.getActivationState());
     into.put("collision_margin_m", units.metres(body.getCollisionShape()->getMargin()));
     // Whether it sleeps at this moment is no setting; whether it may, is.
     into.put("sleeping", body.getActivationState() != DISABLE_DEACTIVATION);
+    if (!stock) {
+        return;
+    }
+    into.put("rigid_body_flags", body.getFlags());
+    into.put("activation_state", body.getActivationState());
     into.put("sleeping_speed_m_per_s", units.metres(body.getLinearSleepingThreshold()));
     into.put("sleeping_spin_rad_per_s", body.getAngularSleepingThreshold());
     into.put("sleeping_time_s", gDeactivationTime);

@@ -23,16 +23,18 @@ class ReadBack {
     rust::Vec<EngineSetting> out_;
 };
 
-// Gravity, solver and dispatch settings. Bullet's defaults are left alone in three that are only
-// read back: the turn ERP of split impulses, the smallest batch, and the restitution of speculative
+// Gravity, and for stock Bullet contacts the settings of Bullet's solver and narrow phase, which a
+// native world reads none of. Bullet's defaults are left alone in three of them that are only read
+// back: the turn ERP of split impulses, the smallest batch, and the restitution of speculative
 // contacts.
 void set_world(btDiscreteDynamicsWorld &world, const Units &units,
                const WorldDefinition &definition);
 
-// The same as Bullet holds them.
-void read_world(const Units &units, btDiscreteDynamicsWorld &world, ReadBack &into);
+// The same as Bullet holds them. `stock`: those of stock Bullet contacts, too.
+void read_world(const Units &units, btDiscreteDynamicsWorld &world, bool stock, ReadBack &into);
 
-// What Bullet holds of a free body that every free body has alike.
-void read_body(const Units &units, const btRigidBody &body, ReadBack &into);
+// What Bullet holds of a free body that every free body has alike. `stock`: what stock Bullet
+// contacts alone act by, too.
+void read_body(const Units &units, const btRigidBody &body, bool stock, ReadBack &into);
 
 } // namespace pluvia

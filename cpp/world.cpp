@@ -303,14 +303,15 @@ rust::Vec<EngineSetting> BulletWorld::effective() const {
     const Units &units = impl_->units;
     out.put("length_scale_units_per_m", units.scale());
     out.put("time_step_s", static_cast<double>(impl_->time_step));
-    read_world(units, *impl_->world, out);
+    const bool stock = impl_->native == nullptr;
+    read_world(units, *impl_->world, stock, out);
     impl_->world->read_settings(out);
     double lightest = 0;
     for (const auto &body : impl_->bodies) {
         if (body && !body->isStaticOrKinematicObject()) {
             if (lightest == 0) {
                 // Every free body is made alike; the first one speaks for all.
-                read_body(units, *body, out);
+                read_body(units, *body, stock, out);
             }
             const double mass = 1 / static_cast<double>(body->getInvMass());
             lightest = lightest == 0 ? mass : std::min(lightest, mass);

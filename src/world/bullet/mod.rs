@@ -121,37 +121,44 @@ impl BulletBackend {
         Ok(backend)
     }
 
-    /// Compares what was asked for with what Bullet holds.
+    /// Compares what was asked for with what the world holds.
     fn check_kept(&self, d: &ffi::WorldDefinition) -> Result<(), WorldError> {
         let held = self.effective();
         let single = constants::PLUVIA_SCALAR_BYTES == 4;
         let tolerance = if single { 1e-6 } else { 1e-12 };
-        // One variable of Bullet's holds whichever of the two thresholds is used; a native
-        // world has none, and velocity-based AABB margins in place of the tree's.
-        let margin = ("broadphase_margin_m", d.broadphase_margin);
-        let speculative_margin = d.contact_threshold.min(d.tolerances.contact_margin);
-        let (threshold, margin) = match (d.own_collision, d.relative_contact_threshold > 0.0) {
-            (true, _) => (
-                ("native_speculative_margin_m", speculative_margin),
-                ("box_slack_m", d.tolerances.box_slack),
-            ),
-            (false, true) => (("relative_contact_threshold", d.relative_contact_threshold), margin),
-            (false, false) => (("contact_breaking_threshold_m", d.contact_threshold), margin),
+        // One variable of Bullet's holds whichever of the two thresholds is used.
+        let threshold = if d.relative_contact_threshold > 0.0 {
+            ("relative_contact_threshold", d.relative_contact_threshold)
+        } else {
+            ("contact_breaking_threshold_m", d.contact_threshold)
         };
-        for (name, asked) in [
-            ("time_step_s", d.time_step),
-            ("gravity_x_m_per_s2", d.gravity[0]),
-            ("gravity_y_m_per_s2", d.gravity[1]),
-            ("gravity_z_m_per_s2", d.gravity[2]),
+        let of_stock = [
             threshold,
-            margin,
+            ("broadphase_margin_m", d.broadphase_margin),
             ("iterations", f64::from(d.iterations)),
             ("solver_mode", f64::from(d.solver_mode)),
             ("erp2", d.erp),
             ("warm_starting_factor", d.warm_start),
             ("split_impulse", f64::from(u8::from(d.split_impulse))),
             ("restitution_velocity_threshold_m_per_s", d.restitution_velocity_threshold),
-        ] {
+        ];
+        let of_native = [
+            ("native_speculative_margin_m", d.contact_threshold.min(d.tolerances.contact_margin)),
+            ("box_slack_m", d.tolerances.box_slack),
+            ("gyroscopic", f64::from(u8::from(d.gyroscopic))),
+            ("substeps", f64::from(d.substeps)),
+            ("iterations_in_a_substep", f64::from(d.native_iterations)),
+            ("solver_tolerance", d.solver_tolerance),
+            ("restitution_speed_m_per_s", d.restitution_velocity_threshold),
+        ];
+        let of_both = [
+            ("time_step_s", d.time_step),
+            ("gravity_x_m_per_s2", d.gravity[0]),
+            ("gravity_y_m_per_s2", d.gravity[1]),
+            ("gravity_z_m_per_s2", d.gravity[2]),
+        ];
+        let own: &[(&str, f64)] = if d.own_collision { &of_native } else { &of_stock };
+        for &(name, asked) in of_both.iter().chain(own) {
             let kept = held.get(name).and_then(serde_json::Value::as_f64);
             let good = kept.is_some_and(|k| (k - asked).abs() <= tolerance * asked.abs().max(1e-9));
             if !good {

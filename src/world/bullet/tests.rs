@@ -40,7 +40,7 @@ pub(super) fn precision(double: f64, single: f64) -> f64 {
 #[test]
 fn settings_are_read_back_from_the_engine() {
     let _turn = shared_turn();
-    let settings = EngineSettings { rate_hz: 960.0, iterations: 37, ..Default::default() };
+    let settings = EngineSettings { rate_hz: 960.0, iterations: 37, ..on(ContactSolver::Stock) };
     let mut world = world(&settings);
     world.add(&free_box(Vector::repeat(0.01), Vector::zeros())).expect("added");
     let held = world.effective();
@@ -65,6 +65,44 @@ fn settings_are_read_back_from_the_engine() {
     let bit = constants::SOLVER_USE_2_FRICTION_DIRECTIONS;
     assert_eq!(directions(2) & bit, bit, "two friction directions are on when asked for");
     assert_eq!(directions(1) & bit, 0, "and off when not");
+}
+
+/// Law: what is read back acts on the world; a native one reads no setting of Bullet's solver.
+#[test]
+fn native_worlds_read_back_no_setting_of_stock_contacts() {
+    let _turn = shared_turn();
+    let held = |path| {
+        let mut world = world(&on(path));
+        world.add(&free_box(Vector::repeat(0.01), Vector::zeros())).expect("added");
+        world.effective()
+    };
+    let [stock, native] = PATHS.map(held);
+    for name in [
+        "iterations",
+        "solver_mode",
+        "erp2",
+        "warm_starting_factor",
+        "split_impulse",
+        "restitution_velocity_threshold_m_per_s",
+        "rigid_body_flags",
+        "sleeping_speed_m_per_s",
+    ] {
+        assert!(stock.contains_key(name), "law: {name} acts on stock contacts, got {stock:?}");
+        assert!(!native.contains_key(name), "law: {name} acts on nothing, got {native:?}");
+    }
+    let defaults = EngineSettings::default();
+    for (name, expected) in [
+        ("gyroscopic", 1.0),
+        ("sleeping", 0.0),
+        ("iterations_in_a_substep", f64::from(defaults.native.iterations)),
+        ("restitution_speed_m_per_s", defaults.restitution_velocity_threshold_m_per_s),
+    ] {
+        let got = native[name].as_f64().expect("a number");
+        assert!(
+            (got - expected).abs() < 1e-9,
+            "setting {name}: expected {expected}, got {got}, tolerance 1e-9"
+        );
+    }
 }
 
 #[test]
