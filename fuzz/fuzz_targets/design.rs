@@ -1,4 +1,5 @@
-//! A fuzz target: reads bytes as the design of a convergence or sensitivity study (`design` in `targets.rs`).
+//! A fuzz target: reads bytes as the design of a convergence or sensitivity study (`design`
+//! in `targets.rs`).
 
 #![no_main]
 

@@ -1,4 +1,5 @@
-//! A fuzz target: reads bytes as a sieve analysis from which grains are cut (`grains` in `targets.rs`).
+//! A fuzz target: reads bytes as a sieve analysis from which grains are cut (`grains` in
+//! `targets.rs`).
 
 #![no_main]
 
