@@ -4,6 +4,7 @@ use std::fs;
 
 use super::*;
 use crate::record::{AtWork, RunLock, write_json};
+use crate::scenario::of_earlier_version;
 
 /// The action that is refused, as errors name it.
 const WRITE: &str = "write results into";
@@ -112,6 +113,9 @@ fn held(folder: &Path, own: &Value, at_work: AtWork) -> Option<String> {
             return Some(format!("it holds {what} whose {file} cannot be read"));
         };
         let other = of.remove("scenario").unwrap_or_default();
+        if let Some(why) = of_earlier_version(&other) {
+            return Some(format!("it holds the results of {what}, and {why}"));
+        }
         return match first_difference("", &other, own) {
             None => None,
             Some(field) if field == "name" => {
@@ -244,6 +248,20 @@ mod tests {
         assert!(begin(out, &other, true).is_err(), "law: the second is at work still");
         drop(second);
         assert_eq!(said(out, &other), "", "law: both are gone, and left no stage");
+    }
+
+    /// Law: of a run of an earlier version the names that have changed are said, not where the
+    /// scenarios differ.
+    #[test]
+    fn runs_of_earlier_versions_are_known() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let old = json!({ "name": "a", "engine": { "contact_path": "bullet" } });
+        write_json(&folder.path().join(MANIFEST), &json!({ "scenario": old })).expect("written");
+        let said = said(folder.path(), &scenario("a", 480.0));
+        for words in ["earlier version", "now called `engine.contact_solver`", "--force"] {
+            assert!(said.contains(words), "law: `{words}` is said, got `{said}`");
+        }
+        assert!(!said.contains("differs"), "law: a name is no difference, got `{said}`");
     }
 
     #[test]

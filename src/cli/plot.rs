@@ -3,7 +3,7 @@
 use super::picture::prepare;
 use super::*;
 use crate::report::{ChartColumn, ChartStyle, ColumnChart, ColumnRange, ColumnTable, svg_to_png};
-use crate::scenario::MeantStage;
+use crate::scenario::{MeantStage, renamed_result};
 
 /// Plot any columns of a run's tables against each other
 #[derive(Debug, Args)]
@@ -73,6 +73,9 @@ struct Drawn {
     bytes: usize,
 }
 
+/// The table of the rest test, and how its stage is asked for.
+const REST_TEST: &str = "rest_test";
+
 /// What `--list` prints.
 #[derive(Serialize)]
 struct Listed {
@@ -82,8 +85,9 @@ struct Listed {
 }
 
 pub(super) fn run(args: &PlotArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let rest_test = args.stage.as_deref() == Some("rest_test") && args.file == "series";
-    let name = if rest_test { "rest_test" } else { &args.file };
+    let of_series = ["series", REST_TEST].contains(&args.file.as_str());
+    let rest_test = args.stage.as_deref() == Some(REST_TEST) && of_series;
+    let name = if rest_test { REST_TEST } else { &args.file };
     let path = table_path(&args.run, name)?;
     let whole = ColumnTable::read(&path, &read_file(&path)?)?;
     let stage = args.stage.as_deref().filter(|_| !rest_test);
@@ -140,7 +144,8 @@ fn table_path(folder: &Path, name: &str) -> Result<PathBuf, CliError> {
         true => "there is none (CSV) in it".to_owned(),
         false => format!("it has {}", there.join(", ")),
     };
-    let what = format!("{}: no table `{stem}`; {there}", plain_path(folder));
+    let now = renamed_result(stem).map(|now| format!(" (now called `{now}`)")).unwrap_or_default();
+    let what = format!("{}: no table `{stem}`{now}; {there}", plain_path(folder));
     Err(CliError::Usage(plain_lines(&what).into_owned()))
 }
 
@@ -199,8 +204,10 @@ fn stage_numbers(folder: &Path, asked: &str) -> Result<Vec<String>, CliError> {
         MeantStage::Several(numbers) => Ok(numbers.iter().map(usize::to_string).collect()),
         MeantStage::None => {
             let known = names.iter().enumerate().map(|(number, name)| format!("{number} {name}"));
-            let has = known.collect::<Vec<_>>().join(", ");
-            Err(CliError::Usage(format!("--stage {asked}: no such stage; the run has {has}")))
+            let rest_test = read[REST_TEST].is_object().then(|| REST_TEST.to_owned());
+            let has = known.chain(rest_test).collect::<Vec<_>>().join(", ");
+            let now = MeantStage::now_called(asked);
+            Err(CliError::Usage(format!("--stage {asked}: no such stage{now}; the run has {has}")))
         }
     }
 }

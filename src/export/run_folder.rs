@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::de::DeserializeOwned;
+use serde_json::Value;
 
 use super::*;
 use crate::input::{self, Refusal};
-use crate::record::{read_json, read_unchanged};
+use crate::record::{read_file, read_unchanged};
 use crate::scenario::{self, MeantStage, StageSpec};
 
 /// Why a run cannot be exported.
@@ -18,7 +19,11 @@ pub enum ExportError {
     #[error(transparent)]
     File(#[from] FileError),
     /// The run has no such stage.
-    #[error("{}: no stage `{asked}`; the run has {stages}", manifest.display())]
+    #[error(
+        "{}: no stage `{asked}`{}; the run has {stages}",
+        manifest.display(),
+        MeantStage::now_called(asked)
+    )]
     NoStage {
         /// What was asked for.
         asked: String,
@@ -178,6 +183,15 @@ fn without_manifest(folder: &Path) -> &'static str {
     }
 }
 
+/// Why a manifest of this text cannot be read: an earlier version may have written it.
+fn unreadable(path: &Path, text: &[u8], error: serde_json::Error) -> FileError {
+    let value: Value = serde_json::from_slice(text).unwrap_or_default();
+    match scenario::of_earlier_version(&value["scenario"]) {
+        Some(why) => FileError::unfit(path, why),
+        None => FileError::malformed(path, error),
+    }
+}
+
 impl Manifest {
     /// That of a run folder. Its scenario is one that can be run:
     /// whoever reads it builds its laboratory.
@@ -191,7 +205,9 @@ impl Manifest {
         if folder.is_dir() && !path.exists() {
             return Err(FileError::new("read", folder, without_manifest(folder)));
         }
-        let manifest: Self = read_json(&path)?;
+        let text = read_file(&path)?;
+        let manifest: Result<Self, _> = serde_json::from_slice(&text);
+        let manifest = manifest.map_err(|error| unreadable(&path, &text, error))?;
         if let Err(found) = scenario::check(&manifest.scenario) {
             let faults: Vec<String> = found.faults().iter().map(ToString::to_string).collect();
             return Err(FileError::unfit(&path, faults.join("; ")));
@@ -276,6 +292,34 @@ impl Manifest {
                 let stages = known.join(", ");
                 Err(ExportError::NoStage { asked: asked.to_owned(), stages, manifest })
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    /// Law: a manifest of an earlier version is refused with the names of today, another one that
+    /// cannot be read with what its parser says.
+    #[test]
+    fn manifests_of_earlier_versions_are_known() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (engine, said) in [
+            (json!({ "contact_path": "bullet" }), "now called `engine.contact_solver`"),
+            (json!({ "contact_road": "bullet" }), "unknown field `contact_road`"),
+        ] {
+            let scenario = json!({
+                "name": "a", "grains": { "file": "grains.json" }, "engine": engine,
+                "stages": [{ "stage": "fill_funnel" }],
+            });
+            let manifest = json!({ "pluvia": "0.1.0", "scenario": scenario, "stages": [] });
+            let path = folder.path().join(MANIFEST);
+            std::fs::write(&path, manifest.to_string()).expect("written");
+            let refused = read_run(folder.path(), None).expect_err("law: refused").to_string();
+            assert!(refused.contains(said), "law: `{said}` is said, got `{refused}`");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! A table of a run by its columns: names with units, ranges, the numbers of chosen rows.
 
 use crate::record::FileError;
-use crate::scenario::nearest;
+use crate::scenario::{nearest, renamed_result};
 use std::path::Path;
 
 /// A table as it stands in a CSV file.
@@ -118,7 +118,9 @@ impl ColumnTable {
         if let Some(found) = self.names.iter().position(|known| known == name) {
             return Ok(found);
         }
-        let near = nearest(name, self.names.iter().map(String::as_str));
+        let now = renamed_result(name).filter(|now| self.names.contains(now));
+        let near = || nearest(name, self.names.iter().map(String::as_str));
+        let near = now.as_deref().or_else(near);
         let meant = near.map_or(".".to_owned(), |near| format!("; did you mean `{near}`?"));
         Err(format!("there is no such column{meant} There are: {}", self.names.join(", ")))
     }
@@ -217,6 +219,9 @@ mod tests {
         assert!(near.contains("did you mean `box_force_z_n`? There are: time_s"), "{near}");
         let far = table.find("unlikely_quantity").expect_err("law: no such column");
         assert!(far.starts_with("there is no such column. There are: time_s, stage"), "{far}");
+        let checks = ColumnTable::read(Path::new("a.csv"), b"checks.passed\n1\n").expect("a table");
+        let old = checks.find("guards.passed").expect_err("law: no such column");
+        assert!(old.contains("did you mean `checks.passed`?"), "law: today's name, got `{old}`");
     }
 
     #[test]

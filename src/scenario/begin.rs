@@ -113,6 +113,9 @@ fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>
     let scenario = manifest["scenario"].as_object().cloned();
     let scenario =
         scenario.ok_or_else(|| of_specimen(format!("{} has no scenario in it", file.display())))?;
+    if let Some(why) = renamed::of_earlier_version(&manifest["scenario"]) {
+        return Err(of_specimen(format!("{} cannot be used: {why}", file.display())));
+    }
     let entries: Vec<&Value> = manifest["stages"].as_array().into_iter().flatten().collect();
     let rest_test = Some(&manifest["rest_test"]).filter(|rest_test| rest_test.is_object());
     let text = |entry: &Value, field: &str| entry[field].as_str().unwrap_or_default().to_owned();
@@ -195,9 +198,13 @@ fn number_of(
         MeantStage::None => {
             let mut known: Vec<&str> = names.iter().map(String::as_str).collect();
             known.extend(has_rest_test.then_some("rest_test"));
-            let near = nearest(asked, known.iter().copied());
-            let meant = near.map(|near| format!(", did you mean `{near}`?"));
-            let message = format!("the run has no such stage{}", meant.unwrap_or_default());
+            let message = match (renamed::stage(asked), nearest(asked, known.iter().copied())) {
+                (Some(now), _) => format!("this stage is now called `{now}`"),
+                (None, Some(near)) => {
+                    format!("the run has no such stage, did you mean `{near}`?")
+                }
+                (None, None) => "the run has no such stage".to_owned(),
+            };
             Err(fault(message, format!("one of {}", known.join(", "))))
         }
     }

@@ -1,5 +1,7 @@
 //! Which stage of a run is meant by a number or a name.
 
+use super::*;
+
 /// What a number or a name means among the stages of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum MeantStage {
@@ -24,6 +26,12 @@ impl MeantStage {
             1 => Self::One(of_name[0]),
             _ => Self::Several(of_name),
         }
+    }
+
+    /// What follows a name that no stage has in a message: ` (now called ...)` where it is an old
+    /// name, else nothing.
+    pub fn now_called(asked: &str) -> String {
+        renamed::stage(asked).map_or(String::new(), |now| format!(" (now called `{now}`)"))
     }
 
     /// Numbers of stages as a choice: `1, 3 or 5`.
@@ -58,6 +66,9 @@ mod tests {
         ] {
             assert_eq!(MeantStage::of(asked, names), expected, "law: what `{asked}` means");
         }
+        let control = MeantStage::now_called("control");
+        assert_eq!(control, " (now called `rest_test`)", "law: an old name gives the new one");
+        assert_eq!(MeantStage::now_called("press"), "", "law: no other does");
         assert_eq!(MeantStage::choice(&[1, 3, 4]), "1, 3 or 4", "law: each is listed");
         assert_eq!(MeantStage::choice(&[1, 3]), "1 or 3", "law: each is listed");
     }

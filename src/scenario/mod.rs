@@ -150,6 +150,7 @@ pub use native::{NativeSettings, automatic_threads};
 pub use overrides::{NotAnOverride, Override};
 pub use pieces::*;
 pub use rapier::{FrictionModel, RapierSettings};
+pub use renamed::{of_earlier_version, renamed_field, renamed_result};
 pub use schema::{document_schema, load_document, schema};
 pub use stages::*;
 pub use stock::{InertiaRule, StockSettings};

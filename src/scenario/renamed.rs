@@ -1,4 +1,6 @@
-//! Names of fields and choices that a scenario had once: each is refused with the name of today.
+//! Old names of fields, choices, stages and results: each is refused with the name of today.
+
+use super::*;
 
 /// Paths of the groups that hold a field, its old name and its new one.
 const FIELDS: [(&[&str], &str, &str); 11] = [
@@ -19,6 +21,13 @@ const FIELDS: [(&[&str], &str, &str); 11] = [
 const CHOICES: [(&str, &str, &str); 2] =
     [("engine.contact_solver", "manifold", "native"), ("engine.contact_solver", "bullet", "stock")];
 
+/// How the end of a run was asked for, and how it is now.
+const STAGES: [(&str, &str); 1] = [("control", "rest_test")];
+
+/// Old names of fields of `summary.json`, which are tables of a run as well, and new ones.
+const RESULTS: [(&str, &str); 3] =
+    [("control", "rest_test"), ("guards", "checks"), ("contact_path", "contact_solver")];
+
 /// What the field `name` of the group at a dotted path is called now; `None` where it never
 /// had another name.
 pub(super) fn field(group: &str, name: &str) -> Option<&'static str> {
@@ -33,12 +42,56 @@ pub(super) fn choice(path: &str, word: &str) -> Option<&'static str> {
     CHOICES.iter().find(renamed).map(|(_, _, new)| *new)
 }
 
+/// What the stage that is asked for by a name is called now.
+pub(super) fn stage(name: &str) -> Option<&'static str> {
+    STAGES.iter().find(|(old, _)| *old == name).map(|(_, new)| *new)
+}
+
+/// The dotted path of a field of a scenario as it is called now; `None` where no name of it has
+/// changed.
+pub fn renamed_field(path: &str) -> Option<String> {
+    let now = path.split('.').fold(String::new(), |group, name| {
+        let new = field(&group, name).unwrap_or(name);
+        field_path(&group, new)
+    });
+    (now != path).then_some(now)
+}
+
+/// The dotted path of a result, or the name of a table of a run, as it is called now; `None` where
+/// no name of it has changed.
+pub fn renamed_result(path: &str) -> Option<String> {
+    let (first, rest) = path.split_at(path.find('.').unwrap_or(path.len()));
+    let renamed = RESULTS.iter().find(|(old, _)| *old == first);
+    renamed.map(|(_, new)| format!("{new}{rest}"))
+}
+
+/// What is said of a scenario's JSON that an earlier version wrote: each old name in it with the
+/// new one; `None` where it has none.
+pub fn of_earlier_version(scenario: &Value) -> Option<String> {
+    let mut found = Vec::new();
+    add_old_names(scenario, "", "", &mut found);
+    let said = || format!("an earlier version wrote this scenario: {}", found.join(", "));
+    (!found.is_empty()).then(said)
+}
+
+/// Notes the old names in a group that is called `was` there, and `is` now.
+fn add_old_names(group: &Value, was: &str, is: &str, found: &mut Vec<String>) {
+    for (name, value) in group.as_object().into_iter().flatten() {
+        let new = field(is, name);
+        let (was, is) = (field_path(was, name), field_path(is, new.unwrap_or(name.as_str())));
+        if new.is_some() {
+            found.push(format!("`{was}` is now called `{is}`"));
+        }
+        if let Some(new) = value.as_str().and_then(|word| choice(&is, word)) {
+            found.push(format!("{value} of `{was}` is now called \"{new}\""));
+        }
+        add_old_names(value, &was, &is, found);
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use serde_json::{Value, json};
-
     use super::*;
-    use crate::scenario::structure;
 
     /// What is said of a scenario that has one field at a dotted path.
     fn said(path: &str, value: Value) -> Vec<String> {
@@ -66,6 +119,53 @@ mod tests {
             let words = format!("this choice is now called \"{new}\"");
             assert!(said.iter().any(|s| s.contains(&words)), "law: {old} is {new}, got {said:?}");
         }
+    }
+
+    /// Law: an old name within a path gives the path of today, also below a group that has
+    /// another name.
+    #[test]
+    fn old_paths_have_new_ones() {
+        for (old, new) in [
+            ("engine.manifold.sweeps", Some("engine.native.iterations")),
+            ("engine.native.sweeps", Some("engine.native.iterations")),
+            ("engine.bullet.deactivation", Some("engine.stock.sleeping")),
+            ("control_s", Some("rest_test_s")),
+            ("engine.native.iterations", None),
+            ("stages[0].control_s", None),
+            ("", None),
+        ] {
+            assert_eq!(renamed_field(old).as_deref(), new, "law: what `{old}` is called now");
+        }
+        for (old, new) in [
+            ("control.duration_s", Some("rest_test.duration_s")),
+            ("guards.speed.worst", Some("checks.speed.worst")),
+            ("control", Some("rest_test")),
+            ("checks.control", None),
+            ("", None),
+        ] {
+            assert_eq!(renamed_result(old).as_deref(), new, "law: what `{old}` is called now");
+        }
+    }
+
+    /// Law: of a scenario that an earlier version wrote every old name is said with the new one,
+    /// of one of today nothing.
+    #[test]
+    fn scenarios_of_earlier_versions_are_known() {
+        let old = json!({
+            "name": "control_s", "control_s": 2, "stages": [{ "stage": "pour" }],
+            "engine": { "contact_path": "manifold", "manifold": { "sweeps": 4 } },
+        });
+        let expected = "an earlier version wrote this scenario: `control_s` is now called \
+             `rest_test_s`, `engine.contact_path` is now called `engine.contact_solver`, \
+             \"manifold\" of `engine.contact_path` is now called \"native\", `engine.manifold` is \
+             now called `engine.native`, `engine.manifold.sweeps` is now called \
+             `engine.native.iterations`";
+        assert_eq!(of_earlier_version(&old).as_deref(), Some(expected), "law: all old names");
+        let now = json!({
+            "rest_test_s": 2, "engine": { "backend": "bullet", "contact_solver": "stock" },
+        });
+        assert_eq!(of_earlier_version(&now), None, "law: these are today's names");
+        assert_eq!(of_earlier_version(&Value::Null), None, "law: nothing has no old name");
     }
 
     /// Law: names of today, and old names elsewhere, are no old names.

@@ -183,6 +183,12 @@ fn what_cannot_be_begun_with_is_refused() {
     let whole_run = text(whole());
     let melt = json!({ "specimen": whole_run, "stage": "poor" });
     refused(&melt, &rest, &["begin.stage", "did you mean `pour`", "vibrate"]);
+    let control = json!({ "specimen": whole_run, "stage": "control" });
+    refused(&control, &rest, &["begin.stage", "now called `rest_test`"]);
+    let earlier = json!({ "scenario": { "engine": { "contact_path": "bullet" } } });
+    write(folder.path(), "manifest.json", &earlier);
+    let named = json!({ "specimen": text(folder.path()) });
+    refused(&named, &rest, &["begin.specimen", "now called `engine.contact_solver`"]);
     let pour = json!([{ "stage": "pour", "falling_height_mm": 0 }]);
     let again = ["stages[0]", "`pour` cannot be done again", "the specimen"];
     refused(&json!({ "specimen": whole_run }), &pour, &again);

@@ -328,6 +328,8 @@ fn what_cannot_be_exported_is_said_in_one_line() {
     };
     let run = small_run();
     refused(run, &["--format", "json", "--stage", "melt"], 2, &["melt", "1 pour", "rest_test"]);
+    let words = ["control", "now called `rest_test`"];
+    refused(run, &["--format", "json", "--stage", "control"], 2, &words);
     for format in ["vtk", "glb"] {
         let words = ["melt", "1 pour", "rest_test"];
         refused(run, &["--format", format, "--stage", "melt"], 2, &words);

@@ -273,12 +273,20 @@ fn any_columns_can_be_drawn_and_others_are_refused_with_the_nearest() {
         ),
         (
             &["--x", "time_s", "--y", "all_void_ratio", "--stage", "shake", "--out", "x.svg"],
-            &["no such stage", "0 deposit, 1 move"],
+            &["no such stage", "0 deposit, 1 move", "rest_test"],
+        ),
+        (
+            &["--x", "time_s", "--y", "all_void_ratio", "--stage", "control", "--out", "x.svg"],
+            &["no such stage (now called `rest_test`)"],
         ),
         (&["--x", "time_s", "--y", "all_void_ratio", "--out", "x.pdf"], &[".svg or .png"]),
         (
             &["--file", "grain", "--x", "x_mm", "--y", "z_mm", "--out", "x.svg"],
             &["no table `grain`", "grains, rest_test, series"],
+        ),
+        (
+            &["--file", "control", "--x", "time_s", "--y", "all_void_ratio", "--out", "x.svg"],
+            &["no table `control` (now called `rest_test`)"],
         ),
         (
             &["--file", "../out/series", "--x", "time_s", "--y", "stage", "--out", "x.svg"],

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::report::unit_of;
-use crate::scenario::nearest;
+use crate::scenario::{nearest, renamed_field, renamed_result};
 
 /// A result of a run that is to have a value: a number of its `summary.json`.
 #[derive(Debug, Clone, PartialEq)]
@@ -159,10 +159,18 @@ pub(super) fn takes_whole(field: &str, scenario: &Scenario) -> Result<bool, Stud
     let all = serde_json::to_value(scenario)
         .map_err(|e| StudyError::Scenario(format!("the scenario has no JSON form: {e}")))?;
     match place.value_before(&all) {
-        Some(Value::Number(number)) => Ok(number.is_u64() || number.is_i64()),
-        Some(other) => fault(&format!("the scenario has no number there but {other}")),
-        None => fault("the scenario has no such field"),
+        Some(Value::Number(number)) => return Ok(number.is_u64() || number.is_i64()),
+        Some(other) => return fault(&format!("the scenario has no number there but {other}")),
+        None => {}
     }
+    if let Some(now) = renamed_field(field) {
+        return fault(&format!("this field is now called `{now}`"));
+    }
+    let mut numbers = Vec::new();
+    collect_numbers("", &all, &mut numbers);
+    let near = nearest(field, numbers.iter().map(String::as_str));
+    let meant = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+    fault(&format!("the scenario has no such field{meant}"))
 }
 
 /// Checks that a summary may hold the target; says which number was meant, where one is near.
@@ -172,12 +180,27 @@ pub(super) fn known(target: &CalibrationTarget) -> Result<(), StudyError> {
     if numbers.contains(&asked) {
         return Ok(());
     }
-    let meant = match nearest(&asked, numbers.iter().map(String::as_str)) {
+    let field = &target.field;
+    let now = renamed_result(&asked);
+    if let Some(now) = now.as_ref().filter(|now| numbers.contains(now)) {
+        return refused(format!("--target {field}: this number is now called `{now}`"));
+    }
+    let asked = now.unwrap_or(asked);
+    let near = nearest(&asked, numbers.iter().map(String::as_str));
+    let meant = match near.or_else(|| only_one_of_name(&asked, &numbers)) {
         Some(known) => format!("; did you mean `{known}`?"),
         None => format!("; it has {} and {} more", SHOWN.join(", "), numbers.len() - SHOWN.len()),
     };
-    let field = &target.field;
     refused(format!("--target {field}: no summary.json has such a number{meant}"))
+}
+
+/// The one path that ends with the same name as another; none where several do.
+fn only_one_of_name<'a>(path: &str, of: &'a [String]) -> Option<&'a str> {
+    let last = |path: &str| path.rsplit('.').next().unwrap_or_default().to_owned();
+    let name = last(path);
+    let mut found = of.iter().filter(|known| last(known) == name);
+    let one = found.next()?;
+    found.next().is_none().then_some(one.as_str())
 }
 
 /// Checks that a scenario measures the target, as far as its stages say so; or what it would need.
@@ -305,6 +328,9 @@ mod tests {
             ("standing_height_mm.mean_surfase", "`standing_height_mm.mean_surface`"),
             ("void-ratio", "`void_ratio`"),
             ("settlement_mm", "settlement_mm"),
+            ("guards.speed.worst", "now called `checks.speed.worst`"),
+            ("control.duration_s", "now called `rest_test.duration_s`"),
+            ("control.creep_um_per_s", "did you mean `creep_um_per_s`"),
             ("scenario", "it has"),
             ("colour", "it has"),
         ] {
@@ -446,6 +472,9 @@ mod tests {
         }
         for (field, words) in [
             ("contact.colour", "no such field"),
+            ("contact.grain_grain_frction", "did you mean `contact.grain_grain_friction`"),
+            ("engine.manifold.sweeps", "now called `engine.native.iterations`"),
+            ("control_s", "now called `rest_test_s`"),
             ("name", "no number there"),
             ("seed", "samples"),
             ("configuration", "samples"),
