@@ -116,8 +116,8 @@ impl EngineSettings {
         self.backend == Backend::Bullet && self.contact_solver == ContactSolver::Native
     }
 
-    /// Who finds and solves the contacts, as results name it: a path on Bullet, or the other engine
-    /// itself.
+    /// Who finds and solves the contacts, as results name it: a contact solver on Bullet, or the
+    /// other engine itself.
     pub fn solver_name(&self) -> &'static str {
         match (self.backend, self.contact_solver) {
             (Backend::Rapier, _) => "rapier",

@@ -1,4 +1,4 @@
-//! What can be wrong with a scenario, said so that it can be mended.
+//! What can be wrong with a scenario, said so that it can be fixed.
 
 use std::borrow::Cow;
 use std::fmt::{self, Display};

@@ -203,7 +203,7 @@ pub(super) fn unusable(
     Fault::new(message, "", allowed).at(error.path().to_string())
 }
 
-/// What automatic values follow from, where it can be told.
+/// What automatic values follow from, where it is known.
 fn grading_of(document: &Document, of_others: GradingOf) -> Option<Grading> {
     let grains = document.value.get("grains")?;
     if let Some(grading) = Grading::of_json(grains) {

@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     /// Law: a number is itself, a name the one stage that has it; several stages of a name are
-    /// told, and none of them is taken.
+    /// reported, and none of them is taken.
     #[test]
     fn a_name_means_one_stage_alone() {
         let names = ["deposit", "press", "rest", "press", "press"];

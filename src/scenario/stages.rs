@@ -246,7 +246,7 @@ pub enum StageSpec {
         /// meets grains.
         ramp_s: f64, else "press_ramp", above 0.0 to 1800.0;
         /// Speed in mm/s at most with which a piece comes to the grains: until the whole force is
-        /// on it, it is driven no faster.
+        /// on it, it moves no faster.
         approach_mm_per_s: f64, else "approach", above 0.0 to 10000.0;
         /// What ends the stage before that.
         until: Option<UntilSpec>, skip "Option::is_none";

@@ -19,7 +19,7 @@ pub enum InertiaRule {
 }
 
 parts! {
-/// What stock Bullet contacts (`"contact_solver": "stock"`) can be told beside
+/// What stock Bullet contacts (`"contact_solver": "stock"`) take beside
 /// the settings that both contact solvers share. The defaults switch everything off that
 /// is there for games; the interpretations of what the paper's authors had switch it
 /// on again.

@@ -1,4 +1,4 @@
-//! The largest stress that a scenario puts on its grains, as far as it can be told beforehand.
+//! The largest stress that a scenario puts on its grains, as far as it is known beforehand.
 
 use nalgebra::UnitQuaternion;
 

@@ -3,8 +3,8 @@
 //! An engine of this kind sees bodies only at the ends of steps. Two laws
 //! follow. A body that moves by more than its own size in a step passes with
 //! its centre through the centre of what it meets, and is then pushed out on
-//! the far side; the native contact solver foresees what may meet within a
-//! step, and stops bodies at the surface, but foresees it from where the bodies
+//! the far side; the native contact solver prepares contacts within a speculative
+//! margin, and stops bodies at the surface, but it looks from where the bodies
 //! stand: twice the size is the limit set to it. And a sinusoid taken at N points a cycle is off in
 //! acceleration, (2π/N)²/12 of it, which is 0.2 % for N = 40.
 
@@ -72,8 +72,8 @@ fn find_coarse_steps(parts: &Parts, faults: &mut Faults) {
     let fastest = motions(parts).into_iter().max_by(|a, b| a.speed.total_cmp(&b.speed));
     let Some(Fast { stage, speed, what }) = fastest else { return };
     let mut step = speed / rate;
-    let foreseen = engine.is_native();
-    let (sizes, than) = if foreseen { (2.0, "twice ") } else { (1.0, "") };
+    let has_margin = engine.is_native();
+    let (sizes, than) = if has_margin { (2.0, "twice ") } else { (1.0, "") };
     if let Some(size) = parts.finest_mm()
         && step > sizes * from_mm(size)
     {
@@ -88,7 +88,7 @@ fn find_coarse_steps(parts: &Parts, faults: &mut Faults) {
         // The walls are judged at the rate that is asked for.
         step = from_mm(size);
     }
-    if foreseen {
+    if has_margin {
         return;
     }
     // What is past the middle of a wall at the end of a step is pushed outwards.
@@ -156,7 +156,7 @@ struct Fast {
     what: String,
 }
 
-/// The fastest motion of each stage that can be told beforehand.
+/// The fastest motion of each stage that is known beforehand.
 fn motions(parts: &Parts) -> Vec<Fast> {
     // The first grains to fall in a stage meet what is at the bottom with v = √(2gh).
     let fall = |stage: usize, height_mm: f64, what: &str| {

@@ -110,12 +110,12 @@ fn check_way(
     };
     let group = measures.groups.iter().find(|group| group.name == *name);
     let names = group.map_or(std::slice::from_ref(name), |group| &group.pieces);
-    let driven = |name: &String| match spec {
+    let kinematic = |name: &String| match spec {
         StageSpec::Move { pieces, .. } => pieces.is_empty() || pieces.contains(name),
         _ => false,
     };
     let gives_way = |name: &String| holds.get(name.as_str()).is_some_and(|hold| hold.gives_way());
-    let moves = |name: &String| driven(name) || gives_way(name);
+    let moves = |name: &String| kinematic(name) || gives_way(name);
     let there = |name: &String| parts.pieces().any(|(_, piece)| piece.name == *name);
     let wrong = names.iter().all(there) && !names.iter().any(moves);
     let allowed = "a piece that is pressed or free, or moved by this stage";
