@@ -51,7 +51,7 @@ pub(super) fn definition(
         angular_damping: s.angular_damping,
         gyroscopic: s.gyroscopic,
         collision_margin: from_mm(zero_or_more(
-            "bullet.collision_margin_mm",
+            "stock.collision_margin_mm",
             s.stock.collision_margin_mm,
         )?),
         inertia: match s.stock.inertia {
@@ -61,18 +61,18 @@ pub(super) fn definition(
                 ffi::InertiaRule::BoundingBoxWithDefaultMargin
             }
         },
-        least_mass: from_g(zero_or_more("bullet.least_mass_g", s.stock.least_mass_g)?),
+        least_mass: from_g(zero_or_more("stock.least_mass_g", s.stock.least_mass_g)?),
         relative_contact_threshold: zero_or_more(
-            "bullet.relative_contact_threshold",
+            "stock.relative_contact_threshold",
             s.stock.relative_contact_threshold,
         )?,
         sleeping: s.stock.sleeping,
         sleeping_speed: zero_or_more(
-            "bullet.sleeping_speed_m_per_s",
+            "stock.sleeping_speed_m_per_s",
             s.stock.sleeping_speed_m_per_s,
         )?,
         sleeping_spin: zero_or_more(
-            "bullet.sleeping_spin_rad_per_s",
+            "stock.sleeping_spin_rad_per_s",
             s.stock.sleeping_spin_rad_per_s,
         )?,
         materials,

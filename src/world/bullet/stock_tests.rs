@@ -163,3 +163,26 @@ fn what_only_native_contacts_do_is_refused_or_empty() {
         );
     }
 }
+
+/// Law: a value that Bullet cannot take is refused by the name that a scenario has for it.
+#[test]
+fn settings_out_of_range_are_refused_by_name() {
+    let _turn = shared_turn();
+    type Change = fn(&mut StockSettings);
+    let changes: [(&str, Change); 5] = [
+        ("stock.collision_margin_mm", |s| s.collision_margin_mm = -1.0),
+        ("stock.least_mass_g", |s| s.least_mass_g = f64::NAN),
+        ("stock.relative_contact_threshold", |s| s.relative_contact_threshold = -0.1),
+        ("stock.sleeping_speed_m_per_s", |s| s.sleeping_speed_m_per_s = f64::INFINITY),
+        ("stock.sleeping_spin_rad_per_s", |s| s.sleeping_spin_rad_per_s = -1.0),
+    ];
+    for (name, change) in changes {
+        let mut asked = StockSettings::default();
+        change(&mut asked);
+        let made = BulletBackend::new(&on(asked), Vector::zeros(), &uniform(0.8, 0.0));
+        assert!(
+            matches!(&made, Err(WorldError::BadSetting { setting, .. }) if setting == name),
+            "law: {name} is refused by name"
+        );
+    }
+}
