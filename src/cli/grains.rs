@@ -9,7 +9,7 @@ use crate::record::{GradationSummary, ShapeSummary, SieveSummary};
 use crate::study::{grain_files, make_grains};
 use crate::units::{to_cm3, to_g};
 
-/// Make only the grains of a scenario; the rest of the file is ignored
+/// Make only the grains of a scenario; apparatus, engine and stages are ignored
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Leaves grains.json in DIR; for grains made by sieve fractions also sieve.csv; for grains made from

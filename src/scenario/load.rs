@@ -43,10 +43,11 @@ pub fn load_with(
 }
 
 /// What a scenario says beside its grains.
-const BESIDE_GRAINS: [&str; 9] = [
+const BESIDE_GRAINS: [&str; 10] = [
     "apparatus",
     "pieces",
     "measures",
+    "index_densities",
     "contact",
     "engine",
     "settle",
@@ -55,15 +56,23 @@ const BESIDE_GRAINS: [&str; 9] = [
     "rest_test_s",
 ];
 
+/// Whether what stands at a path says nothing of the grains, under its name of today or an old one.
+fn is_beside_grains(path: &str) -> bool {
+    let name = path.split(['.', '[']).next().unwrap_or_default();
+    let now = renamed_field(name);
+    BESIDE_GRAINS.contains(&now.as_deref().unwrap_or(name))
+}
+
 /// Loads a scenario for its grains alone: apparatus, contacts, engine and stages are left as if
-/// nothing had been typed, whatever stands there.
+/// nothing had been typed, whatever stands there. A field that no scenario has is a fault still: it
+/// may be a misspelt one of the grains.
 ///
 /// # Errors
 /// As [`load_with`], of what is left.
 pub fn load_grains_with(path: &Path, readers: Readers) -> Result<Loaded, ScenarioErrors> {
     let mut document = source::read(path)?;
     if let Value::Object(fields) = &mut document.value {
-        fields.retain(|name, _| !BESIDE_GRAINS.contains(&name.as_str()));
+        fields.retain(|name, _| !is_beside_grains(name));
         // Any will do that may follow.
         let any = match fields.contains_key("begin") {
             true => json!([{ "stage": "rest", "duration_s": 1 }]),
@@ -71,8 +80,7 @@ pub fn load_grains_with(path: &Path, readers: Readers) -> Result<Loaded, Scenari
         };
         fields.insert("stages".to_owned(), any);
     }
-    let of_grains = |path: &str| !BESIDE_GRAINS.iter().any(|name| path.starts_with(name));
-    document.faults.retain(|fault| of_grains(&fault.path));
+    document.faults.retain(|fault| !is_beside_grains(&fault.path));
     load_document_with(document, &[], readers)
 }
 
