@@ -112,7 +112,8 @@ fn held(folder: &Path, own: &Value, at_work: AtWork) -> Option<String> {
         let Ok(Value::Object(mut of)) = read_json::<Value>(&path) else {
             return Some(format!("it holds {what} whose {file} cannot be read"));
         };
-        let other = of.remove("scenario").unwrap_or_default();
+        let mut other = of.remove("scenario").unwrap_or_default();
+        Scenario::remove_what_changes_no_bit(&mut other);
         if let Some(why) = of_earlier_version(&other) {
             return Some(format!("it holds the results of {what}, and {why}"));
         }
@@ -220,6 +221,11 @@ mod tests {
         finished(out);
         assert!(!out.join(UNFINISHED).exists(), "law: it is finished");
         assert_eq!(said(out, &own), "", "law: the same run may be done again");
+        let mut threads = own.clone();
+        threads.engine.native.threads = Some(2);
+        let typed = json!({ "scenario": threads.as_typed() });
+        write_json(&out.join(MANIFEST), &typed).expect("written");
+        assert_eq!(said(out, &own), "", "law: threads change no result");
         let said = said(out, &scenario("a", 240.0));
         for words in ["engine.rate_hz", "--force", "another scenario"] {
             assert!(said.contains(words), "law: `{words}` is said, got `{said}`");

@@ -107,9 +107,13 @@ fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>
         return Err(of_specimen(format!("{} is no specimen of a run", named.display())));
     }
     let manifest = input::read(&file, LARGEST_MANIFEST).map_err(|e| e.to_string());
-    let manifest: Value = manifest
+    let mut manifest: Value = manifest
         .and_then(|text| serde_json::from_slice(&text).map_err(|e| e.to_string()))
         .map_err(|why| of_specimen(format!("{} cannot be used: {why}", file.display())))?;
+    // Whoever begins with the specimen says by how many threads.
+    if let Some(scenario) = manifest.get_mut("scenario") {
+        Scenario::remove_what_changes_no_bit(scenario);
+    }
     let scenario = manifest["scenario"].as_object().cloned();
     let scenario =
         scenario.ok_or_else(|| of_specimen(format!("{} has no scenario in it", file.display())))?;

@@ -37,8 +37,8 @@ pub struct NativeSettings {
         schema(extend("exclusiveMinimum" = 0.0), range(max = 100.0));
     /// Threads that compute one world: they find its contacts, solve them and move its bodies.
     /// Left out, they are the cores that other stages of the same command leave free
-    /// (`--jobs`), as far as the grains keep them busy. They change no bit of the result, and
-    /// are therefore left out of what is kept of a run.
+    /// (`--jobs`), as far as the grains keep them busy. They change no bit of the result: of what
+    /// is kept of a run, the scenario in its manifest alone has them, where they are typed.
     #[serde(skip_serializing)]
     pub threads: Option<u32> = None, from 1 to 1024;
     /// Whether steps may go without the threads where these make them no faster: of threads
@@ -71,6 +71,33 @@ impl NativeSettings {
     }
 }
 
+/// Settings that change no bit of a result: what is written of settings has none of them, so that
+/// neither the key of a stage nor a comparison of runs depends on them.
+const CHANGE_NO_BIT: [&str; 2] = ["threads", "portable"];
+
+impl Scenario {
+    /// Its JSON with those settings that change no bit, where they are typed: what repeats a run
+    /// as it was asked for. [`Scenario::remove_what_changes_no_bit`] takes them out again.
+    pub fn as_typed(&self) -> Value {
+        let mut value = json!(self);
+        let NativeSettings { threads, portable, .. } = self.engine.native;
+        if let Some(threads) = threads {
+            value["engine"]["native"]["threads"] = json!(threads);
+        }
+        if portable {
+            value["engine"]["native"]["portable"] = json!(true);
+        }
+        value
+    }
+
+    /// Makes a scenario's JSON from [`Scenario::as_typed`] one that can be compared with others.
+    pub fn remove_what_changes_no_bit(scenario: &mut Value) {
+        if let Some(Value::Object(native)) = scenario.pointer_mut("/engine/native") {
+            native.retain(|field, _| !CHANGE_NO_BIT.contains(&field.as_str()));
+        }
+    }
+}
+
 /// Grains that keep a thread busy. Fewer are done sooner than a thread comes to help: on two threads,
 /// 364 grains at rest take longer than on one (`make bench`).
 const GRAINS_PER_THREAD: usize = 700;
@@ -83,6 +110,35 @@ pub fn automatic_threads(cores: usize, grains: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Law: the scenario of a manifest has the threads that were typed, and all else is written
+    /// as if none were.
+    #[test]
+    fn typed_threads_stand_in_the_manifest_alone() {
+        let scenario = |native: Value| -> Scenario {
+            let value = json!({
+                "name": "s", "grains": { "file": "g.json" }, "engine": { "native": native },
+                "stages": [{ "stage": "fill_funnel" }],
+            });
+            serde_json::from_value(value).expect("a scenario")
+        };
+        let plain = scenario(json!({}));
+        for (native, expected) in [
+            (json!({ "threads": 2, "portable": true }), [json!(2), json!(true)]),
+            (json!({ "threads": 3 }), [json!(3), Value::Null]),
+            (json!({}), [Value::Null, Value::Null]),
+        ] {
+            let typed = scenario(native);
+            assert_eq!(json!(typed), json!(plain), "law: elsewhere they are not written");
+            let mut kept = typed.as_typed();
+            let got = CHANGE_NO_BIT.map(|field| kept["engine"]["native"][field].clone());
+            assert_eq!(got, expected, "law: what was typed is kept");
+            let back: Scenario = serde_json::from_value(kept.clone()).expect("law: it is read");
+            assert_eq!(back, typed, "law: it repeats the run");
+            Scenario::remove_what_changes_no_bit(&mut kept);
+            assert_eq!(kept, json!(plain), "law: without them it is every other's");
+        }
+    }
 
     #[test]
     fn sub_steps_are_never_longer_than_asked_for() {

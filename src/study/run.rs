@@ -316,7 +316,7 @@ fn manifest(
         "pluvia": env!("CARGO_PKG_VERSION"),
         "backend": crate::world::info(run.scenario.engine.backend),
         "target": format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
-        "scenario": run.scenario,
+        "scenario": run.scenario.as_typed(),
         // Null where it began with loose grains.
         "began_with": run.scenario.begin.as_ref().map(|begin| json!({
             "run": begin.folder(),

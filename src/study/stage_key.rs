@@ -96,7 +96,7 @@ impl Serialize for EngineKey<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Backend, ContactSolver, RapierSettings};
+    use crate::scenario::{Backend, ContactSolver, NativeSettings, RapierSettings};
 
     fn key(settings: &EngineSettings) -> String {
         serde_json::to_string(&EngineKey(settings)).expect("a key has JSON")
@@ -125,6 +125,9 @@ mod tests {
         for any in [&rapier, &native, &stock] {
             assert_ne!(key(&faster(any)), key(any), "law: all read the rate");
         }
+        let threads = NativeSettings { threads: Some(3), portable: true, ..native.native.clone() };
+        let threads = EngineSettings { native: threads, ..native.clone() };
+        assert_eq!(key(&threads), key(&native), "law: threads change no result, and no key");
         assert!(key(&native).contains("\"native\":{") && !key(&native).contains("\"stock\":{"));
         assert!(key(&stock).contains("\"stock\":{") && !key(&stock).contains("\"native\":{"));
     }

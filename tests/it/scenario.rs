@@ -13,8 +13,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use pluvia::grains::ParticleSizeDistribution;
-use pluvia::grains::{load_grains, load_scenario};
+use pluvia::grains::{ParticleSizeDistribution, load_grains, load_scenario};
 use pluvia::scenario::{Fault, GrainsSpec, Override, Scenario, ScenarioErrors, check, schema};
 use serde_json::{Value, json};
 
