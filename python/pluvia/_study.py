@@ -62,7 +62,7 @@ def calibrate(
     target: Mapping[str, float] | None = None,
     unknown: str | None = None,
     between: tuple[float, float] | None = None,
-    replicates: int | None = None,
+    realisations: int | None = None,
     tolerance: float | None = None,
     most_runs: int | None = None,
     changes: Mapping[str, Any] | None = None,
@@ -70,24 +70,27 @@ def calibrate(
     backend: str | None = None,
     jobs: int | None = None,
     progress: Shown = True,
+    replicates: object = None,
 ) -> Calibration:
     """Finds the value of a field of the scenario at which a result is as wanted, with its interval.
 
     Either `angle_of_repose_degrees`, whose unknown is the friction between grains unless said otherwise; or `target`,
     one field of the summary with its value, `{"standing_height_mm.mean_surface": 105}`, with the `unknown` field of the
-    scenario and the values `between` which it is sought. `replicates` realisations are run at each value (5 unless
+    scenario and the values `between` which it is sought. At each value `realisations` of the grains are run (5 unless
     given), until half of the 95 % interval of the result is within `tolerance`, or `most_runs` are used up. The rest is
     as of `run`; the same call resumes.
 
     Where no value gives the result, the answer's `found` is False and its `statement` says why: that is no exception.
     """
+    if replicates is not None:
+        raise TypeError("`replicates` is now called `realisations`")
     words = [f"--out={os.fspath(out)}"]
     if angle_of_repose_degrees is not None:
         words.append(f"--angle-of-repose={as_value(angle_of_repose_degrees)}")
     words += [f"--target={field}={as_value(value)}" for field, value in (target or {}).items()]
     words += [] if unknown is None else [f"--unknown={unknown}"]
     words += [] if between is None else [f"--between={as_value(between[0])}..{as_value(between[1])}"]
-    words += [] if replicates is None else [f"--replicates={replicates}"]
+    words += [] if realisations is None else [f"--realisations={realisations}"]
     words += [] if tolerance is None else [f"--tolerance={as_value(tolerance)}"]
     words += [] if most_runs is None else [f"--most-runs={most_runs}"]
     words += options(changes, seed, backend, jobs)

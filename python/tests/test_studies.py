@@ -48,7 +48,7 @@ def test_a_mass_is_found_for_a_height(in_folder: Path) -> None:
         "target": {"standing_height_mm.mean_surface": 9},
         "unknown": "grains.total_mass_g",
         "between": (20, 90),
-        "replicates": 3,
+        "realisations": 3,
         "tolerance": 1.0,
         "progress": False,
     }
@@ -68,7 +68,7 @@ def test_a_height_that_no_mass_gives_is_no_exception(in_folder: Path) -> None:
         target={"standing_height_mm.mean_surface": 90},
         unknown="grains.total_mass_g",
         between=(15, 30),
-        replicates=2,
+        realisations=2,
         progress=False,
     )
     assert not found.found and found.ending == "out_of_reach" and found.value is None and found.interval_95 is None
@@ -79,6 +79,11 @@ def test_a_target_that_no_summary_has_is_refused(in_folder: Path) -> None:
         pluvia.calibrate(layer(), "out", target={"heigth": 1}, unknown="seed", between=(1, 2), progress=False)
 
 
+def test_an_old_name_is_refused_with_the_new_one(in_folder: Path) -> None:
+    with pytest.raises(TypeError, match="realisations"):
+        pluvia.calibrate(layer(), "out", angle_of_repose_degrees=38, replicates=3, progress=False)
+
+
 def test_a_result_that_no_run_measures_is_said(in_folder: Path) -> None:
     with pytest.raises(pluvia.ScenarioError, match="does not measure it"):
         pluvia.calibrate(
@@ -87,6 +92,6 @@ def test_a_result_that_no_run_measures_is_said(in_folder: Path) -> None:
             target={"angle_of_repose.degrees": 30},
             unknown="contact.grain_grain_friction",
             between=(0.2, 0.8),
-            replicates=2,
+            realisations=2,
             progress=False,
         )

@@ -23,7 +23,7 @@ Examples:
   pluvia calibrate scenarios/quick/pluviation.json --target standing_height_mm.mean_surface=105 \\
       --unknown contact.grain_grain_friction --between 0.2..1.2 --out out/height
   pluvia calibrate scenarios/quick/vibration.json --target settlement_mm.final=9 \\
-      --unknown stages.3.amplitude_mm --between 5..40 --replicates 8 --tolerance 0.5")]
+      --unknown stages.3.amplitude_mm --between 5..40 --realisations 8 --tolerance 0.5")]
 pub(super) struct CalibrateArgs {
     /// The scenario file
     #[arg(value_name = "SCENARIO.json")]
@@ -42,16 +42,16 @@ pub(super) struct CalibrateArgs {
     /// Range to search for it [default: 0.1..1.5, with --angle-of-repose]
     #[arg(long, value_name = "low..high", allow_hyphen_values = true)]
     between: Option<CalibrationRange>,
-    /// Configurations per value, each a new random arrangement of the same grains; the same at
-    /// every value
+    /// Number of realisations per value, each a new random arrangement of the same grains; the same
+    /// at every value
     #[arg(long, value_name = "N", default_value_t = 5,
           value_parser = clap::value_parser!(u32).range(2..=1000))]
-    replicates: u32,
+    realisations: u32,
     /// Stop when half the 95 % interval is at most this, in the result's unit [default: the
     /// standard deviation of a single run]
     #[arg(long, value_name = "WIDTH", value_parser = positive)]
     tolerance: Option<f64>,
-    /// Maximum number of runs [default: 16 per replicate]
+    /// Maximum number of runs [default: 16 per realisation]
     #[arg(long, value_name = "N")]
     most_runs: Option<usize>,
     #[command(flatten)]
@@ -82,7 +82,7 @@ pub(super) fn run(args: &CalibrateArgs, context: &Context) -> Result<ExitStatus,
         target,
         unknown: args.unknown.clone().unwrap_or_else(|| GRAIN_FRICTION.to_owned()),
         between: args.between.unwrap_or(FRICTION_RANGE),
-        replicates: args.replicates,
+        realisations: args.realisations,
         tolerance: args.tolerance,
         most_runs: args.most_runs,
         run: context.run_options(&args.out, args.jobs),

@@ -5,7 +5,10 @@ use std::ffi::OsStr;
 /// Old names of commands and new ones.
 const COMMANDS: [(&str, &str); 1] = [("readings", "interpretations")];
 /// A command, an old option of it and the new one.
-const OPTIONS: [(&str, &str, &str); 1] = [("reproduce", "--reading", "--interpretation")];
+const OPTIONS: [(&str, &str, &str); 2] = [
+    ("reproduce", "--reading", "--interpretation"),
+    ("calibrate", "--replicates", "--realisations"),
+];
 
 /// What to say of the words of a command line, the program's name not among them; nothing
 /// where none has another name now.
@@ -36,6 +39,7 @@ mod tests {
             ("--quiet readings", "pluvia interpretations"),
             ("reproduce --reading full_stroke", "`--interpretation`"),
             ("reproduce --quick --reading=full_stroke", "`--interpretation`"),
+            ("calibrate s.json --replicates 3", "`--realisations`"),
         ] {
             let said = said(line).unwrap_or_default();
             assert!(said.contains(new), "law: `{line}` is refused with {new}, got `{said}`");
@@ -44,6 +48,7 @@ mod tests {
             "interpretations",
             "reproduce --interpretation x",
             "run readings",
+            "calibrate s.json --realisations 3",
             "reproduce -- --reading",
         ] {
             assert_eq!(said(line), None, "law: `{line}` has no old name");

@@ -23,8 +23,8 @@ pub(super) const CONFIGURATIONS: Asked = Asked {
 };
 
 /// Of a calibration, which needs scatter.
-pub(super) const REPLICATES: Asked = Asked {
-    option: "--replicates",
+pub(super) const REALISATIONS: Asked = Asked {
+    option: "--realisations",
     instead: "a calibration needs scatter: let the scenario make its own specimen, without `begin`",
 };
 
@@ -94,7 +94,7 @@ mod tests {
         let begun = scenario(true, &rest);
         for (change, asked, count, words) in [
             (friction, CONFIGURATIONS, 3, "--configurations 3 cannot be taken"),
-            (friction, REPLICATES, 5, "a calibration needs scatter"),
+            (friction, REALISATIONS, 5, "a calibration needs scatter"),
             ("seed=2", CONFIGURATIONS, 1, "`seed` cannot be varied"),
             ("configuration=2", CONFIGURATIONS, 1, "`configuration` cannot be varied"),
         ] {

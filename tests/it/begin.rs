@@ -330,7 +330,7 @@ fn one_specimen_is_not_taken_for_several_realisations() {
             vec!["sweep", rests, "--samples", "latin-hypercube:3", "--range", "seed=1..9"],
             "`seed` cannot be varied",
         ),
-        ([&["calibrate", rests][..], &height[..], &unknown[..]].concat(), "--replicates 5"),
+        ([&["calibrate", rests][..], &height[..], &unknown[..]].concat(), "--realisations 5"),
         (vec!["converge", "--design", text(&ladders)], "--configurations 2"),
         (vec!["sensitivity", "--design", text(&ranges)], "--configurations 2"),
     ] {

@@ -38,7 +38,7 @@ const BY_MASS: [&str; 10] = [
     "grains.total_mass_g",
     "--between",
     "20..90",
-    "--replicates",
+    "--realisations",
     "3",
     "--tolerance",
     "1",
@@ -81,7 +81,7 @@ fn a_mass_is_found_for_a_height_and_the_same_command_gives_the_same_bytes() {
             .collect();
         let expected: Vec<u64> = (1..=configurations.len() as u64).collect();
         assert_eq!(configurations, expected, "law: pairs, at {}", value["value"]);
-        assert!(configurations.len() >= 3, "law: at least the replicates");
+        assert!(configurations.len() >= 3, "law: at least the realisations");
     }
     let rows = String::from_utf8(first[3].clone()).expect("UTF-8").lines().count();
     assert_eq!(rows, runs.len() + 1, "law: a row a run and a header");
@@ -175,7 +175,7 @@ fn wrong_usage_is_told_before_anything_runs() {
         ([&height[..], &["--unknown", "contact.colour"], &between].concat(), "no such field"),
         ([&height[..], &["--unknown", "name"], &between].concat(), "no number there"),
         ([&height[..], &["--unknown", "seed"], &between].concat(), "samples"),
-        ([&height[..], &friction, &between, &["--replicates", "1"]].concat(), "--replicates"),
+        ([&height[..], &friction, &between, &["--realisations", "1"]].concat(), "--realisations"),
         ([&height[..], &friction, &between, &["--most-runs", "7"]].concat(), "at least 30 runs"),
         // Without a rest test no run is valid.
         (

@@ -224,7 +224,7 @@ fn a_calibration_shows_names_as_they_are() {
         "grains.total_mass_g",
         "--between",
         "20..90",
-        "--replicates",
+        "--realisations",
         "2",
         "--tolerance",
         "3",

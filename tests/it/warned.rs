@@ -119,7 +119,7 @@ fn every_command_warns_once_before_it_runs() {
                 target: "void_ratio=0.9".parse().expect("a target"),
                 unknown: "contact.restitution".to_owned(),
                 between: "0.2..0.4".parse().expect("a range"),
-                replicates: 2,
+                realisations: 2,
                 tolerance: None,
                 most_runs: None,
                 run,

@@ -50,7 +50,7 @@ pub(super) fn conclude(
         tolerance: answer.tolerance,
         tolerance_given: question.tolerance.is_some(),
         scatter: answer.scatter,
-        replicates: question.replicates,
+        replicates: question.realisations,
         most_runs: question.most_runs,
         notes: answer.notes,
         identity: identity(options, question, &answer.kept, solution),
@@ -180,8 +180,8 @@ fn notes(of: &Calibration, kept: &Kept) -> Vec<String> {
         ));
     } else if kept.differences().is_empty() && kept.usable().len() > 1 {
         notes.push(
-            "no two values that were tried differ beyond scatter: more replicates or a wider range \
-             may show a response"
+            "no two values that were tried differ beyond scatter: more realisations or a wider \
+             range may show a response"
                 .to_owned(),
         );
     }
@@ -290,7 +290,7 @@ mod tests {
             target: target.parse().expect("a target"),
             unknown: GRAIN_FRICTION.to_owned(),
             between: "0.1..1.5".parse().expect("a range"),
-            replicates: 3,
+            realisations: 3,
             tolerance: None,
             most_runs: None,
             run: run_options("out"),
@@ -313,7 +313,7 @@ mod tests {
         let question = Question {
             wanted: options.target.wanted,
             between: (0.1, 1.5),
-            replicates: 3,
+            realisations: 3,
             tolerance: None,
             most_runs: 48,
             whole: false,

@@ -26,7 +26,7 @@ impl Search<'_> {
     fn reach(&self, centre: f64) -> (f64, bool) {
         let q = self.question;
         let scatter = self.scatter(&self.kept.usable());
-        let n = f64::from(q.replicates);
+        let n = f64::from(q.realisations);
         let t = t_quantile(0.975, n - 1.0).unwrap_or(12.7);
         let deviations = (t / (0.2 * n).sqrt()).clamp(2.0, 8.0);
         let slope = self.chord_slope(centre, scatter * (2.0 / n).sqrt());
@@ -88,7 +88,7 @@ impl Search<'_> {
             .filter(|place| !known.iter().any(|v| (v - **place).abs() <= NEAR * reach))
             .map(|place| q.rounded(*place))
             .collect();
-        self.evaluate(&missing, q.replicates)?;
+        self.evaluate(&missing, q.realisations)?;
         let slack = (1.0 + NEAR) * reach;
         self.window = self.kept.usable();
         self.window.retain(|v| (v - centre).abs() <= slack);
@@ -173,7 +173,7 @@ impl Search<'_> {
     /// scatter, so that a line that came out narrow by chance does not end the search.
     fn configurations_needed(&self) -> u32 {
         let scatter = self.scatter(&self.kept.usable());
-        let least = self.question.replicates;
+        let least = self.question.realisations;
         let enough = |n: u32| {
             let t = t_quantile(0.975, f64::from(n) - 1.0).unwrap_or(f64::INFINITY);
             t * scatter / f64::from(n).sqrt() <= self.tolerance()

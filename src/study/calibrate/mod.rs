@@ -12,7 +12,7 @@ mod tests;
 pub use question::{CalibrationRange, CalibrationTarget, GRAIN_FRICTION};
 
 use super::*;
-use super::{realisations::REPLICATES, variations::carry_out_in};
+use super::{realisations::REALISATIONS, variations::carry_out_in};
 use crate::measure::{InversePrediction, inference::t_quantile};
 use crate::paper::text::compact;
 use crate::report::{Calibration, CalibrationEnding as Ending, CalibrationRun, CalibrationValue};
@@ -31,12 +31,12 @@ pub struct CalibrationOptions {
     pub unknown: String,
     /// Between which values.
     pub between: CalibrationRange,
-    /// Configurations per value, at least 2: each a new random arrangement of the same grains.
-    pub replicates: u32,
+    /// Realisations per value, at least 2: each a new random arrangement of the same grains.
+    pub realisations: u32,
     /// How well the result is to be known, in its unit: half of the 95 %
     /// interval. `None` for the standard deviation of a single run.
     pub tolerance: Option<f64>,
-    /// Maximum number of runs; `None` for 16 per replicate.
+    /// Maximum number of runs; `None` for 16 per realisation.
     pub most_runs: Option<usize>,
     /// Where to, how many at a time, whom to tell.
     pub run: RunOptions,
@@ -61,10 +61,10 @@ pub struct CalibrationStudy<'a> {
 /// Runs by the bits of their value and their configuration.
 type Known = HashMap<(u64, u32), CalibrationRun>;
 
-/// Most runs without a number of one's own, a replicate.
-const RUNS_A_REPLICATE: usize = 16;
+/// Most runs per realisation where no number is typed.
+const RUNS_A_REALISATION: usize = 16;
 /// Fewer are used up by the first look.
-const LEAST_RUNS_A_REPLICATE: usize = 6;
+const LEAST_RUNS_A_REALISATION: usize = 6;
 
 impl<'a> CalibrationStudy<'a> {
     /// Checks everything that can be checked before anything runs: the
@@ -84,13 +84,13 @@ impl<'a> CalibrationStudy<'a> {
                 options.unknown
             ));
         }
-        let replicates = options.replicates as usize;
-        let most_runs = options.most_runs.unwrap_or(RUNS_A_REPLICATE * replicates);
-        if most_runs < LEAST_RUNS_A_REPLICATE * replicates {
+        let realisations = options.realisations as usize;
+        let most_runs = options.most_runs.unwrap_or(RUNS_A_REALISATION * realisations);
+        if most_runs < LEAST_RUNS_A_REALISATION * realisations {
             return refused(format!(
-                "--most-runs {most_runs}: at least {} runs are needed, {LEAST_RUNS_A_REPLICATE} a \
-                 replicate",
-                LEAST_RUNS_A_REPLICATE * replicates
+                "--most-runs {most_runs}: at least {} runs are needed, {LEAST_RUNS_A_REALISATION} \
+                 per realisation",
+                LEAST_RUNS_A_REALISATION * realisations
             ));
         }
         if scenario.rest_test_s <= 0.0 {
@@ -104,7 +104,7 @@ impl<'a> CalibrationStudy<'a> {
         let question = Question {
             wanted: options.target.wanted,
             between: (low, high),
-            replicates: options.replicates,
+            realisations: options.realisations,
             tolerance: options.tolerance,
             most_runs,
             whole,
@@ -113,7 +113,7 @@ impl<'a> CalibrationStudy<'a> {
         let study = Self { options, scenario, question };
         // A value that the scenario does not allow is reported before anything runs.
         let ends = study.varied(&[low, high])?;
-        refuse_repeats(&ends, REPLICATES, options.replicates)?;
+        refuse_repeats(&ends, REALISATIONS, options.realisations)?;
         Ok(study)
     }
 

@@ -151,7 +151,7 @@ impl FromStr for CalibrationRange {
 pub(super) fn takes_whole(field: &str, scenario: &Scenario) -> Result<bool, StudyError> {
     let fault = |why: &str| refused(format!("--unknown {field}: {why}"));
     if matches!(field, "seed" | "configuration") {
-        return fault("it tells samples apart, of which --replicates takes several");
+        return fault("it tells samples apart, of which --realisations takes several");
     }
     let Ok(place) = format!("{field}=0").parse::<Override>() else {
         return fault("that is no path of a field, as contact.grain_grain_friction");

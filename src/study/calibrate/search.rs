@@ -16,7 +16,7 @@ pub(super) struct Question {
     /// Between which values of the unknown.
     pub between: (f64, f64),
     /// Runs at least a value.
-    pub replicates: u32,
+    pub realisations: u32,
     /// How well the result is to be known: half of the interval, in the
     /// result's unit. `None` for the scatter of a single run.
     pub tolerance: Option<f64>,
@@ -178,7 +178,7 @@ impl Search<'_> {
             thirds.into_iter().filter(apart).chain([low, high]).chain(also).collect();
         values.sort_by(f64::total_cmp);
         values.dedup();
-        self.evaluate(&values, q.replicates)
+        self.evaluate(&values, q.realisations)
     }
 
     /// Mean result less the wanted one.
@@ -231,7 +231,7 @@ impl Search<'_> {
             }
             let beside = [values[at - 1], values[at + 1]]
                 .map(|v| self.question.rounded(f64::midpoint(v, nearest)));
-            self.evaluate(&beside, self.question.replicates)?;
+            self.evaluate(&beside, self.question.realisations)?;
             if !self.crossings().is_empty() {
                 break;
             }
@@ -266,7 +266,7 @@ impl Search<'_> {
     /// search without a fault: what is known then is enough to go on.
     fn off_or_close(&mut self, value: f64) -> Result<f64, Option<Halt>> {
         let value = self.question.rounded(value);
-        self.evaluate(&[value], self.question.replicates).map_err(Some)?;
+        self.evaluate(&[value], self.question.realisations).map_err(Some)?;
         let usable = self.kept.usable();
         let off = self.off(value).filter(|_| usable.contains(&value)).ok_or(None)?;
         let close = self.scatter(&usable).max(self.question.tolerance.unwrap_or(0.0));

@@ -69,7 +69,7 @@ fn question(wanted: f64) -> Question {
     Question {
         wanted,
         between: (0.1, 1.5),
-        replicates: 5,
+        realisations: 5,
         tolerance: None,
         most_runs: 80,
         whole: false,
@@ -238,7 +238,8 @@ fn no_line_is_trusted_beyond_its_values() {
     let mean = |x: f64| 0.6 + 0.14 * (1.0 - (-3.0 * x).exp());
     let mut withheld = 0;
     for (wanted, most_runs) in [(0.75, 30), (0.72, 30), (0.75, 200), (0.72, 200)] {
-        let asked = Question { between: (0.0, 1.0), replicates: 3, most_runs, ..question(wanted) };
+        let between = (0.0, 1.0);
+        let asked = Question { between, realisations: 3, most_runs, ..question(wanted) };
         for seed in 0..100 {
             let answer = found(&asked, Scattering { mean, own: 0.01, single: 0.02, seed });
             if !matches!(answer.ending, Ending::Found | Ending::RunsUsedUp) {
@@ -326,7 +327,7 @@ fn every_value_has_the_same_configurations_and_nothing_is_asked_twice() {
         let numbers: Vec<u32> = answer.kept.at(value).iter().map(|(c, _)| *c).collect();
         let expected: Vec<u32> = (1..=numbers.len() as u32).collect();
         assert_eq!(numbers, expected, "law: configurations from the first on, at {value}");
-        assert!(numbers.len() >= 5, "law: at least the replicates, at {value}");
+        assert!(numbers.len() >= 5, "law: at least the realisations, at {value}");
     }
     let again = found(&question(36.0), of);
     assert_eq!(again.kept.runs, answer.kept.runs, "law: the same results, the same search");
