@@ -272,6 +272,32 @@ quantities! {
         "How much earlier than due a frame may be recorded: about an engine step.";
 }
 
+/// A load on a specimen in grain sizes of solid weight up to which the default stiffness
+/// holds: the paper's specimen and plate press with 8.
+pub const STRESS_OF_DEFAULT: f64 = 10.0;
+
+/// By how much overlaps are pushed apart faster where a load presses more than that. The limit of
+/// the speed is one of the force, v (c + h k) with damping c and sub-step h: by default ten times
+/// the mean force of a contact under the stress that the stiffness follows from. Grains at the ends
+/// of force chains bear more, and would sink into each other without end.
+pub const FASTER_UNDER_LOAD: f64 = 10.0;
+
+/// Length of a sub-step under a load, at most, in inertial times d √(ρ/P) of the smallest grains under
+/// the largest stress. The moment arms of a contact are those at the beginning of the sub-step; with
+/// longer ones grains that bear large forces swing instead of standing, and a specimen sinks without
+/// end. Ours: a specimen of 534 grains under 200 kPa lay still with 0.19, and sank with 0.38.
+pub const SUBSTEP_OF_INERTIAL_TIME: f64 = 0.2;
+
+/// Share of the settling criterion's root mean square speed with which a pile is at rest. Ours: one
+/// grain that still rolls down a flank would else not count among so many at rest.
+pub const RMS_OF_PILE: f64 = 0.25;
+
+/// The same of the largest speed.
+pub const LARGEST_OF_PILE: f64 = 0.1;
+
+/// Widest opening of the funnel that is filled in, in cylinder diameters.
+pub const OPENING_OF_CYLINDER: f64 = 0.9;
+
 /// Limits of what is typed beside the grains: they are [`Quantity::no_less`] than for the paper's
 /// gravel.
 const NO_LESS: [Quantity; 2] = [LARGEST_SPEED, LARGEST_DISTANCE];

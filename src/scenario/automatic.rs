@@ -10,7 +10,7 @@ use serde_json::Number;
 use super::accessors::field;
 use super::validate::least_rate_hz;
 use super::*;
-use crate::scale::{GrainSizes, SieveMass};
+use crate::scale::{GrainSizes, LARGEST_OF_PILE, OPENING_OF_CYLINDER, RMS_OF_PILE, SieveMass};
 
 /// What of the grains the values follow from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,9 +28,6 @@ pub struct Grading {
 /// The step rate in Hz is a multiple of this, so that a cycle of 1, 2, 3, 4, 6 or 12 Hz takes a
 /// whole number of steps and the table stops in its middle.
 const CYCLES: f64 = 12.0;
-
-/// Widest opening of the funnel that is filled in, in cylinder diameters.
-const OPENING_OF_CYLINDER: f64 = 0.9;
 
 /// Weaker gravity, in m/s², counts as this where values are filled in.
 const WEAKEST: f64 = 0.01;
@@ -113,11 +110,6 @@ pub(super) fn rate(value: &Value, grading: &Grading, scale: &Scale) -> f64 {
     let rate = least_rate_hz(value, Some(grading)).map_or(rate, |least| rate.max(least.ceil()));
     (rate / CYCLES - 1e-9).ceil() * CYCLES
 }
-
-/// Of the settling speeds, what a pile is at rest with. Ours: one grain that still rolls down a
-/// flank would else not count among so many at rest.
-const RMS_OF_PILE: f64 = 0.25;
-const LARGEST_OF_PILE: f64 = 0.1;
 
 fn settling_speed(value: &Value, scale: &Scale, default: f64, of_pile: f64) -> f64 {
     let mut stages = value["stages"].as_array().into_iter().flatten();

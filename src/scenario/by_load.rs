@@ -3,27 +3,12 @@
 
 use super::automatic::{Grading, largest_speed, rms_speed, rounded};
 use super::*;
+use crate::scale::{FASTER_UNDER_LOAD, STRESS_OF_DEFAULT, SUBSTEP_OF_INERTIAL_TIME};
 
 pub(super) const SUBSTEPS: &str = "engine.native.substep_rate_hz";
 
 /// Fields that follow from the largest stress as well as from the grains.
 pub(super) const BY_LOAD: [&str; 3] = [STIFFNESS, DEPENETRATION, SUBSTEPS];
-
-/// A load on a specimen in grain sizes of solid weight up to which the default stiffness
-/// holds: the paper's specimen and plate press with 8.
-const STRESS_OF_DEFAULT: f64 = 10.0;
-
-/// By how much overlaps are pushed apart faster where a load presses more than that. The limit of
-/// the speed is one of the force, v (c + h k) with damping c and sub-step h: by default ten times
-/// the mean force of a contact under the stress that the stiffness follows from. Grains at the ends
-/// of force chains bear more, and would sink into each other without end.
-const FASTER_UNDER_LOAD: f64 = 10.0;
-
-/// Length of a sub-step under a load, at most, in inertial times d √(ρ/P) of the smallest grains under
-/// the largest stress. The moment arms of a contact are those at the beginning of the sub-step; with
-/// longer ones grains that bear large forces swing instead of standing, and a specimen sinks without
-/// end. Ours: a specimen of 534 grains under 200 kPa lay still with 0.19, and sank with 0.38.
-const SUBSTEP_OF_INERTIAL_TIME: f64 = 0.2;
 
 /// The value of a field that follows from the motions or loads of a scenario as well as from its
 /// grains; `None` for every other field.
