@@ -204,9 +204,7 @@ fn number_of(
             known.extend(has_rest_test.then_some("rest_test"));
             let message = match (renamed::stage(asked), nearest(asked, known.iter().copied())) {
                 (Some(now), _) => format!("this stage is now called `{now}`"),
-                (None, Some(near)) => {
-                    format!("the run has no such stage, did you mean `{near}`?")
-                }
+                (None, Some(near)) => format!("the run has no such stage, did you mean `{near}`?"),
                 (None, None) => "the run has no such stage".to_owned(),
             };
             Err(fault(message, format!("one of {}", known.join(", "))))
