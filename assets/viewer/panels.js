@@ -91,7 +91,7 @@ export function showPicked(run, playback, n) {
   at("picked").hidden = n === null;
   if (n === null) return;
   const gone = playback.present[n] ? "" : " (no longer there)";
-  const name = `Grain ${n}${gone}`;
+  const name = `grain_${String(n).padStart(5, "0")}${gone}`;
   if (at("picked-name").textContent !== name) at("picked-name").textContent = name;
   at("picked-data").replaceChildren(...dataOf(run, playback, n).flatMap(([name, label, text, unit, unknown]) => {
     const value = element("dd", unknown ? "–" : `${text} ${unit}`.trim().replace(/^-/, "−"));

@@ -162,8 +162,11 @@ impl From<TableLaw> for TableMotion {
 /// inertia as axes, so that `position_m` is that of the centre of mass.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ExchangeGrain {
-    /// Number in the grain set, as in `grains.csv`; grains that left the
-    /// apparatus are missing.
+    /// `grain_00012` and so on, as in `grains.csv`; grains that left the apparatus are missing.
+    /// Empty where another program left it out.
+    #[serde(default)]
+    pub name: String,
+    /// The number in that name: the place in the grain set.
     pub grain: usize,
     /// `vertices_m` in the grain's frame, and `faces`: loops of vertex numbers
     /// from 0, counter-clockwise seen from outside.
@@ -306,6 +309,7 @@ impl Scene {
         let grains = specimen.present().map(|n| {
             let grain = &specimen.grains.grains[n];
             ExchangeGrain {
+                name: grain_name(n),
                 grain: n,
                 shape: (*grain.shape).clone(),
                 volume_m3: grain.volume,

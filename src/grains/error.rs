@@ -131,7 +131,8 @@ pub enum GrainsError {
     NoGrains,
     /// A grain does not fit into the region where it should be placed.
     #[error(
-        "grain {grain} needs a sphere of radius {radius_m} m, the region's radius is {region_m} m"
+        "{} needs a sphere of radius {radius_m} m, the region's radius is {region_m} m",
+        grain_name(*grain)
     )]
     DoesNotFit {
         /// Index of the grain.

@@ -26,7 +26,7 @@ pub(super) fn remembered(
 /// What a reader knows a body as, by what it is.
 pub(super) fn name_of(party: &Party, setup: &Setup) -> String {
     match *party {
-        Party::Grain(n) => format!("grain {n}"),
+        Party::Grain(n) => grain_name(n),
         Party::Other(Other::TopPlate) => "the top plate".to_owned(),
         Party::Other(Other::Cylinder(_)) => "the cylinder".to_owned(),
         Party::Other(Other::Funnel(_)) => "the funnel".to_owned(),

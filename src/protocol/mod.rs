@@ -69,7 +69,7 @@ use serde::{Deserialize, Serialize};
 use crate::apparatus::{ApparatusError, Cylinder, Funnel, Piece, RigidPiece, TopPlate, stands_in};
 use crate::geometry::{Point, Pose, Vector};
 use crate::grains::streams::{in_unit_disc, stream, uniform};
-use crate::grains::{Grain, GrainSet};
+use crate::grains::{Grain, GrainSet, grain_name};
 use crate::motion::TableMotion;
 use crate::scenario::{EngineSettings, StageSpec};
 use crate::specimen::{

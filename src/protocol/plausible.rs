@@ -72,9 +72,9 @@ pub fn plausible(
         let down = -body.linear_velocity.z;
         let falls = down > 0.0 && down * down / 2.0 >= FALL_SHARE * fallen;
         if at.z < walls.lowest() || walls.is_outside(&at, state.table_x) && !falls {
-            let at = at * 1e3;
+            let (grain, at) = (grain_name(index), at * 1e3);
             return Err(format!(
-                "grain {index} is outside of the apparatus, at ({:.1}, {:.1}, {:.1}) mm",
+                "{grain} is outside of the apparatus, at ({:.1}, {:.1}, {:.1}) mm",
                 at.x, at.y, at.z
             ));
         }
@@ -91,7 +91,8 @@ fn finite(state: &SpecimenState) -> Result<(), String> {
         (length - 1.0).abs() <= UNIT && vectors.iter().all(|v| v.iter().all(|x| x.is_finite()))
     };
     if let Some(index) = state.bodies.iter().position(|g| !body(&g.body)) {
-        return Err(format!("place, orientation or velocity of grain {index} is no number"));
+        let grain = grain_name(index);
+        return Err(format!("place, orientation or velocity of {grain} is no number"));
     }
     if !state.top_plate.as_ref().is_none_or(body) {
         return Err("place, orientation or velocity of the top plate is no number".to_owned());
@@ -160,9 +161,9 @@ mod tests {
         let crafted: [(&str, Craft); 18] = [
             ("bodies", |s| s.bodies.truncate(1)),
             ("bodies", |s| s.bodies.push(s.bodies[0])),
-            ("grain 1", |s| s.bodies[1].body.linear_velocity.x = f64::NAN),
+            ("grain_00001", |s| s.bodies[1].body.linear_velocity.x = f64::NAN),
             ("orientation", |s| s.bodies[1].body.pose.rotation.as_mut_unchecked().coords *= 2.0),
-            ("grain 1 at", |s| s.bodies[1].body.linear_velocity.x = 100.0),
+            ("grain_00001 at", |s| s.bodies[1].body.linear_velocity.x = 100.0),
             ("has a speed of 100 m/s", |s| s.bodies[1].body.linear_velocity.x = 100.0),
             ("distance", |s| s.bodies[1].body.pose.translation.vector.x = 1e3),
             ("outside", |s| s.bodies[1].body.pose.translation.vector.x = 0.2),

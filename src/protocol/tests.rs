@@ -209,6 +209,8 @@ fn grains_that_fall_outside_are_taken_away_and_remembered() {
     assert!(fates[1..].iter().all(|f| *f == Fate::ThroughWall), "{fates:?}");
     let through = outcome.warnings.iter().filter(|w| w.contains("passed through a wall")).count();
     assert_eq!(through, fates.len() - 1);
+    let named = outcome.warnings.iter().any(|w| w.starts_with("grain_00001 passed through"));
+    assert!(named, "law: a grain has the name that tables give it: {:?}", outcome.warnings);
 }
 
 #[test]
@@ -226,7 +228,7 @@ fn an_unphysical_world_ends_the_stage_and_keeps_the_last_good_specimen() {
     let error = outcome.expect_err("NaN must not pass");
     let StageError::World { source, last_good } = error else { panic!("{error}") };
     let text = source.to_string();
-    let at = "grain 0 at (0, 0, 70) mm has a speed of NaN m/s";
+    let at = "grain_00000 at (0, 0, 70) mm has a speed of NaN m/s";
     assert!(text.contains(at), "law: a grain that files name, expected `{at}`, got `{text}`");
     let good = &last_good.state;
     assert!(good.time > 0.1 && good.time < 0.22, "kept from before step 100: {} s", good.time);

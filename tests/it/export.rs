@@ -9,6 +9,7 @@ use std::{
 
 use pluvia::export::{Carrier, Scene, read_playback, read_run};
 use pluvia::geometry::Pose;
+use pluvia::grains::grain_name;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -67,6 +68,7 @@ fn the_scene_is_the_specimen() {
     assert!((plate.mass_kg - 0.04959).abs() < 1e-12, "expected 49.59 g, got {}", plate.mass_kg);
     for (grain, state) in got.grains.iter().zip(run.specimen.present()) {
         assert_eq!(grain.grain, state, "law: grains carry their numbers");
+        assert_eq!(grain.name, grain_name(state), "law: and the names of all other files");
         let volume = grain.shape.signed_volume();
         assert!(
             (volume / grain.volume_m3 - 1.0).abs() < 1e-9,

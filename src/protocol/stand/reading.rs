@@ -2,7 +2,7 @@
 
 use super::{
     BodyId, Fate, Grain, GrainState, HashMap, Party, SavedContact, Specimen, Stand, Tally, Vector,
-    WorldError, level, name_of, spring_energy,
+    WorldError, grain_name, level, name_of, spring_energy,
 };
 
 impl Stand<'_> {
@@ -114,9 +114,9 @@ impl Stand<'_> {
             self.world.remove(id)?;
             if fate == Fate::ThroughWall {
                 self.midway.watch.through_walls += 1;
-                let at = at * 1e3;
+                let (grain, at) = (grain_name(index), at * 1e3);
                 self.midway.warnings.push(format!(
-                    "grain {index} passed through a wall at {time:.3} s, last seen at \
+                    "{grain} passed through a wall at {time:.3} s, last seen at \
                      ({:.1}, {:.1}, {:.1}) mm",
                     at.x, at.y, at.z
                 ));

@@ -4,6 +4,7 @@
 use std::{collections::HashSet, fs, path::Path};
 
 use pluvia::export::{read_playback, read_run};
+use pluvia::grains::grain_name;
 use pluvia::specimen::{Other, Party};
 use serde_json::json;
 
@@ -120,7 +121,7 @@ fn tells_of_a_grain(browser: &mut Browser) {
     browser.click(x, y);
     browser.wait_for(&format!("pluvia.picked === {grain}"));
     let title = browser.evaluate("document.getElementById('picked-name').textContent");
-    assert_eq!(title, json!(format!("Grain {grain}")), "law: the grain clicked is named");
+    assert_eq!(title, json!(grain_name(grain)), "law: the grain clicked is named as in files");
     for (column, digit) in COLUMNS {
         let shown = browser.evaluate(&format!(
             "document.querySelector('#picked-data [data-field={column}]').dataset.value"
