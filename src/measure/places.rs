@@ -57,7 +57,24 @@ pub fn places(specimen: &Specimen, container: &Container, wall: f64) -> Vec<Plac
     state.bodies.iter().enumerate().map(place).collect()
 }
 
+/// Place of every grain by what became of it alone, as in a laboratory of named pieces, which has
+/// no cylinder: what takes part counts as in it.
+pub fn places_by_fate(specimen: &Specimen) -> Vec<Place> {
+    specimen.state.bodies.iter().map(|grain| Place::by_fate(grain.fate)).collect()
+}
+
 impl Place {
+    /// What became of a grain, by where it is: a grain that takes part, and lies where none
+    /// belongs, has left the specimen though no stage saw it go.
+    pub fn fate(self, noted: Fate) -> Fate {
+        match (noted, self) {
+            (Fate::Present, Self::LeftInFunnel) => Fate::LeftInFunnel,
+            (Fate::Present, Self::Spilled) => Fate::Spilled,
+            (Fate::Present, Self::Escaped) => Fate::ThroughWall,
+            (noted, _) => noted,
+        }
+    }
+
     /// By what became of a grain alone.
     fn by_fate(fate: Fate) -> Self {
         match fate {
@@ -79,13 +96,6 @@ impl Places {
             spilled: count(Place::Spilled),
             escaped: count(Place::Escaped),
         }
-    }
-
-    /// Counted by what became of the grains alone, as in a laboratory of named pieces, which has
-    /// no cylinder: what takes part counts as in it.
-    pub fn by_fate(specimen: &Specimen) -> Self {
-        let places = specimen.state.bodies.iter().map(|grain| Place::by_fate(grain.fate));
-        Self::of(&places.collect::<Vec<_>>())
     }
 }
 
@@ -132,6 +142,12 @@ mod tests {
         let sum = counted.in_cylinder + counted.left_in_funnel + counted.spilled + counted.escaped;
         assert_eq!(sum, cases.len(), "law: places add up to the number of grains");
         assert_eq!(counted.in_cylinder, CUP.members(&specimen).len(), "law: those measured");
+        // What tables say of the grains, counted, is what the summary says.
+        let fates = got.iter().zip(&cases).map(|(place, case)| Place::by_fate(place.fate(case.2)));
+        let counted_by_fate = Places::of(&fates.collect::<Vec<_>>());
+        assert_eq!(counted_by_fate, counted, "law: fates and places have the same counts");
+        assert_eq!(InCylinder.fate(Fate::Present), Fate::Present, "law: it stays what it was");
+        assert_eq!(LeftInFunnel.fate(Fate::Waiting), Fate::Waiting, "law: known better");
         specimen.state.funnel = Some(FunnelState { opening_height: 0.12, lid: true });
         assert_eq!(places(&specimen, &CUP, WALL)[7], LeftInFunnel, "law: while the funnel stands");
     }

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::grains::grain_name;
+use crate::measure::Place;
 use crate::specimen::Specimen;
 use crate::units::{to_g, to_mm3};
 
@@ -95,14 +96,16 @@ struct GrainRow {
 
 /// One row a grain: what it is, where it is (centroid, m to mm, orientation of its principal axes
 /// as a unit quaternion) and how fast; the smallest square opening it passes, as generated and with
-/// the shape that the engine held at the end; and its shape. `sieved`, `shapes`, `sieved_at_end_mm`
-/// and `turned`, the angles in rad by which grains turned in the last stage, are in the order of
-/// the grains; what is not known of a grain is empty.
+/// the shape that the engine held at the end; and its shape. `places`, by which the summary counts
+/// and which give the fate, `sieved`, `shapes`, `sieved_at_end_mm` and `turned`, the angles in rad
+/// by which grains turned in the last stage, are in the order of the grains; what is not known of a
+/// grain is empty.
 ///
 /// # Errors
 /// As [`to_csv`].
 pub fn grains_csv(
     specimen: &Specimen,
+    places: &[Place],
     sieved: &[Sieved],
     shapes: &[GrainShape],
     sieved_at_end_mm: &[Option<f64>],
@@ -124,7 +127,7 @@ pub fn grains_csv(
                 equivalent_diameter_mm: to_mm(grain.equivalent_diameter),
                 vertices: shape.vertices,
                 faces: shape.faces,
-                fate: state.fate,
+                fate: places.get(index).map_or(state.fate, |place| place.fate(state.fate)),
                 x_mm: to_mm(at.x),
                 y_mm: to_mm(at.y),
                 z_mm: to_mm(at.z),

@@ -78,3 +78,7 @@ pub(super) fn grains_of(spec: &BeginSpec, own: Option<&Path>) -> Result<GrainSet
 pub(super) fn read_grains(file: &Path) -> Result<GrainSet, FileError> {
     grains::from_json(&read_json(file)?).map_err(|e| FileError::unfit(file, e))
 }
+
+#[cfg(test)]
+#[path = "begun_tests.rs"]
+mod tests;

@@ -162,30 +162,74 @@ pub(super) fn angle_of_repose(
 
 /// Grains that lay with their centroid in a floor or a wall when a stage ended, and that no stage
 /// itself saw pass.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Pressed {
+    /// How many they are.
+    pub grains: usize,
+    /// How many lay there at the end of which stage; stages without any are missing.
+    at_ends: Vec<(String, usize)>,
+}
+
+impl Pressed {
+    /// What a reader must know; none where no grain was pressed.
+    pub(super) fn warning(&self) -> Option<String> {
+        let (who, them) = match self.grains {
+            0 => return None,
+            1 => ("1 grain".to_owned(), "it"),
+            grains => (format!("{grains} grains"), "them"),
+        };
+        let ends = self.at_ends.iter().map(|(end, grains)| format!("{grains} at the end of {end}"));
+        let ends = ends.collect::<Vec<_>>().join(", ");
+        Some(format!(
+            "{who} lay with the centroid below the floor or in a wall ({ends}): something pressed \
+             {them} through it"
+        ))
+    }
+}
+
+/// Finds grains that were pressed through a floor or a wall in stages, each with what it is called.
 pub(super) fn pressed_through<'a>(
     grains: &Arc<GrainSet>,
-    stages: impl Iterator<Item = &'a StoredStage>,
+    stages: impl Iterator<Item = (String, &'a StoredStage)>,
     setup: &Setup,
-) -> usize {
+) -> Pressed {
     // Pieces of a laboratory are no cylinder: whether grains pass them is watched stage by stage.
     if !setup.pieces.is_empty() {
-        return 0;
+        return Pressed::default();
     }
     let mut pressed = vec![false; grains.grains.len()];
-    for stage in stages {
+    let mut ends: Vec<(String, Vec<usize>)> = Vec::new();
+    for (name, stage) in stages {
         let specimen = Specimen { grains: grains.clone(), state: stage.state.clone() };
         let there = places(&specimen, &container(setup, &specimen), wall(setup));
-        let bodies = specimen.state.bodies.iter().zip(&there);
-        for (pressed, (grain, place)) in pressed.iter_mut().zip(bodies) {
+        let mut lie_there = Vec::new();
+        for (n, (grain, place)) in specimen.state.bodies.iter().zip(&there).enumerate() {
             match grain.fate {
-                Fate::Present => *pressed |= *place == Place::Escaped,
+                Fate::Present if *place == Place::Escaped => {
+                    pressed[n] = true;
+                    lie_there.push(n);
+                }
                 // Seen by the stage.
-                Fate::ThroughWall => *pressed = false,
+                Fate::ThroughWall => pressed[n] = false,
                 _ => {}
             }
         }
+        ends.push((name, lie_there));
     }
-    pressed.into_iter().filter(|pressed| *pressed).count()
+    let unseen = |of: Vec<usize>| of.into_iter().filter(|n| pressed[*n]).count();
+    let at_ends = ends.into_iter().map(|(name, of)| (name, unseen(of)));
+    Pressed {
+        at_ends: at_ends.filter(|(_, grains)| *grains > 0).collect(),
+        grains: pressed.iter().filter(|pressed| **pressed).count(),
+    }
+}
+
+/// Grains of a specimen that had passed through a floor or a wall before the run began with it:
+/// those gone that way at its end, without those that its own stages saw go.
+pub(super) fn passed_before(end: &SpecimenState, stages: &[&StageRecord]) -> usize {
+    let gone = end.bodies.iter().filter(|grain| grain.fate == Fate::ThroughWall).count();
+    let seen = stages.iter().filter_map(|stage| stage.checks.as_ref());
+    gone.saturating_sub(seen.map(|checks| checks.through_walls as usize).sum())
 }
 
 /// Thickness of walls and floors in m, as grains on their way are held to have passed them.
@@ -196,6 +240,33 @@ pub(super) fn wall(setup: &Setup) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Law: what is said of pressed grains says when they lay there.
+    #[test]
+    fn pressed_grains_are_told_with_the_stage_at_whose_end_they_lay_there() {
+        assert_eq!(Pressed::default().warning(), None, "law: none, no warning");
+        let at_ends = vec![("stage 2, press".to_owned(), 7), ("stage 3, rest".to_owned(), 1)];
+        let said = Pressed { grains: 7, at_ends }.warning().expect("law: a warning");
+        let expected = "7 grains lay with the centroid below the floor or in a wall (7 at the end \
+                        of stage 2, press, 1 at the end of stage 3, rest): something pressed them \
+                        through it";
+        assert_eq!(said, expected);
+    }
+
+    /// Law: a grain that was gone before a run began counts; one that its own stages saw go does
+    /// not, nor does one that fell over the rim.
+    #[test]
+    fn grains_that_passed_a_wall_before_the_run_began_are_known() {
+        let mut end = SpecimenState::before_everything(4);
+        end.bodies[0].fate = Fate::ThroughWall;
+        end.bodies[1].fate = Fate::ThroughWall;
+        end.bodies[2].fate = Fate::Spilled;
+        let checks = crate::record::StageChecks { through_walls: 1, ..Default::default() };
+        let seen = StageRecord { checks: Some(checks), ..StageRecord::default() };
+        assert_eq!(passed_before(&end, &[&StageRecord::default()]), 2, "law: nobody saw them");
+        assert_eq!(passed_before(&end, &[&seen]), 1, "law: one of two was seen");
+        assert_eq!(passed_before(&end, &[&seen, &seen, &seen]), 0, "law: never fewer than none");
+    }
 
     /// Law: 5 of 230 grains are no specimen; half of them are.
     #[test]

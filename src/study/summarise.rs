@@ -6,12 +6,14 @@ use super::{
     described::secondary_sieve,
     laboratory::laboratory_summary,
     standing::{
-        Standing, angle_of_repose, empty_above, height_unless, pressed_through, wall,
-        withheld_figures,
+        Standing, angle_of_repose, empty_above, height_unless, passed_before, pressed_through,
+        wall, withheld_figures,
     },
 };
 use crate::grains::MeshRecord;
-use crate::measure::{HeightSample, Period, Places, coordination, touching_gap};
+use crate::measure::{
+    HeightSample, Period, Place, Places, coordination, places_by_fate, touching_gap,
+};
 use crate::record::{
     GrainsSummary, RestTest, Settlement, ShapeSummary, SieveSummary, VibrationSummary,
 };
@@ -26,6 +28,8 @@ pub struct Summarised {
     pub summary: Summary,
     /// The specimen at the end of the last stage.
     pub specimen: Specimen,
+    /// Where each of its grains is, by which the summary counts them.
+    pub places: Vec<Place>,
     /// All rows, stage by stage.
     pub series: Vec<SeriesRow>,
     /// What a laboratory of pieces was at each of the rows; none without pieces.
@@ -50,8 +54,7 @@ pub fn summarise(
     let container = container(setup, &specimen);
     let series = series(&stages, setup);
     let rest_rows = rest_test.map_or_else(Vec::new, |stage| rows(stage, setup));
-    let is_poured = scenario.stages.iter().any(|s| matches!(s, StageSpec::Pour { .. }));
-    let end = Standing::of(&specimen, &container, is_poured)?;
+    let end = Standing::of(&specimen, &container, is_poured(&specimen.state))?;
     let poured = scenario
         .stages
         .iter()
@@ -107,14 +110,24 @@ pub fn summarise(
     if !meets_standard {
         warnings.extend(at_end.shortcomings(&standard, &scenario.engine));
     }
-    let pressed = pressed_through(&run.grains, all.clone(), setup);
-    if pressed > 0 {
+    let numbered = stages.iter().enumerate();
+    let ends = numbered.map(|(n, stage)| (format!("stage {n}, {}", stage.record.stage), *stage));
+    let of_rest_test = rest_test.map(|stage| ("the rest test".to_owned(), stage));
+    let pressed = pressed_through(&run.grains, ends.chain(of_rest_test), setup);
+    warnings.extend(pressed.warning());
+    let records: Vec<&StageRecord> = all.clone().map(|s| &s.record).collect();
+    let last_state = rest_test.map_or(&specimen.state, |stage| &stage.state);
+    let before = match &scenario.begin {
+        Some(_) => passed_before(last_state, &records),
+        None => 0,
+    };
+    if before > 0 {
         warnings.push(format!(
-            "{pressed} grains lie with their centroid below the floor or in a wall: something \
-             pressed them through it"
+            "grains had passed through a wall or the floor before the run began with its specimen: \
+             {before}"
         ));
     }
-    let checks = checks::of_run(all.clone().map(|s| &s.record), pressed);
+    let checks = checks::of_run(records.iter().copied(), pressed.grains + before);
     if let Some(g) = checks.solver_residual.as_ref().filter(|g| g.passed == Some(false)) {
         warnings.push(format!(
             "the contacts were not solved well enough: the 99th percentile of the residual is \
@@ -157,7 +170,8 @@ pub fn summarise(
             s.changed, s.grains, s.largest_change_percent, s.lost
         ));
     }
-    let grains = grains_summary(scenario, &run.grains, &specimen, &container, setup);
+    let places = places_of(&specimen, &container, setup);
+    let grains = grains_summary(&run.grains, &specimen, &container, &places);
     warnings.extend(grains.too_few_in_place());
     for Withheld { field, reason } in &withheld {
         warnings.push(format!("{field} is withheld: {reason}"));
@@ -212,6 +226,7 @@ pub fn summarise(
     let void_profile = inside::void_profile(setup, &specimen, &container, surface_m);
     Ok(Summarised {
         summary,
+        places,
         series,
         laboratory: laboratory_rows,
         rest_test: rest_rows,
@@ -327,34 +342,45 @@ pub(super) fn creep_um_per_s(series: &[SeriesRow]) -> Option<f64> {
     (duration > 0.0).then(|| 1e3 * drop / duration)
 }
 
+/// Whether a specimen was poured into the cylinder, by a stage of the run or before it began: only
+/// a pour puts the cylinder up.
+fn is_poured(state: &SpecimenState) -> bool {
+    state.cylinder
+}
+
+/// Where each grain is, by which summary and tables count them.
+fn places_of(specimen: &Specimen, container: &Container, setup: &Setup) -> Vec<Place> {
+    match specimen.state.pieces.is_empty() {
+        true => places(specimen, container, wall(setup)),
+        false => places_by_fate(specimen),
+    }
+}
+
 fn grains_summary(
-    scenario: &Scenario,
     grains: &GrainSet,
     specimen: &Specimen,
     container: &Container,
-    setup: &Setup,
+    places: &[Place],
 ) -> GrainsSummary {
-    let mut content = measure::content(specimen, container);
-    let places = if specimen.state.pieces.is_empty() {
-        Places::of(&places(specimen, container, wall(setup)))
-    } else {
-        content.grains = specimen.present().count();
-        content.mass = specimen.present().map(|i| grains.grains[i].mass).sum();
-        Places::by_fate(specimen)
+    let state = &specimen.state;
+    let mass_inside = match state.pieces.is_empty() {
+        true => measure::content(specimen, container).mass,
+        false => specimen.present().map(|i| grains.grains[i].mass).sum(),
     };
-    let poured = scenario.stages.iter().find_map(|stage| match stage {
-        StageSpec::Pour { .. } => Some(places.in_cylinder),
+    let places = Places::of(places);
+    // By what stands: a run may have begun with a specimen that was poured, or piled up, before.
+    let poured = match &state.base {
         // What rolls off the base was part of the pile.
-        StageSpec::SlowPluviation { .. } => Some(places.in_cylinder + places.spilled),
-        _ => None,
-    });
+        Some(_) => Some(places.in_cylinder + places.spilled),
+        None => is_poured(state).then_some(places.in_cylinder),
+    };
     GrainsSummary {
         count: grains.grains.len(),
         mass_g: to_g(grains.grains.iter().map(|g| g.mass).sum()),
         solids_volume_cm3: to_cm3(grains.grains.iter().map(|g| g.volume).sum()),
         in_cylinder: places.in_cylinder,
         // The sum of no masses is −0.
-        mass_in_cylinder_g: to_g(content.mass) + 0.0,
+        mass_in_cylinder_g: to_g(mass_inside) + 0.0,
         escaped: places.escaped,
         spilled: places.spilled,
         left_in_funnel: places.left_in_funnel,

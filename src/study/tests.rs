@@ -299,6 +299,10 @@ fn grains_below_the_floor_and_spilled_specimens_are_no_result() {
     assert_eq!(checks.through_walls.worst, Some(2.0), "law: counted once in all stages");
     assert_eq!(checks.through_walls.passed, Some(false), "law: the check failed");
     assert!(!pressed.valid, "law: and the run is not valid");
+    let told = pressed.warnings.iter().find(|w| w.contains("below the floor"));
+    let when = "2 grains lay with the centroid below the floor or in a wall (2 at the end of stage \
+                1, pour, 2 at the end of the rest test)";
+    assert!(told.is_some_and(|w| w.starts_with(when)), "law: and when: {:?}", pressed.warnings);
 
     let spilled = with(&|state| {
         for grain in state.bodies.iter_mut().skip(3) {
