@@ -70,7 +70,7 @@ impl Laboratory<'_> {
         }
         let left = "of the deposit had not been let go: each waits until others and the pieces \
                     are out of its way";
-        let mut outcome = self.feed(specimen, &course, "depositing", left)?;
+        let (mut outcome, _) = self.feed(specimen, &course, "depositing", left)?;
         outcome.warnings.extend(short);
         let fallen = fallen_out(&outcome.specimen) - fallen_before;
         if fallen > 0 {

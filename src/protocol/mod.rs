@@ -131,7 +131,7 @@ pub struct StageOutcome {
     pub simulated: f64,
     /// Wall time inside the engine.
     pub engine_time: Duration,
-    /// How a vibration came to rest; none of another stage.
+    /// How a pour, a pile, a plate or a vibration came to rest; none of another stage.
     pub settling: Option<Settling>,
     /// What came of the condition that was to end it; none of a stage without one.
     pub until: Option<UntilFound>,
@@ -146,11 +146,12 @@ pub struct StageOutcome {
     pub effective: EffectiveSettings,
 }
 
-/// What became of a specimen after the last period of a vibration, with the table at its place.
+/// How a specimen came to rest: after the last period of a vibration, with the table at its place;
+/// or in a stage that pours it, piles it up or lays the plate on it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Settling {
-    /// Time in s from the end of shaking to the end of the stage: with what was held to count
-    /// as settled, or the limit.
+    /// Time in s from the end of shaking, or the beginning of another stage, to the end of the
+    /// stage: with what was held to count as settled, or the limit.
     pub time_s: f64,
     /// The limit in s.
     pub limit_s: f64,

@@ -235,17 +235,21 @@ impl<'a> Laboratory<'a> {
         };
         let course = Course { feed: Some(feed), ..Course::until_settled(time_limit_s) };
         let left = "had not been fed: each waits until the one before it is out of its way";
-        self.feed(specimen, &course, "slow pluviation", left)
+        let (mut outcome, settled) = self.feed(specimen, &course, "slow pluviation", left)?;
+        outcome.settling =
+            Some(Settling { time_s: outcome.simulated, limit_s: time_limit_s, settled });
+        Ok(outcome)
     }
 
-    /// Carries out a stage that lets grains go, and tells of those left.
+    /// Carries out a stage that lets grains go, and tells of those left; also whether all were let
+    /// go and everything settled.
     pub(super) fn feed(
         &mut self,
         specimen: Specimen,
         course: &Course,
         what: &str,
         left: &str,
-    ) -> StageResult {
+    ) -> Result<(StageOutcome, bool), StageError> {
         let Ended { mut stand, settled, feeder } = self.carry_out(specimen, course)?;
         let (limit, waiting) = (course.until.limit, feeder.map_or(0, |feeder| feeder.waiting()));
         if waiting > 0 {
@@ -253,7 +257,7 @@ impl<'a> Laboratory<'a> {
         } else if !settled {
             stand.warn(not_settled(what, limit));
         }
-        Ok(stand.finish())
+        Ok((stand.finish(), settled && waiting == 0))
     }
 
     fn pour(&mut self, mut specimen: Specimen, falling_height: f64, limit: f64) -> StageResult {
@@ -291,7 +295,7 @@ impl<'a> Laboratory<'a> {
             let when = if settled { "everything had come to rest" } else { "the stage ended" };
             stand.warn(format!("{hanging} {noun} {were} left hanging in the funnel when {when}"));
         }
-        Ok(stand.finish())
+        Ok(came_to_rest(stand, settled, 0.0, limit))
     }
 
     fn place_top_plate(&mut self, mut specimen: Specimen) -> StageResult {
@@ -306,7 +310,9 @@ impl<'a> Laboratory<'a> {
         specimen.state.top_plate = Some(BodyState::at_rest(pose));
         let limit = placing.limit;
         let course = Course { placing: Some(placing), ..Course::until_settled(limit) };
-        Ok(self.settled(specimen, &course, "placing the top plate", limit)?.stand.finish())
+        let Ended { stand, settled, .. } =
+            self.settled(specimen, &course, "placing the top plate", limit)?;
+        Ok(came_to_rest(stand, settled, 0.0, limit))
     }
 
     fn vibrate(&mut self, specimen: Specimen) -> StageResult {
@@ -318,11 +324,17 @@ impl<'a> Laboratory<'a> {
         let course = Course { motion: Some(motion), ..Course::until(until) };
         let Ended { stand, settled, .. } =
             self.settled(specimen, &course, "rest after the vibration", limit)?;
-        let mut outcome = stand.finish();
-        let time_s = outcome.simulated - shaken;
-        outcome.settling = Some(Settling { time_s, limit_s: limit, settled });
-        Ok(outcome)
+        Ok(came_to_rest(stand, settled, shaken, limit))
     }
+}
+
+/// The end of a stage that waits, `after` so many s, for everything to settle, at most for a limit
+/// in s.
+fn came_to_rest(stand: Stand<'_>, settled: bool, after: f64, limit_s: f64) -> StageOutcome {
+    let mut outcome = stand.finish();
+    let time_s = outcome.simulated - after;
+    outcome.settling = Some(Settling { time_s, limit_s, settled });
+    outcome
 }
 
 pub(super) fn not_settled(what: &str, limit: f64) -> String {

@@ -105,9 +105,12 @@ fn a_settled_specimen_ends_its_stage_early_and_a_restless_one_does_not() {
     // Held for 0.25 s from the first look at 0.02 s on.
     assert!((0.26..0.32).contains(&outcome.simulated), "ended after {} s", outcome.simulated);
     assert!(outcome.warnings.is_empty(), "{:?}", outcome.warnings);
+    assert!(outcome.settling.is_some_and(|s| s.settled), "law: said, {:?}", outcome.settling);
     let (outcome, _) = carry_out(restless(), poured(&[]), &stage);
     let outcome = outcome.expect("ends at the limit");
     assert!((outcome.simulated - 1.0).abs() < 1e-9);
+    let moved = Settling { time_s: outcome.simulated, limit_s: 1.0, settled: false };
+    assert_eq!(outcome.settling, Some(moved), "law: and that it did not settle");
     assert!(outcome.warnings.iter().any(|w| w.contains("had not settled")));
 }
 
@@ -189,6 +192,7 @@ fn pouring_lifts_the_funnel_and_counts_what_hangs_in_it() {
     let outcome = outcome.expect("poured");
     let warnings = &outcome.warnings;
     assert!(warnings.iter().any(|w| w.contains("had not settled")), "got {warnings:?}");
+    assert!(outcome.settling.is_some_and(|s| !s.settled), "law: said, {:?}", outcome.settling);
     let moving = told(&outcome);
     assert!(
         moving.ends_with("when the stage ended"),

@@ -46,6 +46,10 @@ pub struct StageSummary {
     /// What came of the condition that was to end it; none of a stage without `until`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub until: Option<UntilFound>,
+    /// How a pour, a pile, a plate or a vibration came to rest; none of another stage, and where
+    /// that was not recorded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settling: Option<Settling>,
 }
 
 /// Energy balance of a stage in J: what is put in, and what grains bring that are let go, is

@@ -1,7 +1,8 @@
 //! Which runs count in means: the one rule that every study, table, figure and claim asks.
 //!
-//! A run is left out of means where it is not valid (`docs/accuracy.md`), or where too many
-//! of its grains are not where they were poured. What is left out is counted, and said.
+//! A run is left out of means where it is not valid (`docs/accuracy.md`), also because a height or a
+//! settlement was read while its grains still moved, or where too many of its grains are not where
+//! they were poured. What is left out is counted, and said.
 
 use super::*;
 
@@ -31,6 +32,29 @@ impl Summary {
     /// Whether the run counts in means.
     pub fn counts_in_means(&self) -> bool {
         self.why_left_out().is_empty()
+    }
+
+    /// Stages at whose end a height or a settlement is read though they had not settled when their
+    /// time was over, each for a reader: a pour, the stage before the first vibration, from whose
+    /// end settlement counts, and the last one. What comes to rest later is read later.
+    pub(super) fn read_while_moving(&self) -> Vec<String> {
+        let shaken_first = self.stages.iter().position(|stage| stage.stage == "vibrate");
+        let of = |(n, stage): (usize, &StageSummary)| {
+            // Earlier summaries say it of vibrations alone.
+            let vibration = || self.vibrations.iter().find(|v| v.stage as usize == n)?.settling;
+            let settling = stage.settling.or_else(vibration)?;
+            let is_read = stage.stage == "pour"
+                || Some(n + 1) == shaken_first
+                || n + 1 == self.stages.len();
+            (is_read && !settling.settled).then(|| {
+                format!(
+                    "stage {n}, {}, had not settled within {} s, and heights or settlement are \
+                     read at its end",
+                    stage.stage, settling.limit_s
+                )
+            })
+        };
+        self.stages.iter().enumerate().filter_map(of).collect()
     }
 
     /// Whether grains have run out of a laboratory until no two of them touch, so that its end has
@@ -106,6 +130,7 @@ pub fn left_out_in_words(left_out: usize, with_result: usize) -> Option<String> 
 mod tests {
     use super::super::{VariationRow, summary::tests::summary};
     use super::*;
+    use crate::motion::{MotionFacts, TableMotion};
 
     /// A run that meets everything, of which so many of its 1456 grains are missing.
     fn run(missing: Option<usize>) -> Summary {
@@ -146,6 +171,71 @@ mod tests {
         let grains = GrainsSummary { count: 0, missing: Some(0), ..run(None).grains };
         let few = Summary { grains, ..run(None) };
         assert!(few.counts_in_means(), "law: nothing poured, nothing missing");
+    }
+
+    /// Stages by name, and whether they settled, where that is known.
+    fn stages(of: &[(&str, Option<bool>)]) -> Vec<StageSummary> {
+        let stage = |&(name, settled): &(&str, Option<bool>)| StageSummary {
+            stage: name.to_owned(),
+            duration_s: 1.0,
+            energy: None,
+            rotation: None,
+            until: None,
+            settling: settled.map(|settled| Settling { time_s: 1.0, limit_s: 0.5, settled }),
+        };
+        of.iter().map(stage).collect()
+    }
+
+    /// Law: a run whose height or settlement is read while grains still move is not valid, left out
+    /// of means and counted there; one that comes to rest before it is read is neither, nor one
+    /// whose stages end by design.
+    #[test]
+    fn what_is_read_from_a_specimen_that_had_not_settled_does_not_count() {
+        let (yes, no, by_design) = (Some(true), Some(false), None);
+        let shaken = |pour, plate, first, last| {
+            stages(&[
+                ("fill_funnel", by_design),
+                ("pour", pour),
+                ("place_top_plate", plate),
+                ("vibrate", first),
+                ("vibrate", last),
+            ])
+        };
+        for (of, at) in [
+            (shaken(yes, yes, yes, yes), None),
+            (shaken(yes, yes, no, yes), None),
+            (shaken(yes, yes, yes, no), Some("stage 4, vibrate")),
+            (shaken(yes, no, yes, yes), Some("stage 2, place_top_plate")),
+            (shaken(no, yes, yes, yes), Some("stage 1, pour")),
+            (stages(&[("slow_pluviation", no)]), Some("stage 0, slow_pluviation")),
+            (stages(&[("pour", yes), ("vibrate", no), ("rest", by_design)]), None),
+            (stages(&[("deposit", by_design), ("remove", by_design)]), None),
+        ] {
+            let got = Summary { stages: of, ..run(Some(0)) }.judged();
+            let why = got.left_out_of_means.join("; ");
+            assert_eq!(got.valid, at.is_none(), "law: valid, expected {at:?}, got `{why}`");
+            assert_eq!(got.counts_in_means(), at.is_none(), "law: counts, {at:?}, got `{why}`");
+            let said = at.is_none_or(|at| why.contains(at) && why.contains("within 0.5 s"));
+            assert!(said, "law: expected `{at:?}` with its limit, got `{why}`");
+            let rows = [row(1, 160.0, run(Some(0))), row(2, 90.0, got)];
+            let mean = VariationRow::of(&rows).remove(0);
+            let height = mean.poured_height_mm.map(|h| h.mean);
+            let expected = if at.is_none() { (Some(125.0), 0) } else { (Some(160.0), 1) };
+            assert_eq!((height, mean.left_out), expected, "law: the mean and its number left out");
+        }
+        // Summaries of before stages said so.
+        let mut of = stages(&[("pour", None), ("vibrate", None)]);
+        let vibration = VibrationSummary {
+            stage: 1,
+            periods_s: Vec::new(),
+            motion: MotionFacts::of(&TableMotion::sine(0.025, 3.0, 5.0), 1.0 / 480.0),
+            settling: Some(Settling { time_s: 0.5, limit_s: 0.5, settled: false }),
+        };
+        let earlier =
+            |stages| Summary { stages, vibrations: vec![vibration.clone()], ..run(Some(0)) };
+        assert!(!earlier(of.clone()).judged().valid, "law: the vibration says it");
+        of.extend(stages(&[("rest", None)]));
+        assert!(earlier(of).judged().valid, "law: at rest since");
     }
 
     /// Law: what is not valid is left out, with its reason, whatever its grains do.

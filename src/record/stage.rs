@@ -42,7 +42,8 @@ pub struct StageRecord {
     /// engine cannot be asked, or the stage was stored before this was recorded.
     #[serde(default)]
     pub sieved_mm: Vec<Option<f64>>,
-    /// How a vibration came to rest; none of another stage.
+    /// How a pour, a pile, a plate or a vibration came to rest; none of another stage, and of all
+    /// but vibrations where the stage was stored before this was recorded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settling: Option<Settling>,
     /// What came of the condition that was to end it; none of a stage without `until`.

@@ -124,8 +124,9 @@ pub struct Summary {
     pub rest_test: Option<RestTest>,
     /// Whether overlap and creep are measured and meet the accuracy standard (docs/accuracy.md).
     pub meets_standard: bool,
-    /// Whether the standard is met, or was met before the grains ran out of a laboratory, and no
-    /// run-time check found anything; false where the summary is of before this was recorded.
+    /// Whether the standard is met, or was met before the grains ran out of a laboratory, no
+    /// run-time check found anything, and everything had settled where heights and settlement are
+    /// read; false where the summary is of before this was recorded.
     #[serde(default)]
     pub valid: bool,
     /// Why the run is left out of means, valid or not (`docs/accuracy.md`); empty where it counts.
@@ -165,8 +166,8 @@ impl Summary {
         Some((first[0], last[1]))
     }
 
-    /// The same with `valid` as the accuracy standard and the run-time checks have it, and
-    /// with why it is left out of means.
+    /// The same with `valid` as the accuracy standard, the run-time checks and the settling of its
+    /// stages have it, and with why it is left out of means.
     #[must_use]
     pub fn judged(self) -> Self {
         let judged = Self { valid: self.why_not_valid().is_none(), ..self };
@@ -179,7 +180,8 @@ impl Summary {
         let standard = below.then(|| "the accuracy standard is not met".to_owned());
         let checks = self.checks.as_ref().filter(|g| g.passed == Some(false));
         let checks = checks.map(|g| format!("checks {}", g.line()));
-        let why: Vec<String> = standard.into_iter().chain(checks).collect();
+        let why: Vec<String> =
+            standard.into_iter().chain(checks).chain(self.read_while_moving()).collect();
         (!why.is_empty()).then(|| why.join("; "))
     }
 }

@@ -183,6 +183,7 @@ pub(super) fn stage_summaries(stages: &[&StoredStage]) -> Vec<StageSummary> {
             }),
             rotation: RotationSummary::of(turned.into_iter().flatten()),
             until: stage.record.until.clone(),
+            settling: stage.record.settling,
         }
     };
     stages.iter().zip(before).map(of).collect()
