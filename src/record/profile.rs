@@ -10,6 +10,8 @@ pub struct DistributionRow {
     pub of: &'static str,
     /// Middle of a class of forces over their mean; number of grains that a grain touches.
     pub value: f64,
+    /// Unit of `value`: `of_mean` of forces, `grains` of the grains touched.
+    pub unit: &'static str,
     /// Share of the contacts, or of the grains, in percent.
     pub share_percent: f64,
 }
@@ -22,6 +24,7 @@ pub fn distributions(summary: &Summary) -> Vec<DistributionRow> {
         force.classes_percent.iter().enumerate().map(move |(class, share)| DistributionRow {
             of: "normal_force",
             value: middle(class),
+            unit: "of_mean",
             share_percent: *share,
         })
     });
@@ -30,6 +33,7 @@ pub fn distributions(summary: &Summary) -> Vec<DistributionRow> {
     let coordination = counts.iter().enumerate().map(|(touched, count)| DistributionRow {
         of: "coordination",
         value: touched as f64,
+        unit: "grains",
         share_percent: 100.0 * *count as f64 / grains as f64,
     });
     forces.chain(coordination).collect()
@@ -52,4 +56,42 @@ pub struct ProfileRow {
     pub void_ratio: Option<f64>,
     /// Volume of solids in it in mm³.
     pub solids_mm3: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Law: each row of the long table says in which unit its value is.
+    #[test]
+    fn every_value_of_the_distributions_has_its_unit() {
+        let forces = ForceSummary {
+            mean_n: 2.0,
+            p10_of_mean: 0.1,
+            p50_of_mean: 0.9,
+            p90_of_mean: 2.0,
+            p99_of_mean: 3.0,
+            max_of_mean: 4.0,
+            class_width_of_mean: 0.5,
+            classes_percent: vec![75.0, 25.0],
+        };
+        let balance =
+            Balance { weight_n: 0.0, carried_n: 0.0, sideways_n: 0.0, difference_percent: None };
+        let contacts = ContactsSummary {
+            normal_force: Some(forces),
+            ..ContactsSummary::of(&[], 0, balance)
+        };
+        let summary = Summary {
+            contacts: Some(contacts),
+            coordination_distribution: vec![1, 3],
+            ..Summary::default()
+        };
+        let table = to_csv(distributions(&summary)).expect("a table");
+        let expected = "of,value,unit,share_percent\n\
+                        normal_force,0.25,of_mean,75.0\n\
+                        normal_force,0.75,of_mean,25.0\n\
+                        coordination,0.0,grains,25.0\n\
+                        coordination,1.0,grains,75.0\n";
+        assert_eq!(String::from_utf8(table).expect("UTF-8"), expected);
+    }
 }
