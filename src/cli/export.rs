@@ -34,8 +34,8 @@ pub(super) struct ExportArgs {
     #[arg(long, value_enum)]
     format: Format,
     /// The stage to take, at its end: its number from 0, its name, or `rest_test`; by default the
-    /// specimen at the end of the rest test or, without one, of the last stage, and every stage
-    /// with vtk and --animate
+    /// specimen at rest, at the end of the rest test or, without one, of the last stage. vtk and
+    /// --animate show motion: by default every stage, without the rest test, in which nothing moves
     #[arg(long)]
     stage: Option<String>,
     /// Least time between two frames in simulated seconds, for vtk and --animate [default: 0.4 for

@@ -32,7 +32,9 @@ pub(super) struct PictureArgs {
     /// Replace the file if it exists already
     #[arg(long)]
     force: bool,
-    /// The stage: its number from 0, its name, or `rest_test`. Its end is shown; animated, all of it
+    /// The stage: its number from 0, its name, or `rest_test`. Its end is shown; animated, all of
+    /// it. By default the last stage, from whose beginning displacement counts, not the rest test,
+    /// in which nothing moves; animated, every stage
     #[arg(long)]
     stage: Option<String>,
     /// The time to show, in s since the run began (of a stage that kept no frames, only the end
