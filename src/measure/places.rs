@@ -109,7 +109,8 @@ mod tests {
     const CUP: Container = Container { centre_x: 0.0, radius: 0.05, height: 0.1 };
     const WALL: f64 = 0.02;
 
-    /// Law: every grain has one place, by its fate and else by its centroid.
+    /// Law: every grain has one place, by its fate and else by its centroid; the fates that tables
+    /// give by it add up to what the summary counts by it.
     #[test]
     fn every_grain_is_somewhere() {
         use Place::{Escaped, InCylinder, LeftInFunnel, Spilled};
