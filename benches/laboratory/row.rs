@@ -69,8 +69,10 @@ impl Row {
     pub fn of(test: &str, id: &str, quantity: &str, rule: Rule, values: &[f64]) -> Self {
         let test_of_mean = MeanTest::of(values, 0.95);
         let ours = pluvia::measure::statistics::mean(values);
-        let interval = test_of_mean
-            .map(|t| Interval { low: t.mean - t.half_width, high: t.mean + t.half_width });
+        let interval = test_of_mean.map(|t| {
+            let mean = t.estimate.mean;
+            Interval { low: mean - t.half_width, high: mean + t.half_width }
+        });
         let ends = interval.map(|i| (i.low, i.high));
         let (published, verdict) = match rule {
             Rule::Range(low, high) => {

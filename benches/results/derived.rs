@@ -57,7 +57,8 @@ fn by_realisation(rows: &Rows) -> BTreeMap<u64, &Map<String, Value>> {
 fn interval(values: &[f64]) -> Value {
     MeanTest::of(values, 0.95).map_or(Value::Null, |t| {
         json!({
-            "mean": t.mean, "half": t.half_width, "sd": t.standard_deviation, "count": t.count,
+            "mean": t.estimate.mean, "half": t.half_width, "sd": t.standard_deviation,
+            "count": t.estimate.count,
             "low": values.iter().copied().fold(f64::INFINITY, f64::min),
             "high": values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         })

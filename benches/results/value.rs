@@ -221,7 +221,7 @@ impl Format {
                         let end = |e: &str| interval.get(e).and_then(Value::as_f64);
                         (mean, (end("high")? - end("low")?) / 2.0)
                     }
-                    _ => test().map(|t| (t.mean, t.half_width))?,
+                    _ => test().map(|t| (t.estimate.mean, t.half_width))?,
                 };
                 let mean = if self.word == "abs±" { mean.abs() } else { mean };
                 let half = Self { word: String::new(), ..*self }.number(half);

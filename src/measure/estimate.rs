@@ -28,12 +28,17 @@ impl Estimate {
         Some(Self { mean, standard_error, count: values.len() })
     }
 
-    /// Half of the 95 % confidence interval: Student's t for one degree of
-    /// freedom less than there are values, times the standard error. `None`
-    /// of a single value.
-    pub fn half_width_95(&self) -> Option<f64> {
+    /// Half of the confidence interval of a confidence such as 0.95: Student's t
+    /// for one degree of freedom less than there are values, times the standard
+    /// error. `None` of a single value.
+    pub fn half_width(&self, confidence: f64) -> Option<f64> {
         let freedom = self.count.checked_sub(1).filter(|f| *f > 0)? as f64;
-        Some(t_quantile(0.975, freedom)? * self.standard_error?)
+        Some(t_quantile(0.5 + confidence / 2.0, freedom)? * self.standard_error?)
+    }
+
+    /// Half of the 95 % confidence interval. `None` of a single value.
+    pub fn half_width_95(&self) -> Option<f64> {
+        self.half_width(0.95)
     }
 
     /// Whether the mean cannot be told from zero: its 95 % confidence interval

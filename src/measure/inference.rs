@@ -5,16 +5,15 @@
 
 use statrs::distribution::{ChiSquared, Continuous, ContinuousCDF, Normal};
 
+pub use super::students_t::{t_quantile, two_sided_p};
 use super::*;
 
 /// Mean of a sample, and how well it is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeanTest {
-    /// Number of values.
-    pub count: usize,
-    /// Their mean.
-    pub mean: f64,
-    /// Their standard deviation, with n − 1 in the denominator.
+    /// Mean of the values, its standard error, and their number.
+    pub estimate: Estimate,
+    /// Standard deviation of the values, with n − 1 in the denominator.
     pub standard_deviation: f64,
     /// Half the width of the confidence interval of the mean: t · s/√n.
     pub half_width: f64,
@@ -38,46 +37,26 @@ impl MeanTest {
     ///
     /// // Final settlements of three configurations, in mm.
     /// let settlement = MeanTest::of(&[15.9, 15.1, 15.0], 0.95).expect("three values");
-    /// assert!((settlement.mean - 15.33).abs() < 0.01);
+    /// assert!((settlement.estimate.mean - 15.33).abs() < 0.01);
     /// assert!((settlement.half_width - 1.23).abs() < 0.01);
     /// ```
     pub fn of(values: &[f64], confidence: f64) -> Option<Self> {
         if values.iter().any(|v| !v.is_finite()) {
             return None;
         }
-        let (mean, deviation) = (mean(values)?, sample_standard_deviation(values)?);
-        let freedom = (values.len() - 1) as f64;
-        let error = deviation / (values.len() as f64).sqrt();
+        let (estimate, deviation) = (Estimate::of(values)?, sample_standard_deviation(values)?);
+        let (mean, error) = (estimate.mean, estimate.standard_error?);
+        let freedom = (estimate.count - 1) as f64;
         let t = if mean == 0.0 { 0.0 } else { mean / error };
         let p = two_sided_p(t, freedom)?;
         Some(Self {
-            count: values.len(),
-            mean,
+            estimate,
             standard_deviation: deviation,
-            half_width: t_quantile(0.5 + confidence / 2.0, freedom)? * error,
+            half_width: estimate.half_width(confidence)?,
             t,
             freedom,
             p,
         })
-    }
-}
-
-/// Quantile of Student's t distribution; `None` for a probability outside 0 to
-/// 1 or no freedom.
-pub fn t_quantile(probability: f64, freedom: f64) -> Option<f64> {
-    if !(probability > 0.0 && probability < 1.0) {
-        return None;
-    }
-    Some(StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(probability))
-}
-
-/// Two-sided p-value of a value of Student's t: 0 where it is infinite, `None`
-/// where it is not a number or there is no freedom.
-pub fn two_sided_p(t: f64, freedom: f64) -> Option<f64> {
-    match t {
-        t if t.is_nan() => None,
-        t if t.is_infinite() => Some(0.0),
-        t => Some(2.0 * StudentsT::new(0.0, 1.0, freedom).ok()?.sf(t.abs())),
     }
 }
 
@@ -263,25 +242,6 @@ mod tests {
         assert_eq!(wilson_interval(0, 0), [0.0, 1.0], "law: nothing is known of no cases");
     }
 
-    /// Quantiles as every table of Student's t prints them.
-    #[test]
-    fn quantiles_are_those_of_the_tables() {
-        for (probability, freedom, expected) in [
-            (0.975, 1.0, 12.706_2),
-            (0.975, 2.0, 4.302_65),
-            (0.975, 10.0, 2.228_14),
-            (0.95, 5.0, 2.015_05),
-            (0.995, 30.0, 2.750_00),
-            (0.025, 2.0, -4.302_65),
-            (0.5, 7.0, 0.0),
-        ] {
-            let got = t_quantile(probability, freedom).expect("a quantile");
-            assert_near(&format!("t of {probability} with {freedom}"), expected, got, 1e-4);
-        }
-        assert_eq!(t_quantile(0.0, 3.0), None);
-        assert_eq!(t_quantile(0.9, 0.0), None);
-    }
-
     /// Student's own example (1908), also R's `sleep`: differences of hours slept,
     /// mean 1.58, s 1.229995, t = 4.0621 with 9 degrees of freedom, p = 0.002833,
     /// 95 % from 0.7001142 to 2.4598858.
@@ -290,14 +250,16 @@ mod tests {
         let hours = [1.2, 2.4, 1.3, 1.3, 0.0, 1.0, 1.8, 0.8, 4.6, 1.4];
         let got = MeanTest::of(&hours, 0.95).expect("a test");
         for (what, expected, got, tolerance) in [
-            ("mean", 1.58, got.mean, 1e-12),
+            ("mean", 1.58, got.estimate.mean, 1e-12),
             ("standard deviation", 1.229_995, got.standard_deviation, 1e-6),
             ("t", 4.0621, got.t, 5e-5),
             ("p", 0.002_833, got.p, 5e-7),
-            ("lower end", 0.700_114_2, got.mean - got.half_width, 1e-6),
+            ("lower end", 0.700_114_2, got.estimate.mean - got.half_width, 1e-6),
         ] {
             assert_near(what, expected, got, tolerance);
         }
+        let half = got.estimate.half_width_95().expect("ten values");
+        assert_eq!(got.half_width.to_bits(), half.to_bits(), "law: the interval is its estimate's");
         let other = hours.map(|h| -h);
         let got = MeanTest::of(&other, 0.95).expect("a test");
         assert_near("t of the other sign", -4.0621, got.t, 5e-5);

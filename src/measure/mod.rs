@@ -34,6 +34,7 @@ mod settlement;
 mod sphere_tests;
 pub mod statistics;
 mod stress;
+mod students_t;
 #[cfg(test)]
 pub(crate) mod testing;
 

@@ -100,8 +100,8 @@ impl SweepEstimate {
             count: values.len(),
             mean,
             standard_deviation: test.map(|t| t.standard_deviation),
-            t_low: test.map(|t| t.mean - t.half_width),
-            t_high: test.map(|t| t.mean + t.half_width),
+            t_low: test.map(|t| t.estimate.mean - t.half_width),
+            t_high: test.map(|t| t.estimate.mean + t.half_width),
             bootstrap_low: bootstrap.map(|b| b.0),
             bootstrap_high: bootstrap.map(|b| b.1),
         })

@@ -34,12 +34,12 @@ fn judged(draft: Draft, study: &StudyView, stated: f64) -> Claim {
     claim.paper = Some(PaperValue::Value { value: stated });
     claim.kind = ClaimKind::Result;
     if let Some(t) = MeanTest::of(&angles, CONFIDENCE) {
-        let interval = Interval::around(t.mean, t.half_width);
+        let interval = Interval::around(t.estimate.mean, t.half_width);
         claim.add_note(&format!(
             "Judged by our interval, the paper giving no scatter: mean of {} configurations {}°, 95 % \
              confidence interval {}° to {}°.",
-            t.count,
-            number(t.mean, 1),
+            t.estimate.count,
+            number(t.estimate.mean, 1),
             number(interval.low, 1),
             number(interval.high, 1),
         ));

@@ -201,7 +201,7 @@ impl Row<'_> {
     fn mean(self, values: &[f64], unit: &str, decimals: usize) -> Option<ScoreRow> {
         let test = MeanTest::of(values, CONFIDENCE);
         let ours = mean(values);
-        let interval = test.map(|t| Interval::around(t.mean, t.half_width));
+        let interval = test.map(|t| Interval::around(t.estimate.mean, t.half_width));
         let mut row = self.begun(unit, false)?;
         let space = if unit == "°" { "" } else { " " };
         row.in_words = match (ours, interval) {

@@ -191,7 +191,7 @@ impl Quantity {
             mean: mean(&values),
             range: Interval::of(values.iter().copied()),
             standard_deviation: test.map(|t| t.standard_deviation),
-            interval: test.map(|t| Interval::around(t.mean, t.half_width)),
+            interval: test.map(|t| Interval::around(t.estimate.mean, t.half_width)),
             values,
             runs,
             left_out,
@@ -288,8 +288,8 @@ pub fn trend(study: &StudyView) -> Trend {
     let slopes: Vec<f64> = curves.iter().filter_map(|c| least_squares_slope(c)).collect();
     let test = MeanTest::of(&slopes, CONFIDENCE);
     let slope = test.map(|t| SlopeTest {
-        mean_mm_per_cm: t.mean,
-        interval: Interval::around(t.mean, t.half_width),
+        mean_mm_per_cm: t.estimate.mean,
+        interval: Interval::around(t.estimate.mean, t.half_width),
         t: Some(t.t).filter(|t| t.is_finite()),
         freedom: t.freedom,
         p: t.p,
@@ -303,9 +303,9 @@ pub fn trend(study: &StudyView) -> Trend {
         heights: heights.len(),
         p: t.p,
     });
-    let needed = test.filter(|t| t.count >= 3 && t.standard_deviation > 0.0);
-    let configurations_needed =
-        needed.and_then(|t| values_needed(t.mean / t.standard_deviation, CONFIDENCE, POWER));
+    let needed = test.filter(|t| t.estimate.count >= 3 && t.standard_deviation > 0.0);
+    let configurations_needed = needed
+        .and_then(|t| values_needed(t.estimate.mean / t.standard_deviation, CONFIDENCE, POWER));
     let mut verdict = in_words(&slopes, slope.as_ref(), page.as_ref(), configurations_needed);
     if !left_out.is_empty() {
         let numbers: Vec<String> = left_out.iter().map(u32::to_string).collect();

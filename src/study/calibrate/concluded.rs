@@ -267,7 +267,7 @@ fn identity(
         friction_angle_found_degrees: solution.map(|s| s.value.atan().to_degrees()),
         tried,
         degrees_there: kept.mean(tried),
-        difference_degrees: test.map(|t| t.mean),
+        difference_degrees: test.map(|t| t.estimate.mean),
         difference_half_width_95: test.map(|t| t.half_width),
         p: test.map(|t| t.p),
         inside_interval: solution

@@ -214,7 +214,8 @@ fn effect(
     page_p: Option<f64>,
 ) -> SweepEffect {
     let test = MeanTest::of(slopes, CONFIDENCE);
-    let size = test.map(|t| (t.mean / t.standard_deviation).abs()).filter(|s| s.is_finite());
+    let size =
+        test.map(|t| (t.estimate.mean / t.standard_deviation).abs()).filter(|s| s.is_finite());
     SweepEffect {
         factor: factor.path.clone(),
         outcome: outcome.to_owned(),
