@@ -32,19 +32,28 @@ pub(super) struct CompareArgs {
     out: PathBuf,
 }
 
+/// The first engine that stands there before: its runs would have the names of the other's.
+fn repeated(backends: &[Backend]) -> Option<Backend> {
+    let mut numbered = backends.iter().enumerate();
+    numbered.find_map(|(n, one)| backends[..n].contains(one).then_some(*one))
+}
+
 pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let mut distinct = args.backends.clone();
-    distinct.dedup();
-    if distinct.len() < 2 {
+    let backends = &args.backends;
+    if let Some(twice) = repeated(backends) {
+        let name = crate::world::info(twice).name;
+        return Err(CliError::Usage(format!("--backends names {name} twice; name each once")));
+    }
+    if backends.len() < 2 {
         return Err(CliError::Usage(
-            "--backends needs at least two different engines, as in bullet,rapier".to_owned(),
+            "--backends needs at least two engines, as in bullet,rapier".to_owned(),
         ));
     }
     let loaded = load_scenario(&args.scenario, &args.set)?;
-    let question = json!({ "scenario": asked::scenario(&loaded.scenario), "backends": distinct });
+    let question = json!({ "scenario": asked::scenario(&loaded.scenario), "backends": backends });
     context.begin(&args.out, "compare", &question)?;
     let options = context.run_options(&args.out, args.jobs);
-    let record = compare(&loaded.scenario, &distinct, &options)?;
+    let record = compare(&loaded.scenario, backends, &options)?;
     let mut text = table::of_comparison(&record);
     if let Some(why) = &record.not_judged {
         text += &format!("bands are not judged: {why}\n");
@@ -53,4 +62,23 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
     text += &last_line::of_runs(record.runs.iter().map(|r| (r.name.as_str(), &r.summary)));
     context.print(&text, &record)?;
     Ok(ExitStatus::by(record.within_bands == Some(true)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Law: an engine is compared once, wherever the repeat stands.
+    #[test]
+    fn a_repeated_engine_is_found_beside_itself_and_apart() {
+        let (bullet, rapier) = (Backend::Bullet, Backend::Rapier);
+        for (backends, expected) in [
+            (vec![bullet, rapier], None),
+            (vec![bullet, bullet], Some(bullet)),
+            (vec![bullet, rapier, bullet], Some(bullet)),
+            (vec![bullet, rapier, rapier, bullet], Some(rapier)),
+        ] {
+            assert_eq!(repeated(&backends), expected, "law: the first repeat of {backends:?}");
+        }
+    }
 }

@@ -55,7 +55,8 @@ impl AtEnd<'_> {
             None => "not measured".to_owned(),
         };
         let mut told = vec![format!(
-            "the accuracy standard is not met: {overlap}, creep {creep} ({limit:.3} µm/s)"
+            "the accuracy standard is not met: {overlap}, numerical creep {creep} \
+             ({limit:.3} µm/s)"
         )];
         let over =
             self.overlap.map_or(0.0, |of| (of.mean_percent / mean).max(of.p99_percent / p99));

@@ -127,7 +127,7 @@ pub(super) fn warnings(checks: &StageChecks) -> Vec<String> {
         of("unexplained energy gain", "J", &checks.energy),
         of("mean overlap of grains", "%", &checks.overlap.mean),
         of("99th percentile of the overlap of grains", "%", &checks.overlap.p99),
-        of("creep at rest", "µm/s", &checks.creep),
+        of("numerical creep at rest", "µm/s", &checks.creep),
     ]
     .into_iter()
     .flatten()

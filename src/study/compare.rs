@@ -5,8 +5,7 @@
 //! there is one, else the rest test. So differences of making and differences of carrying on are
 //! told apart.
 
-use super::plan::Prepared;
-use super::*;
+use super::{plan::Prepared, variations::name_stages, *};
 use crate::report::ComparedQuantity;
 use crate::scenario::{StockSettings, check};
 
@@ -37,7 +36,7 @@ pub fn compare(
         .unwrap_or(scenario.stages.len());
     let runs = planned(scenario, backends, &grains, handed_on);
     // What cannot be built is refused before a file is written.
-    let plan = Plan::new(&runs)?;
+    let plan = named(&runs)?;
     write_grains(&options.out, scenario, &grains)?;
     tell_warnings(runs.iter().map(|run| &run.scenario), options.progress.as_ref());
     let (records, _) = carry_out(&plan, &runs, options, |run| folder_of(&options.out, &run.name))?;
@@ -69,6 +68,14 @@ pub fn compare(
     };
     report::write_comparison(&options.out, &record)?;
     Ok(record)
+}
+
+/// The plan of the runs, each stage named after the first run that needs it: two may have the same
+/// engine.
+fn named(runs: &[PlannedRun]) -> Result<Plan, StudyError> {
+    let mut plan = Plan::new(runs)?;
+    name_stages(&mut plan, runs);
+    Ok(plan)
 }
 
 fn name(backend: Backend) -> String {
@@ -153,7 +160,7 @@ const QUANTITIES: [Compared; 13] = [
     ),
     ("overlap, mean", "%", |r| Some(r.summary.overlap.mean_percent), None),
     ("overlap, 99th percentile", "%", |r| Some(r.summary.overlap.p99_percent), None),
-    ("creep at rest", "µm/s", |r| r.summary.creep_um_per_s, None),
+    ("numerical creep at rest", "µm/s", |r| r.summary.creep_um_per_s, None),
     ("coordination number", "", |r| Some(r.summary.coordination_number), None),
     ("grains in the cylinder", "", |r| Some(r.summary.grains.in_cylinder as f64), None),
     ("grains through a wall", "", |r| Some(r.summary.grains.escaped as f64), None),
@@ -270,6 +277,27 @@ mod tests {
         check_each(&pressed, &both[..1]).expect("law: one engine can press");
         let said = check_each(&pressed, &both).expect_err("law: the other cannot").to_string();
         assert!(said.contains("stages[1]") && said.contains("rapier"), "law: where, got {said}");
+    }
+
+    /// Law: a stage says of which run it is; the second engine's own and what it does with the
+    /// specimen of the first are told apart.
+    #[test]
+    fn stages_are_named_after_their_runs() {
+        let scenario = crate::study::tests::scenario(0.0);
+        let grains = Arc::new(make_grains(&scenario).expect("grains"));
+        let runs = planned(&scenario, &[Backend::Bullet, Backend::Rapier], &grains, 2);
+        let plan = named(&runs).expect("a plan");
+        let labels: Vec<&str> = plan.nodes.iter().map(|node| node.label.as_str()).collect();
+        let expected = [
+            "bullet, fill the funnel",
+            "bullet, pour from 0 mm",
+            "bullet, rest test, 0.2 s",
+            "rapier, fill the funnel",
+            "rapier, pour from 0 mm",
+            "rapier, rest test, 0.2 s",
+            "rapier-from-bullet-specimen, rest test, 0.2 s",
+        ];
+        assert_eq!(labels, expected, "law: the run's name, then the stage");
     }
 
     /// Law: bands are judged between runs that count, in both directions; with a run that lacks

@@ -171,7 +171,6 @@ impl Plan {
             let rest_test = if has_rest_test { nodes.pop() } else { None };
             plan.runs.push(RunNodes { stages: nodes, rest_test });
         }
-        plan.name_engines();
         for index in (0..plan.nodes.len()).rev() {
             let remaining = plan.nodes[index].remaining;
             if let Some(parent) = plan.nodes[index].parent {
@@ -180,18 +179,6 @@ impl Plan {
             }
         }
         Ok(plan)
-    }
-
-    /// Where several engines take part, a stage's label says which carries it out.
-    fn name_engines(&mut self) {
-        let first = self.nodes.first().map(|node| node.setup.engine.backend);
-        if self.nodes.iter().all(|node| Some(node.setup.engine.backend) == first) {
-            return;
-        }
-        for node in &mut self.nodes {
-            let engine = crate::world::info(node.setup.engine.backend).name;
-            node.label = format!("{engine}, {}", node.label);
-        }
     }
 
     /// The plan of one of its runs alone, and which of the nodes its nodes are.

@@ -108,14 +108,21 @@ fn what_an_engine_cannot_do_is_refused_before_the_other_runs() {
     assert!(!out.join("stages").exists(), "law: nothing is run");
 }
 
+/// Law: one engine alone is no comparison, and one that stands there twice is refused by its name.
 #[test]
-fn one_engine_alone_is_no_comparison() {
+fn engines_are_compared_once_each_and_with_others() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = write_scenario(folder.path());
     let out = folder.path().join("out");
-    let output = compare(&scenario, "bullet,bullet", &out);
-    assert_eq!(output.status.code(), Some(2), "law: wrong usage ends with 2");
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(said.contains("--backends"), "the option is named: {said}");
-    assert!(!out.exists(), "and nothing is written");
+    for (backends, words) in [
+        ("bullet", "at least two engines"),
+        ("bullet,bullet", "names bullet twice"),
+        ("bullet,rapier,bullet", "names bullet twice"),
+    ] {
+        let output = compare(&scenario, backends, &out);
+        assert_eq!(output.status.code(), Some(2), "law: wrong usage ends with 2: {backends}");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(said.contains("--backends") && said.contains(words), "law: `{words}` in {said}");
+        assert!(!out.exists(), "law: nothing is written");
+    }
 }
