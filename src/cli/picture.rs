@@ -157,9 +157,8 @@ pub(super) fn ends_in(file: &Path, option: &str, allowed: &[&str]) -> Result<(),
     )))
 }
 
-/// The folder of a file, made and tried before the work; a file that is there is refused unless
-/// it may be replaced.
-pub(super) fn prepare(file: &Path, force: bool) -> Result<(), FileError> {
+/// Refuses a file that is there unless it may be replaced, and a folder in its place.
+pub(super) fn refuse_existing(file: &Path, force: bool) -> Result<(), FileError> {
     if file.is_dir() {
         return Err(FileError::new("write", file, "it is a folder"));
     }
@@ -167,6 +166,13 @@ pub(super) fn prepare(file: &Path, force: bool) -> Result<(), FileError> {
         let reason = "it exists already; name another, or give --force to replace it";
         return Err(error::refused("write", file, reason));
     }
+    Ok(())
+}
+
+/// The folder of a file, made and tried before the work; a file that is there is refused unless
+/// it may be replaced.
+pub(super) fn prepare(file: &Path, force: bool) -> Result<(), FileError> {
+    refuse_existing(file, force)?;
     let folder = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     output_folder::prepare(folder)
 }

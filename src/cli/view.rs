@@ -2,6 +2,7 @@
 
 use std::sync::mpsc::RecvTimeoutError;
 
+use super::picture::refuse_existing;
 use super::*;
 use crate::record::remove_abandoned_beside;
 use crate::viewer::{Redirect, RunData, Server, Site, read_run_data, self_contained};
@@ -29,6 +30,9 @@ pub(super) struct ViewArgs {
     /// existing file is kept
     #[arg(long, value_name = "FILE.html", conflicts_with_all = ["port", "no_browser"])]
     pub(super) save: Option<PathBuf>,
+    /// Replace the file if it exists already
+    #[arg(long, requires = "save")]
+    force: bool,
 }
 
 /// What is shown, and where.
@@ -76,9 +80,8 @@ impl Shown {
 }
 
 pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    if let Some(file) = args.save.as_ref().filter(|file| file.exists()) {
-        let reason = "it exists already; name another, or remove it";
-        return Err(error::refused("write", file, reason).into());
+    if let Some(file) = &args.save {
+        refuse_existing(file, args.force)?;
     }
     let data = read_run_data(&args.run)?;
     if let Some(file) = &args.save {

@@ -192,19 +192,26 @@ fn the_command_serves_until_ctrl_c() {
     assert_eq!(ended.code(), Some(0), "law: Ctrl-C is the way to end it");
 }
 
+/// Law: a file that is there is kept, and replaced by force alone.
 #[test]
 fn a_file_is_saved_once() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("run.html");
-    let save = || pluvia().arg("view").arg(small_run()).arg("--save").arg(&file).output();
-    let first = save().expect("it starts");
+    let save = |more: &[&str]| {
+        pluvia().arg("view").arg(small_run()).arg("--save").arg(&file).args(more).output()
+    };
+    let first = save(&[]).expect("it starts");
     assert_eq!(first.status.code(), Some(0), "{}", String::from_utf8_lossy(&first.stderr));
     let content = fs::read(&file).expect("the file");
-    let second = save().expect("it starts");
+    fs::write(&file, "another").expect("written");
+    let second = save(&[]).expect("it starts");
     let said = String::from_utf8_lossy(&second.stderr);
     assert_eq!(second.status.code(), Some(2), "law: nothing is written over: {said}");
-    assert!(said.contains("exists already"), "{said}");
-    assert!(fs::read(&file).expect("the file") == content, "law: it is as it was");
+    assert!(said.contains("exists already") && said.contains("--force"), "{said}");
+    assert!(fs::read(&file).expect("the file") == b"another", "law: it is as it was");
+    let third = save(&["--force"]).expect("it starts");
+    assert_eq!(third.status.code(), Some(0), "{}", String::from_utf8_lossy(&third.stderr));
+    assert!(fs::read(&file).expect("the file") == content, "law: the page is there again");
 }
 
 #[test]
