@@ -1,9 +1,11 @@
 //! Whose results a folder holds, and the answer to which question: no other command writes there,
 //! nor the same one when it is asked something else.
 
+use std::ffi::OsStr;
+
 use super::earlier_run::first_difference;
 use super::*;
-use crate::record::write_json;
+use crate::record::{AtWork, RunLock, write_json};
 
 /// Says which command left a folder's results, and what it was asked.
 pub(super) const FILE: &str = "command.json";
@@ -25,17 +27,27 @@ pub(super) const ANYTHING: Value = Value::Null;
 pub(super) const AT_LEAST: &str = "at_least";
 
 /// Begins a command in a folder. `question` is what its results answer; what stands there under
-/// [`AT_LEAST`] was asked for no more than this.
+/// [`AT_LEAST`] was asked for no more than this. The command is at work there until what is given
+/// back is dropped; the same one may be, several times.
 ///
 /// # Errors
 /// [`FileError`], refused, where the folder holds results of another command or the answer to
-/// another question; the system's where it cannot be written.
-pub(super) fn begin(folder: &Path, command: &str, question: &Value) -> Result<(), FileError> {
-    if let Some(held) = held(folder, command, question) {
-        return Err(in_the_way("write results into", folder, &held));
+/// another question, or one of these is at work there; the system's where it cannot be written.
+pub(super) fn begin(folder: &Path, command: &str, question: &Value) -> Result<RunLock, FileError> {
+    const WRITE: &str = "write results into";
+    // No lock is left in a folder of others.
+    if let Some(held) = held(folder, command, question, AtWork::Nobody) {
+        return Err(in_the_way(WRITE, folder, &held));
     }
-    write_json(&folder.join(FILE), &json!({ "command": command, "question": question }))
-        .map_err(|error| FileError::new("write", &folder.join(FILE), error))
+    RunLock::take(folder, |at_work| {
+        if let Some(held) = held(folder, command, question, at_work) {
+            let others =
+                if at_work == AtWork::Somebody { ", and a command is at work there" } else { "" };
+            return Err(in_the_way(WRITE, folder, &format!("{held}{others}")));
+        }
+        write_json(&folder.join(FILE), &json!({ "command": command, "question": question }))
+            .map_err(|error| FileError::new("write", &folder.join(FILE), error))
+    })
 }
 
 /// Refuses a folder for files of a command that asks no question, where another command has left
@@ -44,7 +56,7 @@ pub(super) fn begin(folder: &Path, command: &str, question: &Value) -> Result<()
 /// # Errors
 /// [`FileError`], refused, that says what the folder holds.
 pub(super) fn refuse(folder: &Path, command: &str) -> Result<(), FileError> {
-    held(folder, command, &ANYTHING)
+    held(folder, command, &ANYTHING, AtWork::Nobody)
         .map_or(Ok(()), |held| Err(in_the_way("write files into", folder, &held)))
 }
 
@@ -52,16 +64,19 @@ fn in_the_way(action: &'static str, folder: &Path, held: &str) -> FileError {
     error::refused(action, folder, format!("{held}; choose another folder with --out"))
 }
 
-/// Whether a command has left more in a folder than that it began.
-pub(super) fn is_there(folder: &Path) -> bool {
-    let entries = || std::fs::read_dir(folder).into_iter().flatten().flatten();
-    folder.join(FILE).is_file() && entries().any(|entry| entry.file_name() != FILE)
+/// Whether a command is at work in a folder, or has left more there than that it began: locks are
+/// nothing.
+pub(super) fn is_there(folder: &Path, at_work: AtWork) -> bool {
+    let is_left = |name: &OsStr| name != FILE && !name.to_string_lossy().starts_with('.');
+    let mut entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    folder.join(FILE).is_file()
+        && (at_work == AtWork::Somebody || entries.any(|entry| is_left(&entry.file_name())))
 }
 
 /// What a folder holds that a command would write over; none where it may write.
-pub(super) fn held(folder: &Path, command: &str, question: &Value) -> Option<String> {
+fn held(folder: &Path, command: &str, question: &Value, at_work: AtWork) -> Option<String> {
     let path = folder.join(FILE);
-    if is_there(folder) {
+    if is_there(folder, at_work) {
         let Ok(there) = read_json::<Value>(&path) else {
             return Some(format!("it holds results whose {FILE} cannot be read"));
         };
@@ -164,6 +179,36 @@ mod tests {
         fs::write(out.join(FILE), "torn").expect("written");
         let torn = said(out, "calibrate", &question(0.8));
         assert!(torn.contains("cannot be read"), "law: it may be anything, got `{torn}`");
+    }
+
+    /// Law: of two commands that begin at once one begins, though neither has left a result; while
+    /// it is at work, the same command may join it, and no other.
+    #[test]
+    fn a_command_at_work_is_left_alone() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let out = folder.path();
+        let (own, other) = (json!({ "wanted": 0.8 }), json!({ "wanted": 0.9 }));
+        let at_once = std::sync::Barrier::new(2);
+        let begun = |question: &Value| {
+            at_once.wait();
+            begin(out, "calibrate", question)
+        };
+        let [first, second] = std::thread::scope(|scope| {
+            let both = [&own, &other].map(|question| scope.spawn(move || begun(question)));
+            both.map(|thread| thread.join().expect("it does not panic"))
+        });
+        let own = if first.is_ok() { own } else { other };
+        let (kept, refused) = if first.is_ok() { (first, second) } else { (second, first) };
+        let kept = kept.expect("law: one begins");
+        let why = refused.err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(why.contains("`wanted` differs") && why.contains("at work"), "law: got `{why}`");
+        let written: Value = read_json(&out.join(FILE)).expect("it says what is asked");
+        assert_eq!(written["question"], own, "law: by the one that began");
+        let why = said(out, "density", &ANYTHING);
+        assert!(why.contains("`pluvia calibrate`") && why.contains("at work"), "law: got `{why}`");
+        assert_eq!(said(out, "calibrate", &own), "", "law: the same joins in");
+        drop(kept);
+        assert_eq!(said(out, "density", &ANYTHING), "", "law: nothing was left");
     }
 
     /// Law: an answer may grow; what was asked for stays, and a refusal names what would be

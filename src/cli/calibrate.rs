@@ -94,7 +94,7 @@ pub(super) fn run(args: &CalibrateArgs, context: &Context) -> Result<ExitStatus,
         "wanted": options.target.wanted,
         "unknown": options.unknown,
     });
-    context.begin(&args.out, "calibrate", &question)?;
+    let _at_work = context.begin(&args.out, "calibrate", &question)?;
     let found = study.carry_out()?;
     let mut text = table::of_calibration(&found);
     text += &format!("report in {}\n", plain_path(&args.out.join("report.html")));

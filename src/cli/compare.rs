@@ -51,7 +51,7 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
     }
     let loaded = load_scenario(&args.scenario, &args.set)?;
     let question = json!({ "scenario": asked::scenario(&loaded.scenario), "backends": backends });
-    context.begin(&args.out, "compare", &question)?;
+    let _at_work = context.begin(&args.out, "compare", &question)?;
     let options = context.run_options(&args.out, args.jobs);
     let record = compare(&loaded.scenario, backends, &options)?;
     let mut text = table::of_comparison(&record);

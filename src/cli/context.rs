@@ -7,6 +7,7 @@ use tracing::Level;
 
 use super::*;
 use crate::protocol::{Progress, Silent};
+use crate::record::RunLock;
 
 /// How to tell of progress, print results, and stop.
 pub struct Context {
@@ -66,7 +67,8 @@ impl Context {
     }
 
     /// Makes the folder for a command's results, unless it holds others ([`asked::begin`]); from
-    /// here on, Ctrl-C stops cleanly.
+    /// here on, Ctrl-C stops cleanly. The command is at work there until what is given back is
+    /// dropped.
     ///
     /// # Errors
     /// [`FileError`] naming the folder.
@@ -75,11 +77,11 @@ impl Context {
         out: &Path,
         command: &str,
         question: &Value,
-    ) -> Result<(), FileError> {
+    ) -> Result<RunLock, FileError> {
         output_folder::prepare(out)?;
-        asked::begin(out, command, question)?;
+        let at_work = asked::begin(out, command, question)?;
         self.stop_on_ctrl_c();
-        Ok(())
+        Ok(at_work)
     }
 
     /// Prints a result as [`Context::print`] does: the command has done what it was asked.

@@ -30,7 +30,7 @@ pub(super) fn run(args: &ConvergeArgs, context: &Context) -> Result<ExitStatus, 
     let mut question = question_of(&study.varied, study.configurations);
     question["limits"] = json!(study.limits);
     question["reference"] = study.reference.as_str().into();
-    context.begin(&args.out, "converge", &question)?;
+    let _at_work = context.begin(&args.out, "converge", &question)?;
     let found = study.carry_out(&options.run)?;
     let text = page_until(&args.out.join("convergence.md"), &["\n## How to read it"])?;
     let (left_out, with_result) = found.left_out();

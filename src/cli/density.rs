@@ -75,7 +75,7 @@ pub(super) fn run(args: &DensityArgs, context: &Context) -> Result<ExitStatus, C
         "seconds": args.seconds,
         (asked::AT_LEAST): { "configurations": args.configurations },
     });
-    context.begin(&args.out, "density", &question)?;
+    let _at_work = context.begin(&args.out, "density", &question)?;
     let found = study.carry_out()?;
     let of = &found.states;
     let states = [("e_max", &of.e_max), ("e_min", &of.e_min), ("frictionless", &of.frictionless)];

@@ -129,7 +129,7 @@ fn held(folder: &Path, own: &Value, at_work: AtWork) -> Option<String> {
         };
     }
     let there = RESULTS.iter().find(|name| folder.join(name).is_file());
-    let there = there.copied().or_else(|| asked::is_there(folder).then_some(asked::FILE))?;
+    let there = there.copied().or_else(|| asked::is_there(folder, at_work).then_some(asked::FILE))?;
     Some(format!("it holds the results of another command ({there})"))
 }
 

@@ -42,7 +42,7 @@ pub(super) fn interpretation(name: &str) -> Result<Interpretation, String> {
 pub(super) fn run(args: &InterpretationsArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let interpretations_asked =
         if args.only.is_empty() { Interpretation::all()? } else { args.only.clone() };
-    context.begin(&args.out, "interpretations", &asked::ANYTHING)?;
+    let _at_work = context.begin(&args.out, "interpretations", &asked::ANYTHING)?;
     let outcome = interpretations(&InterpretationsOptions {
         quick: args.quick,
         configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),

@@ -46,7 +46,7 @@ pub(super) struct ReproduceArgs {
 }
 
 pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    context.begin(&args.out, "reproduce", &asked::ANYTHING)?;
+    let _at_work = context.begin(&args.out, "reproduce", &asked::ANYTHING)?;
     let outcome = reproduce(&ReproduceOptions {
         quick: args.quick,
         configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),

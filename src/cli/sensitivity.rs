@@ -27,7 +27,7 @@ pub(super) fn run(args: &SensitivityArgs, context: &Context) -> Result<ExitStatu
     let options = args.designed.options(&args.out, context);
     let study = SensitivityStudy::read(&options)?;
     let question = question_of(&study.varied, study.configurations);
-    context.begin(&args.out, "sensitivity", &question)?;
+    let _at_work = context.begin(&args.out, "sensitivity", &question)?;
     let found = study.carry_out(&options.run)?;
     let page = page_until(&args.out.join("sensitivity.md"), &["\n## Ranges"])?;
     let lines = page.lines().filter(|line| !line.starts_with("!["));

@@ -123,7 +123,7 @@ pub(super) fn run(args: &SweepArgs, context: &Context) -> Result<ExitStatus, Cli
     let run = context.run_options(&args.out, args.jobs);
     let study = SweepStudy::new(options(args, run)?)?;
     output_folder::prepare(&args.out)?;
-    asked::begin(&args.out, "sweep", &asked::ANYTHING)?;
+    let _at_work = asked::begin(&args.out, "sweep", &asked::ANYTHING)?;
     if args.plan_only || args.snakemake || args.slurm.slurm {
         let plan = study.write_plan()?;
         if args.slurm.slurm {

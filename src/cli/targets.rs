@@ -48,7 +48,7 @@ pub(super) fn run(args: &TargetsArgs, context: &Context) -> Result<ExitStatus, C
         "chance": args.chance,
         (asked::AT_LEAST): { "runs": runs.collect::<Vec<_>>() },
     });
-    context.begin(&args.out, "targets", &question)?;
+    let _at_work = context.begin(&args.out, "targets", &question)?;
     write_targets(&args.out, &found).map_err(StudyError::from)?;
     let text =
         format!("{}\nfull results in {}\n", found.page(), plain_path(&args.out.join("targets.md")));

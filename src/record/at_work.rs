@@ -1,4 +1,4 @@
-//! Who is at work in the folder of a run, known by a lock that ends with the program.
+//! Who is at work in the folder of a run or study, known by a lock that ends with the program.
 
 use super::*;
 

@@ -5,7 +5,7 @@ use std::{
     fmt::Write,
     fs,
     path::{Path, PathBuf},
-    process::Command,
+    process::{Command, Stdio},
 };
 
 use super::{export::small_run, small};
@@ -87,6 +87,29 @@ fn targets_are_kept() {
     fs::create_dir(&run).expect("a folder");
     fs::write(run.join("manifest.json"), "{}").expect("written");
     refused(&first, &run, &["`pluvia run`"]);
+}
+
+/// Law: of two sweeps that begin in one folder at the same time, one is planned, and the other is
+/// refused.
+#[test]
+fn two_sweeps_do_not_begin_in_one_folder() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let scenario = folder.path().join("small.json");
+    fs::write(&scenario, small::layer(30.0).to_string()).expect("a scenario");
+    let both = ["seed=1,2", "seed=3,4"].map(|over| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+        command.args(["sweep", text(&scenario), "--over", over, "--plan-only", "--quiet", "--out"]);
+        command.arg(&out).stdout(Stdio::null()).stderr(Stdio::piped());
+        command.spawn().expect("the program starts")
+    });
+    let ended = both.map(|child| child.wait_with_output().expect("it ends"));
+    let mut codes: Vec<_> = ended.iter().map(|output| output.status.code()).collect();
+    codes.sort_unstable();
+    assert_eq!(codes, [Some(0), Some(2)], "law: one is planned");
+    let refused = ended.iter().find(|output| !output.status.success()).expect("one is refused");
+    let said = String::from_utf8_lossy(&refused.stderr);
+    assert!(said.contains("another sweep"), "law: it says why, got {said}");
 }
 
 /// Law: what is no sweep leaves nothing in a sweep's folder.

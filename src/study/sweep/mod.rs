@@ -21,6 +21,7 @@ use super::{
     sensitivity::{Designed, read_design},
     variations::collect_stored,
 };
+use crate::record::RunLock;
 use crate::report::{Sweep, SweepFactor, SweepRun, outcomes_in};
 use crate::scenario::gathered;
 
@@ -141,9 +142,14 @@ impl SweepStudy {
     /// one of a scenario that was edited since; nothing is written then.
     pub fn write_plan(&self) -> Result<SweepPlan, StudyError> {
         let plan = self.plan()?;
-        edited::refuse(&self.options.run.out, &plan, &self.options, &self.scenario)?;
-        tell_warnings(self.varied.scenarios(), self.options.run.progress.as_ref());
-        plan.write(&self.options.run.out, &self.gathered)?;
+        let out = &self.options.run.out;
+        create_folder(out)?;
+        // Of two that begin there at once, the second finds the plan of the first.
+        RunLock::take(out, |_| {
+            edited::refuse(out, &plan, &self.options, &self.scenario)?;
+            tell_warnings(self.varied.scenarios(), self.options.run.progress.as_ref());
+            plan.write(out, &self.gathered)
+        })?;
         Ok(plan)
     }
 
