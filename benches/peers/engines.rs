@@ -12,7 +12,7 @@ use pluvia::scenario::{Backend, EngineSettings, NativeSettings};
 use pluvia::world;
 use serde::{Deserialize, Serialize};
 
-use super::{WORKSHOP, ours};
+use super::{WORKSHOP, handed, ours};
 
 /// Wall time in s that an engine may take beside stepping: reading, building
 /// hulls, writing. Some build 1456 hulls slowly.
@@ -212,7 +212,7 @@ impl Engine {
                 .map(|number| number.to_string()),
         );
         if let By::Us(settings) = &self.by {
-            command.arg(serde_json::to_string(settings).map_err(|e| e.to_string())?);
+            command.args(handed::words(settings)?);
         }
         Ok(command)
     }

@@ -9,6 +9,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod engines;
+mod handed;
 mod measured;
 mod ours;
 mod specimens;

@@ -14,7 +14,10 @@ use pluvia::{
     },
 };
 
-use super::engines::{PeerResult, Sample};
+use super::{
+    engines::{PeerResult, Sample},
+    handed,
+};
 
 /// First argument of a process that does this.
 pub const CARRY: &str = "carry";
@@ -31,15 +34,15 @@ struct Stage {
 }
 
 /// Carries a scene on. Arguments: scene, result, rate in Hz, iterations,
-/// simulated time in s, limit of wall time in s, engine settings as JSON.
+/// simulated time in s, limit of wall time in s, engine settings as JSON, threads.
 pub fn carry(args: &[String]) -> Result<(), String> {
-    let [scene, result, rate, iterations, seconds, limit, settings] = args else {
-        return Err("seven arguments are needed".to_owned());
+    let [scene, result, rate, iterations, seconds, limit, settings, threads] = args else {
+        return Err("eight arguments are needed".to_owned());
     };
     let number = |text: &String| text.parse::<f64>().map_err(|e| format!("{text}: {e}"));
     let (rate, seconds, limit) = (number(rate)?, number(seconds)?, number(limit)?);
     let iterations: u32 = iterations.parse().map_err(|e| format!("{iterations}: {e}"))?;
-    let mut settings: EngineSettings = serde_json::from_str(settings).map_err(|e| e.to_string())?;
+    let mut settings = handed::settings(settings, threads)?;
     settings.rate_hz = rate;
     match settings.backend {
         Backend::Bullet => {
@@ -53,6 +56,7 @@ pub fn carry(args: &[String]) -> Result<(), String> {
     scene.check().map_err(|e| format!("{}: {e}", path.display()))?;
     let motion = scene.table.motion.map(TableMotion::from);
     let mut stage = Stage::of(&scene, &settings).map_err(|e| e.to_string())?;
+    handed::check_threads(&settings, &stage.world.effective())?;
 
     let dt = stage.world.time_step();
     let last = (seconds / dt).round() as u64;

@@ -31,6 +31,7 @@ mod load;
 mod measures;
 mod memory;
 mod motions;
+mod peers;
 mod picture;
 mod program;
 mod python;

@@ -1,0 +1,33 @@
+//! What `make bench-peers` hands from one process to another (`benches/peers/handed.rs`).
+
+use pluvia::{
+    scenario::{EngineSettings, NativeSettings},
+    world::EffectiveSettings,
+};
+use serde_json::json;
+
+#[path = "../../benches/peers/handed.rs"]
+mod handed;
+
+/// Law: the process that computes a row gets the settings of the row, the number of threads, which
+/// files leave out, among them; a world that has another number is refused.
+#[test]
+fn threads_of_a_row_reach_its_world() {
+    let pluvia = EngineSettings::default();
+    let native = NativeSettings { threads: Some(2), ..pluvia.native.clone() };
+    let two = EngineSettings { native, ..pluvia.clone() };
+    for (asked, threads) in [(&pluvia, 1), (&two, 2)] {
+        let [json, words] = handed::words(asked).expect("they can be written");
+        let got = handed::settings(&json, &words).expect("they can be read");
+        assert_eq!(got.native.threads, Some(threads), "law: of {words} threads");
+        for held in [1, 2] {
+            let world: EffectiveSettings =
+                [("threads".to_owned(), json!(f64::from(held)))].into_iter().collect();
+            let is_right = handed::check_threads(&got, &world).is_ok();
+            assert_eq!(is_right, held == threads, "law: {threads} asked for, {held} there");
+        }
+        let silent = handed::check_threads(&got, &EffectiveSettings::new());
+        assert_eq!(silent.is_ok(), threads == 1, "law: an engine that does not say has one");
+    }
+    assert!(handed::settings("{}", "two").is_err(), "law: no number is refused");
+}
