@@ -12,8 +12,9 @@ LIMIT_MINUTES ?= 90
 # Builds that `make convergence` compares: double, single or both.
 PRECISIONS ?= double
 
-# Batches of `make joint`: eight points each, shaken four ways.
+# Batches of `make joint`: eight points each, shaken four ways; and the folder of its tables.
 BATCHES ?= 8
+TABLES ?= docs/results/joint
 
 # The table that `make twins` makes.
 TABLE ?= docs/results/scale/twins.csv
@@ -59,7 +60,7 @@ twins: build ## scaled twins, 20 realisations each, into $(TABLE) (docs/scale.md
 
 joint: OUT = out/joint
 joint: build ## which values of what the paper leaves open meet its numbers together; hours (docs/studies.md)
-	bash scripts/joint.sh "$(OUT)" docs/results/joint $(BATCHES)
+	bash scripts/joint.sh "$(OUT)" "$(TABLES)" $(BATCHES)
 
 sensitivity: OUT = out/sensitivity
 sensitivity: build ## what each of our choices moves, in $(OUT)/sensitivity.md

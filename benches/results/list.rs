@@ -328,6 +328,7 @@ pub const KEPT: &[Kept] = &[
             ("joint/pile-1.csv", ""),
             ("joint/continuous-1.csv", ""),
             ("joint/intermittent-1.csv", ""),
+            ("joint/builds.csv", ""),
             ("joint/targets.json", ""),
         ],
         made: Made::Make("joint"),

@@ -1,6 +1,7 @@
 //! `pluvia info`.
 
 use super::*;
+use crate::study::STAGE_FORMAT;
 
 /// Print versions, the engines with their precision, features, number of cores
 #[derive(Debug, Args)]
@@ -21,6 +22,8 @@ struct Info {
     target: String,
     /// Threads that can run at the same time.
     cores: usize,
+    /// Of stored stages: it rises whenever results change.
+    stage_format: u32,
 }
 
 pub(super) fn run(_: &InfoArgs, context: &Context) -> Result<ExitStatus, CliError> {
@@ -35,6 +38,7 @@ pub(super) fn run(_: &InfoArgs, context: &Context) -> Result<ExitStatus, CliErro
         features,
         target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
         cores: available_cores(),
+        stage_format: STAGE_FORMAT,
     };
     let mut text = format!("pluvia    {} for {}\n", info.pluvia, info.target);
     for backend in &info.backends {
@@ -45,6 +49,7 @@ pub(super) fn run(_: &InfoArgs, context: &Context) -> Result<ExitStatus, CliErro
     }
     let features = if info.features.is_empty() { "none".into() } else { info.features.join(", ") };
     text += &format!("features  {features}\ncores     {}\n", info.cores);
+    text += &format!("format    {} of stored stages\n", info.stage_format);
     context.print_asked(&text, &info)?;
     Ok(ExitStatus::Done)
 }

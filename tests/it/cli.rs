@@ -23,6 +23,7 @@ fn info_names_the_engine() {
     let info: Value = serde_json::from_str(&out).expect("JSON");
     assert_eq!(info["backends"][0]["name"], "bullet", "{out}");
     assert!(info["cores"].as_u64().is_some_and(|cores| cores >= 1), "{out}");
+    assert_eq!(info["stage_format"], pluvia::study::STAGE_FORMAT, "{out}");
     let (_, text, _) = run(&["info"]);
     let version = info["backends"][0]["version"].as_str().expect("a version");
     assert!(text.contains(version), "the same version {version} in: {text}");

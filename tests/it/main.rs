@@ -20,6 +20,8 @@ mod files;
 mod fuzz;
 mod interpretations;
 mod interruption;
+#[cfg(unix)]
+mod joint;
 mod kept;
 mod laboratory;
 mod laboratory_ends;
