@@ -138,7 +138,7 @@ referee: setup ## the contact problems solved exactly, and what engines make of 
 laboratory: setup ## standard tests against published numbers: out/laboratory.json (ARGS=--quick: half an hour)
 	cargo bench --locked --bench laboratory -- $(ARGS)
 
-results: build ## compute what docs/results/ misses and fill the pages' numbers (ARGS="--check", --list, --only NAME, --pictures)
+results: build ## compute what docs/results/ misses and fill the pages' numbers (ARGS="--check", --list, --only NAME, --older, --targets, --pictures)
 	cargo bench --locked --bench results -- $(ARGS)
 
 bench-sweep: build ## what a sweep costs beside its runs (a few minutes)

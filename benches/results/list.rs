@@ -1,6 +1,6 @@
-//! The one table of results: what was computed, by which command and which build, into which
-//! files of `docs/results/`. Pages quote these files by the names here; to rename a file, change
-//! it here.
+//! The one table of results: what is computed, by which command, into which files of
+//! `docs/results/`; by which build the kept ones were says `builds.rs`. Pages quote these files by
+//! the names here; to rename a file, change it here.
 
 /// A result, kept in files of `docs/results/`.
 pub struct Kept {
@@ -8,38 +8,25 @@ pub struct Kept {
     pub name: &'static str,
     /// What it is.
     pub what: &'static str,
-    /// Files in `docs/results/`, each with where the command leaves it in its output folder. Empty
-    /// where nothing makes the file from there.
+    /// Files in `docs/results/`, each with where it is copied from: of commands of `pluvia` in
+    /// their output folder; of a make target in the tree or, after `OUT/`, in the output folder.
+    /// Empty where the target writes it by itself, or nothing makes the file from what is there.
     pub files: &'static [(&'static str, &'static str)],
-    /// What computes it. `OUT` stands for the output folder.
+    /// What computes it.
     pub made: Made,
-    /// Of which build the kept files are: the day and `FORMAT` of `src/study/stage_key.rs` then.
-    pub build: Build,
     /// About how long it takes on two cores.
     pub takes: &'static str,
 }
 
 /// What computes a result.
 pub enum Made {
-    /// Commands of `pluvia`, in order.
+    /// Commands of `pluvia`, in order. `OUT` stands for the output folder.
     Pluvia(&'static [&'static str]),
-    /// A make target and its variables. It writes into `docs/results/` by itself or is too long
-    /// for `make results` to start unasked.
+    /// A make target and its variables, as a shell reads them; `$OUT` is the output folder. It is
+    /// too long for `make results` to start unasked.
     Make(&'static str),
     /// By a build that today's code cannot repeat, with the command of then.
     Once(&'static str),
-}
-
-/// A build of the program.
-pub struct Build {
-    /// When the files were added.
-    pub day: &'static str,
-    /// `FORMAT` of `src/study/stage_key.rs` then: it rises whenever results change.
-    pub format: &'static str,
-}
-
-const fn build(day: &'static str, format: &'static str) -> Build {
-    Build { day, format }
 }
 
 /// All results, in the order in which they are made.
@@ -51,7 +38,6 @@ pub const KEPT: &[Kept] = &[
         files: &[("quick/vibration.csv", "sweep.csv")],
         made: Made::Pluvia(&["sweep scenarios/quick/vibration.json --configurations 10 \
                               --over engine.rate_hz=480 --out OUT"]),
-        build: build("2026-11-25", "13"),
         takes: "4 minutes",
     },
     Kept {
@@ -61,7 +47,6 @@ pub const KEPT: &[Kept] = &[
         files: &[("quick/stock-vibration.csv", "sweep.csv")],
         made: Made::Pluvia(&["sweep scenarios/quick/vibration.json --configurations 3 \
                               --over engine.contact_solver=\"stock\" --out OUT"]),
-        build: build("2026-11-25", "13"),
         takes: "4 minutes",
     },
     Kept {
@@ -69,7 +54,6 @@ pub const KEPT: &[Kept] = &[
         what: "The paper's grains in the virtual sieve, and their shape",
         files: &[("grains.json", "printed.json")],
         made: Made::Pluvia(&["grains scenarios/paper/pluviation.json --json --out OUT"]),
-        build: build("2026-11-25", "13"),
         takes: "seconds",
     },
     Kept {
@@ -77,7 +61,6 @@ pub const KEPT: &[Kept] = &[
         what: "Every analytical case on every engine and setting",
         files: &[("verify.csv", "verify.csv")],
         made: Made::Pluvia(&["verify --out OUT"]),
-        build: build("2026-11-26", "15"),
         takes: "10 minutes",
     },
     Kept {
@@ -102,7 +85,6 @@ pub const KEPT: &[Kept] = &[
             ("uncertainty-standing-height.svg", "figures/uncertainty-standing-height.svg"),
         ],
         made: Made::Pluvia(&["reproduce --configurations 10 --out OUT"]),
-        build: build("2026-11-25", "14"),
         takes: "three hours",
     },
     Kept {
@@ -117,7 +99,6 @@ pub const KEPT: &[Kept] = &[
         ],
         made: Made::Pluvia(&["interpretations --configurations 1 \
                               --only converged,per_body,full_stroke,blender_2014_cm --out OUT"]),
-        build: build("2026-11-22", "2"),
         takes: "half an hour",
     },
     Kept {
@@ -126,7 +107,6 @@ pub const KEPT: &[Kept] = &[
                realisations",
         files: &[("stock-contacts.csv", "")],
         made: Made::Once("pluvia reproduce --set engine.contact_solver=stock"),
-        build: build("2026-11-21", "1"),
         takes: "hours",
     },
     Kept {
@@ -135,7 +115,6 @@ pub const KEPT: &[Kept] = &[
         files: &[("sensitivity-quick.md", "")],
         made: Made::Pluvia(&["sweep --design scenarios/studies/sensitivity.json --quick \
                               --configurations 5 --out OUT"]),
-        build: build("2026-11-26", "15"),
         takes: "a quarter of an hour",
     },
     Kept {
@@ -154,7 +133,6 @@ pub const KEPT: &[Kept] = &[
             ),
         ],
         made: Made::Pluvia(&["converge --out OUT"]),
-        build: build("2026-11-22", "1"),
         takes: "two hours",
     },
     Kept {
@@ -167,7 +145,6 @@ pub const KEPT: &[Kept] = &[
         ],
         made: Made::Pluvia(&["calibrate scenarios/quick/repose.json --angle-of-repose 38.4 \
                               --out OUT"]),
-        build: build("2026-11-27", "19"),
         takes: "a quarter of an hour",
     },
     Kept {
@@ -177,7 +154,6 @@ pub const KEPT: &[Kept] = &[
         made: Made::Pluvia(&["sweep scenarios/paper/vibration-continuous.json \
                               --configurations 3 \
                               --over contact.grain_grain_friction=0.3284 --out OUT"]),
-        build: build("2026-11-27", "19"),
         takes: "half an hour",
     },
     Kept {
@@ -188,7 +164,6 @@ pub const KEPT: &[Kept] = &[
         made: Made::Pluvia(&["sweep scenarios/quick/pluviation.json --configurations 20 \
                               --over contact.grain_grain_friction=0,0.793 \
                               --over contact.restitution=0,0.315 --out OUT"]),
-        build: build("2026-11-25", "14"),
         takes: "15 minutes",
     },
     Kept {
@@ -200,7 +175,6 @@ pub const KEPT: &[Kept] = &[
                               --over engine.rapier.friction_model=\"simplified\",\"coulomb\" \
                               --over contact.grain_grain_friction=0,0.793 \
                               --over contact.restitution=0,0.315 --out OUT"]),
-        build: build("2026-11-23", "5"),
         takes: "half an hour",
     },
     Kept {
@@ -208,7 +182,6 @@ pub const KEPT: &[Kept] = &[
         what: "The same pours with eight iterations in each sub-step",
         files: &[("engines/native-eight-iterations.csv", "")],
         made: Made::Once("as `native`"),
-        build: build("2026-11-23", "5"),
         takes: "",
     },
     Kept {
@@ -216,7 +189,6 @@ pub const KEPT: &[Kept] = &[
         what: "The same pours with friction under an older rule of restitution",
         files: &[("engines/native-older-restitution.csv", "")],
         made: Made::Once("as `native`"),
-        build: build("2026-11-23", "before 5"),
         takes: "",
     },
     Kept {
@@ -225,7 +197,6 @@ pub const KEPT: &[Kept] = &[
                does not resist twisting",
         files: &[("engines/native-friction-in-the-middle.csv", "")],
         made: Made::Once("as `native`, with a solver changed for it"),
-        build: build("2026-11-26", "14"),
         takes: "",
     },
     Kept {
@@ -240,7 +211,6 @@ pub const KEPT: &[Kept] = &[
                               --over engine.rate_hz=240,960 \
                               --over engine.native.contact_stiffness_n_per_m=5000,20000 \
                               --out OUT"]),
-        build: build("2026-11-26", "15"),
         takes: "20 minutes",
     },
     Kept {
@@ -255,7 +225,6 @@ pub const KEPT: &[Kept] = &[
                               --over engine.rate_hz=240,960 \
                               --over engine.native.contact_stiffness_n_per_m=5000,20000 \
                               --out OUT"]),
-        build: build("2026-11-26", "15"),
         takes: "half an hour",
     },
     Kept {
@@ -266,7 +235,6 @@ pub const KEPT: &[Kept] = &[
             "pluvia compare scenarios/quick/vibration.json, once for each \
                           realisation and order of engines",
         ),
-        build: build("2026-11-23", "8"),
         takes: "",
     },
     Kept {
@@ -275,15 +243,13 @@ pub const KEPT: &[Kept] = &[
         files: &[("shape/rounding.csv", "sweep.csv")],
         made: Made::Pluvia(&["sweep scenarios/rounded/rounded-gravel.json --configurations 3 \
                               --over grains.cells.rounding=0,0.15,0.3,0.6 --out OUT"]),
-        build: build("2026-11-25", "14"),
         takes: "3 minutes",
     },
     Kept {
         name: "twins",
         what: "The quick specimen 0.1, 1 and 5 times as large, 20 realisations",
-        files: &[("scale/twins.csv", "")],
-        made: Made::Make("twins"),
-        build: build("2026-11-26", "15"),
+        files: &[("scale/twins.csv", "OUT/twins.csv")],
+        made: Made::Make("twins TABLE=\"$OUT/twins.csv\""),
         takes: "10 minutes",
     },
     Kept {
@@ -296,7 +262,6 @@ pub const KEPT: &[Kept] = &[
              realisation 2; begun with this, a rest of 0.3 s with 8 iterations and \
              --set engine.native.substep_rate_hz=1440, 2880, 5760, 11520",
         ),
-        build: build("2026-11-27", "18"),
         takes: "",
     },
     Kept {
@@ -316,55 +281,49 @@ pub const KEPT: &[Kept] = &[
             ("laboratory/triaxial.svg", ""),
             ("laboratory/triaxial-path.svg", ""),
         ],
-        made: Made::Make("laboratory ARGS=--small"),
-        build: build("2026-11-27", "14, 15 and 19"),
-        takes: "two hours with --small, else many",
+        made: Made::Make("laboratory ARGS=\"--small --keep\""),
+        takes: "two hours, without --small many",
     },
     Kept {
         name: "joint",
         what: "What the paper's text leaves open, varied together at full size: sweeps, and which \
                runs meet its four numbers",
         files: &[
-            ("joint/pile-1.csv", ""),
-            ("joint/continuous-1.csv", ""),
-            ("joint/intermittent-1.csv", ""),
-            ("joint/builds.csv", ""),
-            ("joint/targets.json", ""),
+            ("joint/pile-1.csv", "OUT/tables/pile-1.csv"),
+            ("joint/continuous-1.csv", "OUT/tables/continuous-1.csv"),
+            ("joint/intermittent-1.csv", "OUT/tables/intermittent-1.csv"),
+            ("joint/builds.csv", "OUT/tables/builds.csv"),
+            ("joint/targets.json", "OUT/tables/targets.json"),
         ],
-        made: Made::Make("joint"),
-        build: build("2026-11-26", "15"),
-        takes: "two hours per batch",
+        made: Made::Make("joint BATCHES=1 TABLES=\"$OUT/tables\""),
+        takes: "more than two hours",
     },
     Kept {
         name: "bench",
         what: "What a step costs by number of grains, state and threads",
-        files: &[("bench.json", "")],
-        made: Made::Make("bench"),
-        build: build("2026-11-27", "17"),
-        takes: "ten minutes with --quick",
+        files: &[("bench.json", "out/bench.json")],
+        made: Made::Make("bench ARGS=\"--quick --most-grains 1500 --states rest,shaken,pour\""),
+        takes: "ten minutes",
     },
     Kept {
         name: "peers",
         what: "Other engines on the same specimens",
-        files: &[("peers.json", "")],
+        files: &[("peers.json", "out/peers.json")],
         made: Made::Make("bench-peers"),
-        build: build("2026-11-27", "17"),
         takes: "an hour or two",
     },
     Kept {
         name: "referee",
         what: "Sub-steps and specimens of 364 grains beside an exact solution of their contact problems",
-        files: &[("referee.json", "")],
+        files: &[("referee.json", "out/referee.json")],
         made: Made::Make("referee ARGS=\"--only one-step,static --specimens quick\""),
-        build: build("2026-11-27", "18"),
         takes: "half an hour",
     },
     Kept {
         name: "robustness",
         what: "Faults of every class, and what became of them",
         files: &[("robustness.json", "")],
-        made: Made::Make("soak"),
-        build: build("2026-11-25", "14"),
+        made: Made::Make("soak && bash scripts/robustness.sh"),
         takes: "as long as one likes",
     },
 ];
@@ -372,6 +331,7 @@ pub const KEPT: &[Kept] = &[
 /// Files of `docs/results/` that hold no result.
 pub const OTHERS: &[(&str, &str)] = &[
     ("README.md", "says what each file is"),
+    ("builds.csv", "which build made each result; `make results` writes it"),
     ("laboratory.md", "the page of the standard tests"),
     ("unmarked.csv", "where pages may quote numbers without a mark, and why"),
 ];

@@ -2,6 +2,7 @@
 //! anew and fills numbers and tables into the pages. `make results` runs it; `--check` computes
 //! nothing and fails where a page quotes another number than its results file gives.
 
+mod builds;
 mod derived;
 mod joint;
 mod list;
@@ -30,14 +31,26 @@ struct Options {
     #[arg(long)]
     list: bool,
     /// Compare pages and files; compute and write nothing
-    #[arg(long, conflicts_with_all = ["list", "only", "pictures"])]
+    #[arg(long, conflicts_with_all = ["list", "only", "older", "targets", "built", "pictures"])]
     check: bool,
     /// Fill the pages; compute nothing
     #[arg(long)]
     fill: bool,
-    /// Compute these anew, with commas between, also where their files are there
+    /// Compute these anew, with commas between, also where their files are there; make targets are
+    /// called
     #[arg(long, value_delimiter = ',', value_name = "NAME,NAME")]
     only: Vec<String>,
+    /// Compute also what is of an older build
+    #[arg(long, conflicts_with = "only")]
+    older: bool,
+    /// Call also make targets, which take long
+    #[arg(long, conflicts_with = "only")]
+    targets: bool,
+    /// Put down that these are of this build, with commas between, and fill the pages; compute
+    /// nothing
+    #[arg(long, value_delimiter = ',', value_name = "NAME,NAME",
+          conflicts_with_all = ["only", "older", "targets", "pictures"])]
+    built: Vec<String>,
     /// Draw the pictures of docs/pictures/ anew that a command of the tree makes
     #[arg(long)]
     pictures: bool,
@@ -65,7 +78,7 @@ fn main() -> ExitCode {
 
 fn run(options: &Options, root: &Path) -> Result<ExitCode, String> {
     if options.list {
-        make::list(root);
+        print!("{}", make::list(root)?);
         return Ok(ExitCode::SUCCESS);
     }
     if options.check {
@@ -76,11 +89,22 @@ fn run(options: &Options, root: &Path) -> Result<ExitCode, String> {
         println!("{} faults", faults.len());
         return Ok(if faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE });
     }
-    if !options.fill {
-        let to_make = make::chosen(root, &options.only)?;
+    make::built(root, &options.built)?;
+    let mut failed = Vec::new();
+    if !options.fill && options.built.is_empty() {
+        let Options { only, older, targets, .. } = options;
+        let asked = make::Asked { only: only.clone(), older: *older, targets: *targets };
+        let chosen = make::chosen(root, &asked)?;
+        for why in &chosen.left {
+            println!("{why}");
+        }
         let maker = make::Maker { root, out: &options.out, program: &options.program };
-        for kept in to_make {
-            maker.make(kept)?;
+        for kept in chosen.to_make {
+            // One that fails does not keep the others from being made.
+            if let Err(why) = maker.make(kept) {
+                eprintln!("error: {why}");
+                failed.push(kept.name);
+            }
         }
         if options.pictures {
             maker.pictures()?;
@@ -92,6 +116,9 @@ fn run(options: &Options, root: &Path) -> Result<ExitCode, String> {
     let faults = pages::faults(root)?;
     for fault in &faults {
         eprintln!("{fault}");
+    }
+    if !failed.is_empty() {
+        return Err(format!("not made: {}", failed.join(", ")));
     }
     Ok(if faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

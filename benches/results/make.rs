@@ -1,37 +1,56 @@
-//! Computing results: commands of the program in a folder that resumes, and the files that they
-//! leave for `docs/results/`.
+//! Computing results: commands in a folder that resumes, and the files that they leave for
+//! `docs/results/`.
 
 use std::{
     fs,
-    path::Path,
+    path::{Path, PathBuf},
     process::{Command, Stdio},
+    time::{SystemTime, UNIX_EPOCH},
 };
 
-use super::list::{FOLDER, KEPT, Kept, Made, PICTURES};
+use pluvia::study::STAGE_FORMAT;
+
+use super::{
+    builds::{self, Build},
+    list::{FOLDER, KEPT, Kept, Made, PICTURES},
+};
 
 /// What the last command of a result printed.
 const PRINTED_JSON: &str = "printed.json";
 
-/// Prints every result with its build, its command and what is missing.
-pub fn list(root: &Path) {
+/// What `make results` was called with, and is not for the targets that it calls.
+const OWN: [&str; 5] = ["ARGS", "MAKEFLAGS", "MAKEOVERRIDES", "MFLAGS", "MAKELEVEL"];
+
+/// Every result with its build, what is missing of it, and its command.
+pub fn list(root: &Path) -> Result<String, String> {
+    let builds = builds::read(root)?;
+    let mut text = String::new();
     for kept in KEPT {
+        let build = builds::of(&builds, kept.name).map_or_else(
+            || "of no known build".to_owned(),
+            |Build { day, format, .. }| format!("of {day}, format {format}"),
+        );
+        let age = if is_older(&builds, kept) { ": OLDER" } else { "" };
         let missing = missing(root, kept);
-        let state = if missing.is_empty() {
-            format!("of {}, format {}", kept.build.day, kept.build.format)
-        } else {
-            format!("missing: {}", missing.join(", "))
+        let missing = match missing.is_empty() {
+            true => String::new(),
+            false => format!("; missing: {}", missing.join(", ")),
         };
-        println!("{}: {} ({state})", kept.name, kept.what);
+        text += &format!(
+            "{}: {} ({build}, today {STAGE_FORMAT}{age}{missing})\n",
+            kept.name, kept.what
+        );
         match &kept.made {
             Made::Pluvia(commands) => {
                 for command in *commands {
-                    println!("    pluvia {command}    [{}]", kept.takes);
+                    text += &format!("    pluvia {command}    [{}]\n", kept.takes);
                 }
             }
-            Made::Make(target) => println!("    make {target}    [{}]", kept.takes),
-            Made::Once(command) => println!("    not repeatable: {command}"),
+            Made::Make(target) => text += &format!("    make {target}    [{}]\n", kept.takes),
+            Made::Once(command) => text += &format!("    not repeatable: {command}\n"),
         }
     }
+    Ok(text)
 }
 
 /// Files of a result that are not there.
@@ -40,26 +59,80 @@ fn missing(root: &Path, kept: &Kept) -> Vec<&'static str> {
     kept.files.iter().map(|f| f.0).filter(|file| !there(file)).collect()
 }
 
-/// Results to compute: those named, or those with missing files.
-pub fn chosen(root: &Path, only: &[String]) -> Result<Vec<&'static Kept>, String> {
-    let unknown: Vec<&str> = only
-        .iter()
-        .map(String::as_str)
-        .filter(|name| !KEPT.iter().any(|k| k.name == *name))
-        .collect();
-    if !unknown.is_empty() {
-        let known: Vec<&str> = KEPT.iter().map(|k| k.name).collect();
-        let [unknown, known] = [unknown, known].map(|names| names.join(", "));
-        return Err(format!("--only: no result is named {unknown}; allowed are {known}"));
-    }
-    let wanted = |k: &&Kept| {
-        if only.is_empty() {
-            !missing(root, k).is_empty()
-        } else {
-            only.iter().any(|n| n == k.name)
+/// Whether a result is of an older build than this.
+fn is_older(builds: &[Build], kept: &Kept) -> bool {
+    builds::of(builds, kept.name).is_none_or(|build| build.is_older(STAGE_FORMAT))
+}
+
+/// Which results are asked for.
+#[derive(Debug, Default)]
+pub struct Asked {
+    /// These, whatever is there of them; empty: those with missing files.
+    pub only: Vec<String>,
+    /// Those of older builds as well.
+    pub older: bool,
+    /// Those of make targets as well.
+    pub targets: bool,
+}
+
+/// What comes of it.
+pub struct Chosen {
+    /// Results to compute.
+    pub to_make: Vec<&'static Kept>,
+    /// Which of those asked for are not computed, and why, a line each.
+    pub left: Vec<String>,
+}
+
+/// Refuses names of no result.
+pub fn known(option: &str, names: &[String]) -> Result<(), String> {
+    let is_known = |name: &&String| KEPT.iter().any(|kept| kept.name == name.as_str());
+    match names.iter().find(|name| !is_known(name)) {
+        None => Ok(()),
+        Some(name) => {
+            let known: Vec<&str> = KEPT.iter().map(|k| k.name).collect();
+            let known = known.join(", ");
+            Err(format!("{option}: no result is named {name}; allowed are {known}"))
         }
+    }
+}
+
+/// Results to compute, and those that are not though they are asked for.
+pub fn chosen(root: &Path, asked: &Asked) -> Result<Chosen, String> {
+    known("--only", &asked.only)?;
+    let builds = builds::read(root)?;
+    let is_wanted = |kept: &Kept| match asked.only.is_empty() {
+        true => !missing(root, kept).is_empty() || asked.older && is_older(&builds, kept),
+        false => asked.only.iter().any(|name| name == kept.name),
     };
-    Ok(KEPT.iter().filter(wanted).collect())
+    let mut chosen = Chosen { to_make: Vec::new(), left: Vec::new() };
+    for kept in KEPT.iter().filter(|kept| is_wanted(kept)) {
+        let Kept { name, takes, .. } = kept;
+        match &kept.made {
+            Made::Once(command) => {
+                let why = format!("{name}: not made: today's code cannot repeat it ({command})");
+                chosen.left.push(why);
+            }
+            Made::Make(target) if asked.only.is_empty() && !asked.targets => {
+                chosen.left.push(format!(
+                    "{name}: not made unasked: takes {takes} (`make {target}`; --only {name} or \
+                     --targets calls it)"
+                ));
+            }
+            Made::Pluvia(_) | Made::Make(_) => chosen.to_make.push(kept),
+        }
+    }
+    Ok(chosen)
+}
+
+/// Puts down that results are of this build.
+pub fn built(root: &Path, names: &[String]) -> Result<(), String> {
+    known("--built", names)?;
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    for name in names {
+        let (day, format) = (builds::day(now), STAGE_FORMAT.to_string());
+        builds::record(root, Build { name: name.clone(), day, format })?;
+    }
+    Ok(())
 }
 
 /// Computes results.
@@ -73,37 +146,66 @@ pub struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    /// Runs the commands of a result and keeps its files.
+    /// Runs the commands of a result, keeps its files, and puts down its build.
     pub fn make(&self, kept: &Kept) -> Result<(), String> {
         let name = kept.name;
-        let commands = match &kept.made {
-            Made::Pluvia(commands) => *commands,
-            Made::Make(target) => return Err(format!("{name}: `make {target}` makes it")),
+        // Studies do not go on with runs of another build.
+        let out = self.root.join(self.out).join(format!("format-{STAGE_FORMAT}")).join(name);
+        println!("{name}: {} ({})", kept.what, kept.takes);
+        match &kept.made {
+            Made::Pluvia(commands) => {
+                for command in *commands {
+                    let printed = self.run(command, &[("OUT", &out)])?;
+                    fs::create_dir_all(&out).map_err(|e| format!("{}: {e}", out.display()))?;
+                    let to = out.join(PRINTED_JSON);
+                    fs::write(&to, printed).map_err(|e| format!("{}: {e}", to.display()))?;
+                }
+            }
+            Made::Make(target) => self.target(target, &out)?,
             Made::Once(command) => {
                 return Err(format!("{name}: today's code cannot repeat it ({command})"));
             }
-        };
-        let out = self.root.join(self.out).join(name);
-        println!("{name}: {} ({})", kept.what, kept.takes);
-        for command in commands {
-            let printed = self.run(command, &[("OUT", &out)])?;
-            fs::create_dir_all(&out).map_err(|e| format!("{}: {e}", out.display()))?;
-            let to = out.join(PRINTED_JSON);
-            fs::write(&to, printed).map_err(|e| format!("{}: {e}", to.display()))?;
         }
+        let mut is_whole = true;
         for (file, from) in kept.files {
             let to = self.root.join(FOLDER).join(file);
-            if from.is_empty() {
-                println!("{name}: {} is edited by hand from {}", to.display(), out.display());
-                continue;
+            match (from.is_empty(), &kept.made) {
+                (false, made) => copy(&self.place(made, from, &out), &to)?,
+                (true, Made::Make(_)) => {}
+                (true, _) => {
+                    println!("{name}: {} is edited by hand from {}", to.display(), out.display());
+                    is_whole = false;
+                }
             }
-            let folder = to.parent().ok_or("a file has a folder")?;
-            fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-            let from = out.join(from);
-            fs::copy(&from, &to).map_err(|e| format!("{}: {e}", from.display()))?;
         }
-        println!("{name}: kept; put its build into benches/results/list.rs");
+        if !is_whole {
+            println!("{name}: once it is, put down its build by --built {name}");
+            return Ok(());
+        }
+        built(self.root, &[name.to_owned()])?;
+        println!("{name}: kept");
         Ok(())
+    }
+
+    /// Where a command has left a file.
+    fn place(&self, made: &Made, from: &str, out: &Path) -> PathBuf {
+        match (made, from.strip_prefix("OUT/")) {
+            (Made::Make(_), Some(from)) => out.join(from),
+            (Made::Make(_), None) => self.root.join(from),
+            _ => out.join(from),
+        }
+    }
+
+    /// Calls a make target.
+    fn target(&self, target: &str, out: &Path) -> Result<(), String> {
+        let mut shell = Command::new("sh");
+        shell.arg("-c").arg(format!("make OUT=\"$OUT\" {target}"));
+        shell.current_dir(self.root).env("OUT", out);
+        for variable in OWN {
+            shell.env_remove(variable);
+        }
+        let status = shell.status().map_err(|e| format!("sh: {e}"))?;
+        if status.success() { Ok(()) } else { Err(format!("`make {target}`: {status}")) }
     }
 
     /// Draws the pictures anew, of runs that resume.
@@ -137,4 +239,12 @@ impl Maker<'_> {
             _ => Err(format!("`pluvia {command}`: {}", output.status)),
         }
     }
+}
+
+/// Copies a file, and makes the folder that it goes to.
+fn copy(from: &Path, to: &Path) -> Result<(), String> {
+    let folder = to.parent().ok_or("a file has a folder")?;
+    fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    fs::copy(from, to).map_err(|e| format!("{}: {e}", from.display()))?;
+    Ok(())
 }

@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::{
-    list, marks,
+    builds, list, marks,
     scan::{self, Allowed},
     value::Results,
 };
@@ -71,6 +71,7 @@ pub fn faults(root: &Path) -> Result<Vec<String>, String> {
         faults.extend(marks::filled(text, &results).1.iter().map(|f| format!("{page}:{f}")));
     }
     faults.extend(scan::faults(&pages, &allowed(root)?));
+    faults.extend(builds::faults(root)?);
     let (there, listed) = (files(root)?, listed());
     for file in there.iter().filter(|f| !listed.contains(&f.as_str())) {
         faults.push(format!("{}/{file}: benches/results/list.rs does not list it", list::FOLDER));

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::{joint, list, missed::missed, referee, speed, value::Results};
+use super::{builds, joint, list, missed::missed, referee, speed, value::Results};
 
 type Cells<'a> = &'a dyn Fn(&str) -> Result<String, String>;
 
@@ -31,7 +31,7 @@ pub fn named(name: &str, results: &Results) -> Result<String, String> {
         "referee-one-step" => referee::one_step(results.source("referee")?.as_ref()),
         "referee-static" => referee::certificates(results.source("referee")?.as_ref()),
         "steps" => speed::steps(results.source("bench")?.as_ref()),
-        "files" => Ok(files()),
+        "files" => Ok(files(&builds::read(results.root())?)),
         _ => Err("no table has this name".to_owned()),
     }
 }
@@ -400,7 +400,7 @@ fn grain_shape(quote: Cells) -> Result<String, String> {
 }
 
 /// What each file of `docs/results/` is.
-fn files() -> String {
+fn files(builds: &[builds::Build]) -> String {
     let mut text = head(&["files", "what", "made by", "build"]);
     for kept in list::KEPT {
         let names: Vec<String> =
@@ -412,13 +412,9 @@ fn files() -> String {
             list::Made::Make(target) => format!("`make {target}`"),
             list::Made::Once(command) => format!("{command}; not repeatable by today's code"),
         };
-        let list::Build { day, format } = kept.build;
-        text += &row(&[
-            names.join(", "),
-            kept.what.to_owned(),
-            made,
-            format!("{day}, format {format}"),
-        ]);
+        let build = builds::of(builds, kept.name);
+        let build = build.map(|build| format!("{}, format {}", build.day, build.format));
+        text += &row(&[names.join(", "), kept.what.to_owned(), made, build.unwrap_or_default()]);
     }
     for (file, what) in list::OTHERS {
         text +=

@@ -5,7 +5,13 @@
 //! `run`, or that number from 0; `FIELD=VALUE`, the elements of an array that have it (`FIELD=`: an empty one); `*FIELD`,
 //! that field of all elements. `FORMAT` is how it is written, see [`Format`].
 
-use std::{cell::RefCell, collections::HashMap, fs, path::PathBuf, rc::Rc};
+use std::{
+    cell::RefCell,
+    collections::HashMap,
+    fs,
+    path::{Path, PathBuf},
+    rc::Rc,
+};
 
 use pluvia::measure::inference::MeanTest;
 use serde_json::{Map, Value};
@@ -22,6 +28,11 @@ impl Results {
     /// Those of a tree.
     pub fn of(root: impl Into<PathBuf>) -> Self {
         Self { root: root.into(), read: RefCell::default() }
+    }
+
+    /// Root of the tree.
+    pub fn root(&self) -> &Path {
+        &self.root
     }
 
     /// A whole source.

@@ -1,15 +1,21 @@
 //! Pages quote what the files of `docs/results/` give (`benches/results/`), and say nothing
-//! measured outside of marks but where the list allows it.
+//! measured outside of marks but where the list allows it; what is missing or of an older build is
+//! made anew.
 
 use std::{fs, path::Path};
 
+#[path = "../../benches/results/builds.rs"]
+mod builds;
 #[path = "../../benches/results/derived.rs"]
 mod derived;
 #[path = "../../benches/results/joint.rs"]
 mod joint;
-#[allow(dead_code)] // commands are for the generator
+#[allow(dead_code)] // pictures are for the generator
 #[path = "../../benches/results/list.rs"]
 mod list;
+#[allow(dead_code)]
+#[path = "../../benches/results/make.rs"]
+mod make;
 #[path = "../../benches/results/marks.rs"]
 mod marks;
 #[path = "../../benches/results/missed.rs"]
@@ -29,6 +35,9 @@ mod tables;
 #[path = "../../benches/results/value.rs"]
 mod value;
 
+use builds::Build;
+use make::{Asked, Maker};
+use pluvia::study::STAGE_FORMAT;
 use scan::{Allowed, Kind};
 use value::Results;
 
@@ -172,4 +181,138 @@ fn the_list_allows_no_more_than_it_says() {
     let gone = [&good[..], &[row("C", 1, Kind::Input)]].concat();
     assert_eq!(scan::faults(&pages, &gone).len(), 1, "law: a section that is gone is a fault");
     assert_eq!(scan::lowered(&pages, &gone), good, "law: the list is lowered to what is there");
+}
+
+/// A tree with every file of the list, of today's build but for these.
+fn kept(older: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let results = folder.path().join(list::FOLDER);
+    for (file, _) in list::KEPT.iter().flat_map(|kept| kept.files) {
+        let file = results.join(file);
+        fs::create_dir_all(file.parent().expect("a folder")).expect("made");
+        fs::write(file, "").expect("written");
+    }
+    fs::write(results.join("builds.csv"), "name,day,format\n").expect("written");
+    for kept in list::KEPT.iter().rev() {
+        let format = older.iter().find(|(name, _)| *name == kept.name);
+        let format = format.map_or_else(|| STAGE_FORMAT.to_string(), |of| of.1.to_owned());
+        let (name, day) = (kept.name.to_owned(), "2000-01-01".to_owned());
+        builds::record(folder.path(), Build { name, day, format }).expect("put down");
+    }
+    folder
+}
+
+/// Law: what is missing is made, with `--older` what is of an older build, too; make targets are
+/// called where they are asked for, and what cannot be made keeps nothing else from being made.
+#[test]
+fn results_to_make_are_those_asked_for() {
+    let folder = kept(&[("grains", "13"), ("bench", "17"), ("stock", "1")]);
+    let root = folder.path();
+    assert_eq!(builds::faults(root), Ok(Vec::new()), "law: in order, each once");
+    let chosen = |only: &[&str], older: bool, targets: bool| {
+        let only = only.iter().map(|name| (*name).to_owned()).collect();
+        let chosen = make::chosen(root, &Asked { only, older, targets }).expect("known names");
+        let names: Vec<&str> = chosen.to_make.iter().map(|kept| kept.name).collect();
+        (names, chosen.left)
+    };
+    assert_eq!(chosen(&[], false, false), (vec![], vec![]), "law: nothing is missing");
+    let (names, left) = chosen(&[], true, false);
+    assert_eq!(names, ["grains"], "law: of an older build");
+    assert!(left.len() == 2 && left[0].starts_with("stock: not made: "), "law: got {left:?}");
+    let unasked = "bench: not made unasked: takes ten minutes (`make bench ";
+    assert!(left[1].starts_with(unasked), "law: listed, got {left:?}");
+    assert_eq!(chosen(&[], true, true).0, ["grains", "bench"], "law: targets that are asked for");
+    let (names, left) = chosen(&["bench", "stock", "verify"], false, false);
+    assert_eq!(names, ["verify", "bench"], "law: those named, whatever is there");
+    assert!(left.len() == 1 && left[0].starts_with("stock: "), "law: got {left:?}");
+    for file in ["grains.json", "bench.json", "claims.json"] {
+        fs::remove_file(root.join(list::FOLDER).join(file)).expect("removed");
+    }
+    let (names, left) = chosen(&[], false, false);
+    assert_eq!(names, ["grains", "programme"], "law: what is missing");
+    assert!(left.len() == 1 && left[0].starts_with("bench: "), "law: got {left:?}");
+    let asked = Asked { only: vec!["grain".to_owned()], ..Asked::default() };
+    let why = make::chosen(root, &asked).err().unwrap_or_default();
+    assert!(why.contains("no result is named grain;"), "law: an unknown name, got {why}");
+}
+
+/// Law: the list says the format of each result beside today's, marks older ones, and names files
+/// that are missing.
+#[test]
+fn results_are_listed_with_their_builds() {
+    let folder = kept(&[("grains", "13")]);
+    let file = folder.path().join(list::FOLDER).join("bench.json");
+    fs::remove_file(file).expect("removed");
+    let listed = make::list(folder.path()).expect("it can be listed");
+    let line = |name: &str| {
+        let line = listed.lines().find(|line| line.starts_with(&format!("{name}: ")));
+        line.expect("every result is listed")
+    };
+    for (name, end) in [
+        ("grains", format!("(of 2000-01-01, format 13, today {STAGE_FORMAT}: OLDER)")),
+        ("verify", format!("format {STAGE_FORMAT}, today {STAGE_FORMAT})")),
+        ("bench", format!("today {STAGE_FORMAT}; missing: bench.json)")),
+    ] {
+        assert!(line(name).ends_with(&end), "law: `{end}`, got `{}`", line(name));
+    }
+}
+
+/// Law: a result that was made has its files in their places, and today's build in the table; a
+/// make target gets its variables and the output folder.
+#[cfg(unix)]
+#[test]
+fn what_is_made_is_kept_with_its_build() {
+    let folder = kept(&[("grains", "13"), ("bench", "17")]);
+    let root = folder.path();
+    let makefile = "bench:\n\t@mkdir -p out && echo '$(ARGS) in $(OUT)' > out/bench.json\n";
+    fs::write(root.join("Makefile"), makefile).expect("written");
+    // A program that says what it is asked.
+    let maker = Maker { root, out: Path::new("out/results"), program: Path::new("/bin/echo") };
+    let made = |name: &str, file: &str| {
+        let kept = list::KEPT.iter().find(|kept| kept.name == name).expect("it is listed");
+        maker.make(kept).expect("law: it is made");
+        fs::read_to_string(root.join(list::FOLDER).join(file)).expect("law: it is kept")
+    };
+    let out = root.join("out/results").join(format!("format-{STAGE_FORMAT}"));
+    let out = out.display();
+    assert_eq!(
+        made("grains", "grains.json"),
+        format!("grains scenarios/paper/pluviation.json --json --out {out}/grains\n")
+    );
+    assert_eq!(
+        made("bench", "bench.json"),
+        format!("--quick --most-grains 1500 --states rest,shaken,pour in {out}/bench\n")
+    );
+    let builds = builds::read(root).expect("builds");
+    for name in ["grains", "bench"] {
+        let build = builds::of(&builds, name).expect("it has a row");
+        assert_eq!(build.format, STAGE_FORMAT.to_string(), "law: {name} is of today's build");
+        assert_ne!(build.day, "2000-01-01", "law: {name} was made today");
+    }
+    assert_eq!(builds::faults(root), Ok(Vec::new()), "law: in order, each once");
+}
+
+/// Law: days are those of the calendar; a result of parts is as old as its oldest one.
+#[test]
+fn builds_have_their_day_and_age() {
+    for (seconds, expected) in [
+        (0, "1970-01-01"),
+        (951_782_400, "2000-02-29"),
+        (1_795_737_600, "2026-11-27"),
+        (1_798_675_199, "2026-12-30"),
+        (4_102_444_800, "2100-01-01"),
+    ] {
+        assert_eq!(builds::day(seconds), expected, "law: {seconds} s after 1970 began");
+    }
+    for (format, is_older) in [
+        ("15", false),
+        ("14", true),
+        ("14, 15 and 19", true),
+        ("15 and 16", false),
+        ("before 15", true),
+        ("", true),
+    ] {
+        let build = Build { name: String::new(), day: String::new(), format: format.to_owned() };
+        assert_eq!(build.is_older(15), is_older, "law: `{format}` is older than 15");
+    }
 }
