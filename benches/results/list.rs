@@ -69,7 +69,9 @@ pub const KEPT: &[Kept] = &[
                tests, figures",
         files: &[
             ("claims.json", "claims.json"),
+            ("scorecard.json", "scorecard.json"),
             ("uncertainty.json", "uncertainty.json"),
+            ("settlement.svg", "figures/settlement.svg"),
             (
                 "figure-01-grain-size-distribution.svg",
                 "figures/figure-01-grain-size-distribution.svg",
