@@ -1,4 +1,5 @@
-//! The scorecard of `pluvia reproduce` on a terminal: the paragraph, which ends with the tally, and the rows.
+//! The scorecard of `pluvia reproduce` on a terminal: the paragraph, which ends with the tally, the
+//! rows, and how they were judged.
 
 use super::*;
 use crate::paper::{Scorecard, Verdict};
@@ -6,7 +7,7 @@ use crate::paper::{Scorecard, Verdict};
 /// Columns that a line of the paragraph takes at most.
 const WIDTH: usize = 96;
 
-/// The paragraph and the rows.
+/// The paragraph, the rows and their notes.
 pub(super) fn of(card: &Scorecard) -> String {
     let mut rows = vec![["statement", "paper", "ours", "verdict"].map(str::to_owned)];
     for row in &card.rows {
@@ -14,15 +15,28 @@ pub(super) fn of(card: &Scorecard) -> String {
             0 => String::new(),
             n => format!(" (left out: {n})"),
         };
-        let undecided = if row.is_undecided() { ", not decided" } else { "" };
         rows.push([
             row.statement.to_owned(),
             row.paper.clone(),
             format!("{}{left_out}", row.in_words),
-            format!("{}{undecided}", verdict(row.verdict)),
+            row.stands().map_or_else(|| paint::notable("not decided"), verdict),
         ]);
     }
-    wrapped(&card.paragraph) + "\n" + &table::columns(&rows)
+    wrapped(&card.paragraph) + "\n" + &table::columns(&rows) + &notes(card)
+}
+
+/// How rows were judged, those together that say the same.
+fn notes(card: &Scorecard) -> String {
+    let mut said: Vec<(&str, Vec<&str>)> = Vec::new();
+    for row in card.rows.iter().filter(|row| !row.note.is_empty()) {
+        match said.iter_mut().find(|(note, _)| *note == row.note) {
+            Some((_, statements)) => statements.push(row.statement),
+            None => said.push((&row.note, vec![row.statement])),
+        }
+    }
+    let lines = said.iter().map(|(note, of)| wrapped(&format!("{}: {note}", of.join("; "))));
+    let lines: String = lines.collect();
+    if lines.is_empty() { lines } else { format!("\n{lines}") }
 }
 
 fn verdict(of: Verdict) -> String {
@@ -62,7 +76,7 @@ mod tests {
         paint::colourless(&of(&scorecard(study, &claims(study))))
     }
 
-    /// Law: first the paragraph, which ends with the tally of results alone, then the rows.
+    /// Law: first the paragraph, which ends with the tally of rows, then the rows, then the notes.
     #[test]
     fn the_terminal_has_paragraph_with_tally_and_scorecard() {
         let runs = canned::valid_runs();
@@ -72,16 +86,17 @@ mod tests {
         assert!(place("Reproduced: ") < place("statement  "), "law: {text}");
         let (paragraph, rows) = text.split_at(place("statement  "));
         let words = paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
-        let tally = "13 results: 11 within, 2 outside.";
-        assert!(words.ends_with(tally), "law: no input is counted, got {words}");
-        assert!(!rows.contains("13 results"), "law: said once, got {rows}");
+        let tally = "7 rows: 4 within, 1 outside, 1 not decided, 1 not stated.";
+        assert!(words.ends_with(tally), "law: rows are counted, got {words}");
+        assert!(!rows.contains("7 rows"), "law: said once, got {rows}");
+        let note = "its interval reaches across 14 and 19.61 mm.";
+        let words = rows.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.contains(note), "law: why it is not decided, got {rows}");
         let row = text.lines().find(|l| l.starts_with("Settlement of the plate after 20 s"));
         let row = row.expect("a row");
         assert!(row.contains("  14 to 19.61 mm  18.0 mm [13.0 … 23.0]  "), "got {row}");
-        assert!(
-            row.ends_with("  within, not decided"),
-            "law: 13 to 23 holds 14 and 19.61, got {row}"
-        );
+        assert!(row.ends_with("  not decided"), "law: 13 to 23 holds 14 and 19.61, got {row}");
+        assert!(!row.contains("within"), "law: no verdict beside it, got {row}");
         assert!(text.lines().all(|l| paint::width(l) <= 160), "law: lines are short:\n{text}");
     }
 

@@ -20,7 +20,7 @@ mod view;
 pub use bands::{Interval, PaperValue, Stated};
 pub use claim::{Claim, ClaimKind, NotValid, Verdict};
 pub use claims::claims;
-pub use scorecard::{ResultCounts, ScoreRow, Scorecard, scorecard};
+pub use scorecard::{ResultCounts, RowCounts, ScoreRow, Scorecard, scorecard};
 pub use uncertainty::{Uncertainty, uncertainty};
 pub use view::{Intermittent, StudyView};
 pub(crate) use view::{gradation_in_words, settlement_curve};

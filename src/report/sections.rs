@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     paper::{
-        Claim, ClaimKind, Interval, NotValid, PaperValue, Scorecard, StudyView, Verdict,
+        Claim, ClaimKind, Interval, NotValid, PaperValue, ScoreRow, Scorecard, StudyView, Verdict,
         text::{compact, number},
     },
     record::{NO_VALID_RUN, RunKind, RunRecord, left_out_in_words},
@@ -37,6 +37,14 @@ fn verdict_badge(of: Verdict, reason: &str) -> Markup {
     }
 }
 
+/// The verdict of a row: where more runs could turn it, it is none of both.
+fn row_badge(row: &ScoreRow) -> Markup {
+    match row.stands() {
+        Some(verdict) => verdict_badge(verdict, &row.reason),
+        None => html! { span.verdict.not_stated { "? not decided" } },
+    }
+}
+
 /// How many runs a number is without.
 fn left_out(count: usize) -> Markup {
     html! { @if count > 0 { " " span.unit { "(left out: " (count) ")" } } }
@@ -57,11 +65,11 @@ pub(super) fn scorecard(card: &Scorecard) -> Vec<Block> {
             " " span.soft { (row.source) }
         }),
         "Paper" => number_on_page(&html! { (glue(&row.paper)) }),
-        "Ours" => number_on_page(&html! { (glue(&row.in_words)) (left_out(row.left_out)) }),
-        "Verdict" => Cell::default().on_page(&html! {
-            (verdict_badge(row.verdict, &row.reason))
-            @if row.is_undecided() { " " span.soft { "not decided" } }
+        "Ours" => number_on_page(&html! {
+            (glue(&row.in_words)) (left_out(row.left_out))
+            @if !row.note.is_empty() { " " span.soft.reason { (glue(&row.note)) } }
         }),
+        "Verdict" => Cell::default().on_page(&row_badge(row)),
     });
     let reading = html! {
         p.soft {
@@ -69,7 +77,8 @@ pub(super) fn scorecard(card: &Scorecard) -> Vec<Block> {
             "the 95 % confidence interval of the mean in brackets. “Within”: the mean lies within "
             "the range taken for the paper's number; of a count: all show it; of the angle: the "
             "interval contains the paper's. “Not decided”: the interval reaches across an end of "
-            "the paper's range. Every statement by itself: "
+            "the paper's range, or that of what is counted does not confirm the count. Every "
+            "statement by itself: "
             a href="#claims" { "table" } "."
         }
     };
@@ -88,7 +97,8 @@ pub(super) fn claims(claims: &[Claim], beside: &[Column]) -> Vec<Block> {
         }
     };
     let mut reading =
-        "Only results are counted. “Within”: our number lies within the range taken for the \
+        "Results are counted, a statement on each configuration once for each; the scorecard counts \
+         it once. “Within”: our number lies within the range taken for the \
          paper's. “Outside”: it does not. “Not run”: it was not measured. “Not comparable”: it \
          was, but on a smaller specimen, or in runs that do not count; what such runs show stands \
          in brackets. “Not stated”: the text gives no number; ours is for information. Ours is of \

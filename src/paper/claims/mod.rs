@@ -8,6 +8,8 @@ mod vibration;
 #[cfg(test)]
 mod tests;
 
+pub(super) use vibration::edge_ratio;
+
 use super::{Claim, StudyView, Verdict, constants::GRAIN_COUNT};
 use crate::record::RunRecord;
 

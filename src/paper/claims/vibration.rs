@@ -115,7 +115,7 @@ fn final_settlement(study: &StudyView, configuration: u32) -> Claim {
         .runs(run)
         .note(note("At the end of shaking it was", plate_moving, "mm"))
         .note(note("The mean surface of the grains settled by", surface, "mm"))
-        .note(note("Creep of the rest test:", creep, "µm/s"))
+        .note(note("Numerical creep in the rest test:", creep, "µm/s"))
         .judge()
 }
 
@@ -204,7 +204,7 @@ fn below_minimum(study: &StudyView) -> Claim {
 }
 
 /// Fluctuation at the starts and ends of the periods over that in their middle.
-fn edge_ratio(study: &StudyView, run: &RunRecord) -> Option<f64> {
+pub(in crate::paper) fn edge_ratio(study: &StudyView, run: &RunRecord) -> Option<f64> {
     let bounds = study.intermittent.bounds();
     let curve = curve(run);
     let near = |t: f64| {

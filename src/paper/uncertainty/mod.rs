@@ -6,6 +6,7 @@ mod placements;
 mod tests;
 
 pub use placements::{PlacementScatter, SpecimenPlacements};
+pub(super) use placements::{SETTLEMENT_OF_PLATE, SHARE_AFTER_5_S, scatter as placement_scatter};
 
 use serde::Serialize;
 
@@ -35,7 +36,7 @@ pub struct Uncertainty {
     pub quantities: Vec<Quantity>,
     /// Whether the standing height falls with the falling height.
     pub trend: Trend,
-    /// The settlements, each with its own creep beside it. The creep is never subtracted.
+    /// The settlements, each with its own numerical creep beside it. It is never subtracted.
     pub settlements: Vec<SettledRun>,
     /// Scatter of specimens and of placements of the plate, told apart; empty where the plate
     /// was laid once.
@@ -120,7 +121,7 @@ pub struct RankTest {
     pub p: f64,
 }
 
-/// A settlement with what the specimen creeps by itself.
+/// A settlement with what the specimen sinks at rest by itself.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SettledRun {
     /// Name of the run.
@@ -131,7 +132,7 @@ pub struct SettledRun {
     pub plate_mm: Option<f64>,
     /// Of the mean surface.
     pub surface_mm: Option<f64>,
-    /// Creep in the rest test in µm/s; null where none was run.
+    /// Numerical creep in the rest test in µm/s; null where none was run.
     pub creep_um_per_s: Option<f64>,
     /// That creep over as long as the vibration took, in mm.
     pub creep_over_vibration_mm: Option<f64>,
@@ -245,7 +246,7 @@ const MODES: [(RunKind, &str); 2] = [
     (RunKind::VibrationIntermittent, "intermittent"),
 ];
 
-/// Settlement of every vibrated run, beside what its specimen creeps by itself.
+/// Settlement of every vibrated run, beside what its specimen sinks at rest by itself.
 pub(crate) fn settlements(study: &StudyView) -> Vec<SettledRun> {
     MODES.iter().flat_map(|(kind, _)| study.of_kind(*kind)).map(settled).collect()
 }
@@ -309,8 +310,10 @@ pub fn trend(study: &StudyView) -> Trend {
     let mut verdict = in_words(&slopes, slope.as_ref(), page.as_ref(), configurations_needed);
     if !left_out.is_empty() {
         let numbers: Vec<String> = left_out.iter().map(u32::to_string).collect();
-        verdict +=
-            &format!(" Left out, being not valid in part: configuration {}.", numbers.join(", "));
+        verdict += &format!(
+            " Left out, as not all of its runs count: configuration {}.",
+            numbers.join(", ")
+        );
     }
     Trend {
         slopes_mm_per_cm: slopes,

@@ -12,6 +12,11 @@ use crate::paper::{
 };
 use crate::record::{RunKind, RunRecord};
 
+/// Name of the quantity that the paper gives a range of.
+pub(in crate::paper) const SETTLEMENT_OF_PLATE: &str = "settlement of the plate, final";
+/// Name of the other one of which it gives a number.
+pub(in crate::paper) const SHARE_AFTER_5_S: &str = "share of it after 5 s";
+
 /// Fewest placements on a specimen of which a scatter is quoted without a word of caution.
 const ENOUGH: usize = 10;
 
@@ -58,15 +63,15 @@ pub struct SpecimenPlacements {
 
 /// What was measured under the plates of a study's placements; `all` are its runs with those that
 /// are left out of `study`.
-pub(super) fn scatter(all: &StudyView, study: &StudyView) -> Vec<PlacementScatter> {
+pub(in crate::paper) fn scatter(all: &StudyView, study: &StudyView) -> Vec<PlacementScatter> {
     if study.of_kind(RunKind::VibrationPlacement).next().is_none() {
         return Vec::new();
     }
     type Of = fn(&RunRecord) -> Option<f64>;
     let quantities: [(&str, &str, Of); 4] = [
-        ("settlement of the plate, final", "mm", |r| Some(plate(r)?.final_mm)),
+        (SETTLEMENT_OF_PLATE, "mm", |r| Some(plate(r)?.final_mm)),
         ("settlement of the plate, after 5 s", "mm", |r| plate(r)?.after_5_s),
-        ("share of it after 5 s", "%", |r| Some(100.0 * plate(r)?.share_after_5_s?)),
+        (SHARE_AFTER_5_S, "%", |r| Some(100.0 * plate(r)?.share_after_5_s?)),
         ("settlement of the mean surface, final", "mm", |r| Some(surface(r)?.final_mm)),
     ];
     let found = quantities.iter().map(|(name, unit, of)| one(all, study, (name, unit), of));
