@@ -35,7 +35,7 @@ pub struct CalibrationRun {
     pub left_in_funnel: Option<u64>,
     /// Grains that passed a wall or the floor: an engine failure.
     pub escaped: Option<u64>,
-    /// Whether overlap and creep meet the accuracy standard.
+    /// Whether overlap and numerical creep meet the accuracy standard.
     pub meets_standard: Option<bool>,
     /// Wall time in s of all its stages, whenever they were computed.
     pub wall_s: Option<f64>,

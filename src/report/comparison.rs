@@ -95,7 +95,7 @@ fn page(of: &CompareRecord, figures: Vec<Figure>) -> Page {
     let engines: Vec<String> = of.backends.iter().map(engine).collect();
     let standard = format!(
         "Wall times can be compared only between runs that meet the accuracy standard (overlap mean \
-         below {} %, 99th percentile below {} %, creep below {} µm/s): a step that lets grains overlap \
+         below {} %, 99th percentile below {} %, numerical creep below {} µm/s): a step that lets grains overlap \
          more is cheaper, not better.",
         of.standard.overlap_mean_percent,
         of.standard.overlap_p99_percent,
@@ -195,7 +195,7 @@ fn reasons(of: &CompareRecord) -> Vec<String> {
     for run in &of.runs {
         let s = &run.summary;
         let creep = s.creep_um_per_s.map_or_else(
-            || "its creep was not measured".to_owned(),
+            || "its numerical creep was not measured".to_owned(),
             |c| format!("it sinks by {} µm/s at rest", number(c, 1)),
         );
         reasons.push(format!(
@@ -216,7 +216,7 @@ fn reasons(of: &CompareRecord) -> Vec<String> {
         reasons.push(
             "stock Bullet contacts lose 15 % of the normal and all of the friction impulses at \
              every step, while contact points come and go; twenty iterations cannot build up the \
-             network of forces anew, so that grains slip a little for ever. That is its creep."
+             network of forces anew, so that grains slip a little for ever. That is its numerical creep."
                 .to_owned(),
         );
     }

@@ -90,7 +90,7 @@ pub struct ConvergenceRow {
     pub from_ladder: Deviations,
     /// From the finest rung of the study.
     pub from_study: Deviations,
-    /// The largest of overlap, creep and deviations, each over what is
+    /// The largest of overlap, numerical creep and deviations, each over what is
     /// allowed: 1 at the limit. Where one is not known, that of the others if they
     /// miss by themselves (it is at least as large), else `None`. This and what
     /// follows holds in every ladder that has the setting.
@@ -130,7 +130,7 @@ pub struct Convergence {
     pub quick: bool,
     /// Number of grains of a run.
     pub grains: Option<usize>,
-    /// The accuracy standard for overlap and creep.
+    /// The accuracy standard for overlap and numerical creep.
     pub standard: Standard,
     /// Largest deviation of the height that passes, in percent.
     pub height_limit_percent: f64,
@@ -273,8 +273,8 @@ fn cheapest(of: &Convergence) -> [Block; 2] {
         format!("**{name}** ({} s a simulated second{finest})", compact(cost))
     };
     let standard = format!(
-        "The whole standard: overlap below {} % in the mean and {} % at its 99th percentile, creep below \
-         {} µm/s, the height within {} % and both settlements within {} % of the finest rung, of the \
+        "The whole standard: overlap below {} % in the mean and {} % at its 99th percentile, numerical \
+         creep below {} µm/s, the height within {} % and both settlements within {} % of the finest rung, of the \
          setting's own ladder and of the ladder \"{}\".",
         compact(of.standard.overlap_mean_percent),
         compact(of.standard.overlap_p99_percent),
@@ -342,11 +342,11 @@ fn how_to_read(of: &Convergence) -> String {
          \"reference\" is the finest rung, from which nothing can deviate: what its own ladder \
          does not refine may still be wrong. Left out are runs with a result that are not valid, \
          or short of grains (docs/accuracy.md): heights, settlements and deviations are without \
-         them; overlap, creep, grains outside and times are of all runs; otherwise a setting could \
+         them; overlap, numerical creep, grains outside and times are of all runs; otherwise a setting could \
          pass because its bad runs are left out. A setting with a run in which a run-time check \
          found something misses the standard, as one with a run that failed. Grains outside are \
          those that do not lie in the cylinder at the end, in the mean over runs: a jam in the \
-         funnel lowers the specimen by what is stuck there. Creep is without its sign. \
+         funnel lowers the specimen by what is stuck there. Numerical creep is without its sign. \
          \"standard\" takes everything together, with the deviations from both references.",
         compact(of.height_limit_percent),
         compact(of.settlement_limit_percent)

@@ -1,4 +1,4 @@
-//! The page of the verification suite: a table of cases and settings, and a
+//! The page of the analytical benchmarks: a table of cases and settings, and a
 //! figure a case.
 
 use std::path::Path;
@@ -18,7 +18,7 @@ use crate::paper::{
     text::{compact, listed},
 };
 
-/// A law with what each engine made of it.
+/// A benchmark with what each engine made of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LawCase {
     /// Name, also of the figure's files.
@@ -92,8 +92,8 @@ fn page(cases: &[LawCase], figures: Vec<Figure>) -> Page {
     let unexpected = cases.iter().filter(|c| c.rows.iter().any(|r| !r.as_expected));
     let unexpected: Vec<String> = unexpected.map(|c| c.id.clone()).collect();
     let lead = format!(
-        "Of {} experiments, {met} obey their law within the stated tolerance. {} do not, for reasons \
-         that are known and given below; {}.",
+        "Of {} runs of analytical benchmarks, {met} meet the known solution within the stated \
+         tolerance. {} do not, for reasons that are known and given below; {}.",
         rows().count(),
         rows().filter(|r| !r.met && r.as_expected).count(),
         match unexpected.len() {
@@ -104,7 +104,7 @@ fn page(cases: &[LawCase], figures: Vec<Figure>) -> Page {
     let unexpected = listed("Unexpected:", &unexpected);
     let each = cases.iter().zip(figures).flat_map(|(case, figure)| one(case, figure));
     let head = [Block::Lead(lead), Block::Banner(unexpected)];
-    Page::new("Exact laws and what engines make of them", head)
+    Page::new("Analytical benchmarks and what engines make of them", head)
         .section("table", "All cases", [Block::Table(table(cases))])
         .section("cases", "Case by case", each)
 }
@@ -154,7 +154,7 @@ fn one(case: &LawCase, figure: Figure) -> [Block; 4] {
     });
     [
         Block::Figure(figure),
-        Block::Text(format!("Law: {}.", case.law)),
+        Block::Text(format!("Known solution: {}.", case.law)),
         Block::Soft(case.source.clone()),
         Block::Table(found),
     ]

@@ -120,7 +120,7 @@ fn held(curve: &[(f64, f64)], time: f64) -> f64 {
     }
 }
 
-/// The mean at the times of the shortest curve, as far as it goes: a specimen that creeps does not
+/// The mean at the times of the shortest curve, as far as it goes: a specimen that sinks does not
 /// rest at its end.
 pub(super) fn mean_curve(curves: &[Curve]) -> Curve {
     let end = |c: &Curve| c.last().map_or(0.0, |p| p.0);

@@ -11,7 +11,7 @@ pub struct Standard {
     pub overlap_mean_percent: f64,
     /// 99th percentile of the overlap in percent of the equivalent diameter.
     pub overlap_p99_percent: f64,
-    /// Creep in the rest test in µm/s, up or down.
+    /// Numerical creep in the rest test in µm/s, up or down.
     pub creep_um_per_s: f64,
 }
 

@@ -214,7 +214,7 @@ pub(super) fn runs(study: &StudyView) -> Vec<Block> {
     let reading = "Heights in mm above the floor: mean of the surface, its 95th percentile, highest \
                    point of any grain. e: void ratio to the mean surface. Settlement in mm at the end, \
                    of the plate and of the mean surface, and the plate's share after 5 s. Overlap in % \
-                   of the equivalent diameter. Creep in µm/s, and the drop of the mean grain height in \
+                   of the equivalent diameter. Numerical creep in µm/s, and the drop of the mean grain height in \
                    the rest test in µm over its length. Z: mean number of grains touching a grain. \
                    Grains through a wall / over the rim / left in the funnel are listed as lost.";
     let of_cylinder = study.runs.iter().filter(|r| r.kind != RunKind::Repose);
@@ -229,7 +229,7 @@ pub(super) fn runs(study: &StudyView) -> Vec<Block> {
         "Surface" => Cell::fixed(s.surface_settlement_mm.as_ref().map(|s| s.final_mm), 2),
         "In 5 s" => Cell::number(share_after_5_s(run)),
         "Overlap mean / p99 / max" => Cell::number(overlaps(run)),
-        "Creep" => Cell::fixed(s.creep_um_per_s, 1),
+        "Numerical creep" => Cell::fixed(s.creep_um_per_s, 1),
         "Rest test" => Cell::number(rest_test(run)),
         "Z" => Cell::fixed(s.coordination_number, 2),
         "Lost" => Cell::number(lost(run)),
@@ -285,7 +285,7 @@ fn piles(study: &StudyView) -> Vec<Block> {
         "Radius" => Cell::fixed(pile.map(|p| p.base_radius_mm), 1),
         "Fallen off" => s.grains.spilled,
         "Overlap mean / p99 / max" => Cell::number(overlaps(run)),
-        "Creep" => Cell::fixed(s.creep_um_per_s, 1),
+        "Numerical creep" => Cell::fixed(s.creep_um_per_s, 1),
         "Standard" => standard_badge(s.meets_standard),
         "Valid" => valid_badge(run),
         "Wall time" => Cell::number(wall_time(s.wall_s)),
@@ -363,8 +363,8 @@ fn checks(runs: &[RunRecord]) -> Vec<Block> {
     };
     let said: Vec<String> = runs.iter().filter_map(said).collect();
     let passed = format!(
-        "{} of {} runs passed every check: numbers, grains, walls, speeds, energy, overlap and creep \
-         are watched while a run goes on (docs/accuracy.md).",
+        "{} of {} runs passed every check: numbers, grains, walls, speeds, energy, overlap and numerical \
+         creep are watched while a run goes on (docs/accuracy.md).",
         runs.len() - said.len(),
         runs.len()
     );

@@ -104,7 +104,7 @@ fn creep(study: &StudyView, standard: &Standard) -> Vec<String> {
         study.runs.iter().filter(|r| r.summary.creep_um_per_s.is_none()).collect();
     if !without.is_empty() {
         found.push(format!(
-            "Without a rest test, and so without a measure of creep: {}.",
+            "Without a rest test, and so without a measure of numerical creep: {}.",
             names(&without)
         ));
     }
@@ -114,8 +114,8 @@ fn creep(study: &StudyView, standard: &Standard) -> Vec<String> {
     let beyond: Vec<&RunRecord> = study.runs.iter().filter(|r| !(of(r).abs() < limit)).collect();
     if let Some(worst) = beyond.iter().max_by(|a, b| of(a).abs().total_cmp(&of(b).abs())) {
         found.push(format!(
-            "{} of {} runs creep at rest beyond the standard of {limit} µm/s ({} in 20 s): {}; the \
-             worst is {} with {} µm/s.",
+            "{} of {} runs have numerical creep beyond the standard of {limit} µm/s ({} in 20 s): {}; \
+             the worst is {} with {} µm/s.",
             beyond.len(),
             study.runs.len(),
             format_args!("{} mm", number(20e-3 * limit, 1)),
@@ -136,8 +136,8 @@ fn creep_beside_settlement(study: &StudyView) -> Option<String> {
     let (percent, creep_mm, plate_mm, run) =
         shares.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
     Some(format!(
-        "How much of the settlement could be creep: at most {} mm of {} mm, {} %, in {run} (creep \
-         of the resting specimen times the length of the vibration). Creep under vibration may be \
+        "How much of the settlement could be numerical creep: at most {} mm of {} mm, {} %, in {run} \
+         (that of the resting specimen times the length of the vibration). Under vibration it may be \
          larger than at rest; no rest test shows that.",
         number(creep_mm, 3),
         number(plate_mm, 2),

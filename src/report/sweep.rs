@@ -53,7 +53,7 @@ pub struct SweepRun {
     pub values: Vec<Value>,
     /// Results by their path in `summary.json`; what was not measured is absent.
     pub outcomes: BTreeMap<String, f64>,
-    /// Whether overlap and creep meet the accuracy standard; none without result.
+    /// Whether overlap and numerical creep meet the accuracy standard; none without result.
     pub meets_standard: Option<bool>,
     /// Whether the standard is met and no run-time check found anything; none
     /// without result.
@@ -307,7 +307,7 @@ mod tests {
         let page = page(&of, vec![]);
         let text = page.markdown();
         for said in [
-            "; 1 does not meet the accuracy standard for overlap and creep; in 1 that does a \
+            "; 1 does not meet the accuracy standard for overlap and numerical creep; in 1 that does a \
              run-time check found something; not valid: 2 of 3; 2 of 3 runs with a result are left out of means.",
             "| point | seed | runs | valid | left out |",
             "| point-0001 | 1 | 3, 1 failed | 1 | 2 |",

@@ -41,7 +41,7 @@ pub(super) fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
         say(
             below,
             format!(
-                "; {below} {} meet the accuracy standard for overlap and creep",
+                "; {below} {} meet the accuracy standard for overlap and numerical creep",
                 if below == 1 { "does not" } else { "do not" }
             )
         ),

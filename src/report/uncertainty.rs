@@ -15,14 +15,14 @@ use crate::{
     record::NO_VALID_RUN,
 };
 
-/// Interval, tests, creep and the laboratory's scatter.
+/// Interval, tests, numerical creep and the laboratory's scatter.
 pub(super) fn section(of: &Uncertainty) -> Vec<Block> {
     let heading = |text: &str| Block::Heading(text.to_owned());
     let reading = html! {
         p.soft {
             "Intervals are those of the mean over the configurations, by Student's t, 95 % confidence. "
-            "SD: standard deviation of a single configuration. Runs that are not valid, or short of grains, are left "
-            "out (docs/accuracy.md). The same as numbers: "
+            "SD: standard deviation of a single configuration. Runs that do not count (docs/accuracy.md) "
+            "are left out; the table of runs says why. The same as numbers: "
             a href="uncertainty.json" { "uncertainty.json" } "."
         }
     };
@@ -45,11 +45,11 @@ pub(super) fn section(of: &Uncertainty) -> Vec<Block> {
             Block::Table(placements(&of.placements)),
         ]);
     }
-    let reading = "Creep is that of the second half of the rest test, and what it would make over as \
+    let reading = "Numerical creep is that of the second half of the rest test, and what it would make over as \
                    long as the vibration took. It is shown, and not subtracted: a shaken specimen need \
-                   not creep as a resting one does.";
+                   not sink as a resting one does.";
     blocks.extend([
-        heading("Settlement beside what the specimen creeps by itself"),
+        heading("Settlement beside the numerical creep of the specimen at rest"),
         Block::Soft(reading.to_owned()),
         match of.settlements.as_slice() {
             [] => Block::Text("No specimen was shaken.".to_owned()),
@@ -156,8 +156,8 @@ fn settlements(runs: &[SettledRun]) -> Table {
         },
         "Plate, mm" => Cell::fixed(run.plate_mm, 2),
         "Mean surface, mm" => Cell::fixed(run.surface_mm, 2),
-        "Creep, µm/s" => Cell::fixed(run.creep_um_per_s, 1),
-        "Creep over the vibration, mm" => Cell::fixed(run.creep_over_vibration_mm, 3),
+        "Numerical creep, µm/s" => Cell::fixed(run.creep_um_per_s, 1),
+        "The same over the vibration, mm" => Cell::fixed(run.creep_over_vibration_mm, 3),
         "Plate in the rest test, mm" => Cell::fixed(run.rest_test_plate_drop_mm, 3),
         "Rest test, s" => Cell::fixed(run.rest_test_s, 1),
     })

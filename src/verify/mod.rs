@@ -1,5 +1,5 @@
-//! Exact laws: small experiments whose outcome is known from mechanics, run
-//! on an engine through the same seam as the paper's experiment.
+//! Analytical benchmarks: small experiments whose outcome is known from mechanics,
+//! run on an engine through the same seam as the paper's experiment.
 //!
 //! A case is a file of `scenarios/verification/`: an experiment with its
 //! numbers, the law it must obey, the expected value, the tolerance and where

@@ -87,9 +87,10 @@ const SHOWN: [Shown; 5] = [
     },
     Shown {
         stem: "convergence-creep",
-        title: "Creep against the step rate",
-        axis: "Creep at rest (µm/s)",
-        caption: "Creep in the rest test, without its sign. Dotted: what the accuracy standard allows.",
+        title: "Numerical creep against the step rate",
+        axis: "Numerical creep at rest (µm/s)",
+        caption: "Numerical creep in the rest test, without its sign. Dotted: what the accuracy standard \
+                  allows.",
         value: |v| v.creep_um_per_s,
         limits: |s| vec![(format!("Standard: {} µm/s", s.creep_um_per_s), s.creep_um_per_s)],
         ..LENGTH
@@ -235,7 +236,7 @@ fn cost(of: &Convergence) -> Result<Figure, ReportError> {
         }
     }
     plot.mark_level("what is allowed", 1.0);
-    let caption = "The largest of overlap, creep and deviations, each over what the standard allows, \
+    let caption = "The largest of overlap, numerical creep and deviations, each over what the standard allows, \
                    against wall time; below the dotted line the whole standard is met. Lines join the \
                    rungs of a ladder in order. The setting that the study is compared with is left \
                    out: it cannot deviate from itself.";

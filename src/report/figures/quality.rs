@@ -1,4 +1,4 @@
-//! Creep and overlap of every run beside the accuracy standard.
+//! Numerical creep and overlap of every run beside the accuracy standard.
 
 use super::Figure;
 use crate::{
@@ -34,7 +34,7 @@ fn add_dots(
 pub(super) fn creep(study: &StudyView, standard: &Standard) -> Result<Figure, ReportError> {
     let runs = study.runs;
     let limit = standard.creep_um_per_s;
-    let mut plot = by_run(runs, Axis::linear("Creep of the resting specimen (µm/s)"));
+    let mut plot = by_run(runs, Axis::linear("Numerical creep of the resting specimen (µm/s)"));
     plot.mark_upright(&format!("Standard: within ±{limit} µm/s"), [limit, -limit]);
     let label = "Sinking rate of the mean grain height";
     add_dots(&mut plot, runs, 0, label, |r| r.summary.creep_um_per_s);
@@ -51,12 +51,18 @@ pub(super) fn creep(study: &StudyView, standard: &Standard) -> Result<Figure, Re
         None => "No run had a rest test.".to_owned(),
     };
     let caption = format!(
-        "Creep in the rest test: each finished specimen is left alone, nothing moves, and its mean \
+        "Numerical creep in the rest test: each finished specimen is left alone, nothing moves, and its mean \
          grain height should stay where it is. Dotted: the accuracy standard, ±{limit} µm/s, which \
          is {} mm in 20 s. {found}",
         number(limit * 20e-3, 1)
     );
-    Figure::new("quality-creep", "Creep of the specimens at rest", caption, &[plot], &table)
+    Figure::new(
+        "quality-creep",
+        "Numerical creep of the specimens at rest",
+        caption,
+        &[plot],
+        &table,
+    )
 }
 
 pub(super) fn overlap(study: &StudyView, standard: &Standard) -> Result<Figure, ReportError> {
