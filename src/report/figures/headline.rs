@@ -1,5 +1,6 @@
-//! The one figure of the report's head: settlement against time, of all runs, of stock Bullet and
-//! of the same specimens unshaken, with the laboratory's range where it was read.
+//! The one figure of the report's head: settlement of the plate against time, of all runs and of
+//! stock Bullet, with the laboratory's range where it was read; beside it how the surface of the
+//! same specimens sinks in the rest test, unshaken and without a plate.
 
 use super::Figure;
 use crate::{
@@ -54,16 +55,24 @@ pub(in crate::report) fn figure(
         plot.add_interval(&label, look, [(at, low), (at, high)], (STROKE_S, 0.0));
     }
     let caption = caption(study, ours.as_ref(), &stock);
-    Figure::new("settlement", "Settlement of the top plate", caption, &[plot], &table)
+    let rests = ours.iter().chain(stock.iter().copied()).any(|m| !m.unshaken.is_empty());
+    let title = if rests {
+        "Settlement of the top plate (dotted: of the surface at rest, without a plate)"
+    } else {
+        "Settlement of the top plate"
+    };
+    Figure::new("settlement", title, caption, &[plot], &table)
 }
 
-/// Adds the mean settlement, and beside it that of the same specimens unshaken.
+/// Adds the mean settlement of the plate, and beside it that of the surface of the same specimens
+/// in the rest test, which has no plate and an end of its own.
 fn add(plot: &mut Plot, name: &str, m: &MeanSettlement, n: usize, dash: Dash) {
     let mark = if m.valid { "" } else { " (not valid)" };
     let label = format!("{name}, mean of {}{mark}", counted(m.runs, "run"));
     plot.add(label, Look::line(n).dash(dash), m.shaken.iter().map(|r| (r[0], r[1])).collect());
-    let unshaken = m.unshaken.iter().copied();
-    plot.add_some(format!("{name}, unshaken"), Look::line(n).dash(style::DOTTED), unshaken);
+    let end = m.unshaken.last().map_or(0.0, |p| p.0);
+    let label = format!("{name}: surface, no plate; rest test ends at {end:.1} s");
+    plot.add_some(label, Look::line(n).dash(style::DOTTED), m.unshaken.iter().copied());
 }
 
 fn rows_of(table: &mut Table, name: &str, m: &MeanSettlement) {
@@ -71,7 +80,7 @@ fn rows_of(table: &mut Table, name: &str, m: &MeanSettlement) {
         table.row(row![name, r[0], r[1], r[2], r[3]]);
     }
     for (time, drop) in &m.unshaken {
-        table.row(row![format!("{name}, unshaken"), *time, *drop, "", ""]);
+        table.row(row![format!("{name}, surface at rest"), *time, *drop, "", ""]);
     }
 }
 
@@ -98,19 +107,20 @@ fn caption(study: &StudyView, ours: Option<&MeanSettlement>, stock: &[&MeanSettl
     };
     if let Some(rest) = rest(m) {
         said.push(format!(
-            "Dotted: the same specimens unshaken, as poured and without the plate, as long as their \
-             rest tests took ({rest}; --set rest_test_s=20 makes them as long as the vibration)."
+            "Dotted: not the plate, but the mean surface of the same specimens as poured, unshaken and \
+             without a plate. The curve ends with their rest tests ({rest}); --set rest_test_s=20 makes \
+             these as long as the vibration."
         ));
     }
     if stock.is_empty() {
         said.push(
-            "Stock Bullet was not run: the same command with --set engine.contact_solver=stock, and then \
-             once more without, adds it."
+            "Not drawn, as it was not run: stock Bullet. Into the same folder (--out), run this report's \
+             command with --set engine.contact_solver=stock added, then once more without it."
                 .to_owned(),
         );
     }
     for rest in stock.iter().filter_map(|m| rest(m)) {
-        said.push(format!("With stock Bullet's contacts they sink by {rest} unshaken."));
+        said.push(format!("With stock Bullet contacts that surface sinks by {rest}."));
     }
     if m.left_out > 0 && m.valid {
         let are = if m.left_out == 1 { "is" } else { "are" };
@@ -132,10 +142,13 @@ mod tests {
         let runs = canned::valid_runs();
         let study = canned::study(&runs);
         let alone = figure(&study, &[]).expect("a figure");
-        for shown in ["Laboratory, 14 to 19.61 mm", "Ours, mean of 3 runs", "Ours, unshaken"] {
+        let rest = "Ours: surface, no plate; rest test ends at 2.0 s";
+        for shown in ["Laboratory, 14 to 19.61 mm", "Ours, mean of 3 runs", rest] {
             assert!(alone.svg.contains(shown), "law: `{shown}` in the legend");
         }
-        assert!(!alone.svg.contains("Stock Bullet") && alone.caption.contains("was not run"));
+        assert!(alone.title.contains("without a plate"), "law: got {}", alone.title);
+        let command = "--set engine.contact_solver=stock added";
+        assert!(!alone.svg.contains("Stock Bullet") && alone.caption.contains(command));
         let column = |stock_bullet| Column {
             label: "stock".to_owned(),
             programme: "p".to_owned(),
@@ -145,7 +158,7 @@ mod tests {
         };
         let with = figure(&study, &[column(true)]).expect("a figure");
         assert!(with.svg.contains("Stock Bullet, mean of 3 runs"), "law: it was run");
-        assert!(with.svg.contains("Stock Bullet, unshaken"), "law: so was its rest test");
+        assert!(with.svg.contains("Stock Bullet: surface, no plate"), "law: so was its rest test");
         let rapier = figure(&study, &[column(false)]).expect("a figure");
         assert!(!rapier.svg.contains("Stock Bullet"), "law: another engine is not stock Bullet");
         let quick = StudyView { quick: true, ..study.clone() };
@@ -154,7 +167,8 @@ mod tests {
         let mut unrested = runs.clone();
         unrested.iter_mut().for_each(|r| r.rest_test.clear());
         let unrested = figure(&canned::study(&unrested), &[]).expect("a figure");
-        assert!(!unrested.svg.contains("unshaken"), "law: no rest test, no curve");
+        assert!(!unrested.svg.contains("no plate"), "law: no rest test, no curve");
+        assert_eq!(unrested.title, "Settlement of the top plate", "law: nor a word of it");
         let none = figure(&canned::study(&[]), &[]).expect("a figure");
         assert!(none.caption.contains("No run") && !none.svg.contains("Ours"));
         let spoilt: Vec<_> = canned::runs().into_iter().filter(|r| r.configuration == 3).collect();
