@@ -218,8 +218,8 @@ pub(super) mod tests {
         assert_eq!(unfilled, None, "law: every path in braces is there");
     }
 
-    /// Law: what a choice moves is said without a number: results belong to runs, and a text
-    /// keeps those of an earlier solver.
+    /// Law: what a choice moves is said without a number, as results belong to runs, and a text
+    /// keeps those of an earlier solver; but for the friction of the calibration (below).
     #[test]
     fn no_result_is_quoted() {
         let mut s = scenario(VIBRATED);
@@ -239,6 +239,26 @@ pub(super) mod tests {
                 assert!(!quotes(&c.sensitivity), "law: {}: {}", c.parameter, c.sensitivity);
             }
         }
+    }
+
+    /// Law: the friction that a pile of 38.40° needs is quoted as it was measured.
+    #[test]
+    fn the_calibrated_friction_is_that_of_the_calibration() {
+        let text = include_str!("../../docs/results/calibration/calibrate.json");
+        let found: Value = serde_json::from_str(text).expect("JSON");
+        let number = |at: &str| {
+            let number = found.pointer(at).and_then(Value::as_f64);
+            format!("{:.2}", number.unwrap_or_else(|| panic!("no number at {at}")))
+        };
+        let expected = format!(
+            "angle of repose of {}° needs a coefficient of {} (confidence interval {} to {})",
+            number("/wanted"),
+            number("/solution/value"),
+            number("/solution/interval_95/low"),
+            number("/solution/interval_95/high")
+        );
+        let quoted = said().iter().any(|choice| choice.sensitivity.contains(&expected));
+        assert!(quoted, "law: `{expected}` in choices.json");
     }
 
     #[test]
