@@ -72,7 +72,7 @@ pub struct Claim {
     pub spread: Option<Interval>,
     /// How number and statement are read, what is missing, what to mind.
     pub note: String,
-    /// Names of the runs that are left out of it, being not valid or short of grains.
+    /// Names of the runs that are left out of it, as they do not count in means.
     #[serde(default)]
     pub left_out: Vec<String>,
     /// What the runs that are left out show, where no other run does; for information only,

@@ -145,10 +145,8 @@ fn lead(of: &CompareRecord) -> String {
     });
     let against: Vec<String> = against.collect();
     if !against.is_empty() {
-        sentences.push(format!(
-            "NOT valid or short of grains, and no result to quote: {}.",
-            against.join(", ")
-        ));
+        sentences
+            .push(format!("NOT counted in means, and no result to quote: {}.", against.join(", ")));
         if of.quantities.iter().all(|q| q.within_band.is_none()) {
             sentences.push("So the bands are not judged.".to_owned());
         }

@@ -213,7 +213,7 @@ fn page(of: &Convergence, figures: Vec<Figure>) -> Page {
     let specimen = specimen(&of.scenario, of.grains, of.quick);
     let (left_out, with_result) = of.left_out();
     let said = left_out_in_words(left_out, with_result)
-        .map(|said| format!("{said}, being not valid or short of grains."));
+        .map(|said| format!("{said}; why, each run's own summary says (left_out_of_means)."));
     let intro = format!(
         "{specimen}. Heights and settlements in mm, of the mean surface after pouring, of the plate and \
          of the mean surface after 5 s of vibration (at its end, where it is shorter). Means over \
@@ -340,8 +340,8 @@ fn how_to_read(of: &Convergence) -> String {
          beyond the limit of {} % (height) or {} % (settlements); \"?\" says that scatter leaves \
          open whether it is. Values without ± are of one run, which gives no scatter. \
          \"reference\" is the finest rung, from which nothing can deviate: what its own ladder \
-         does not refine may still be wrong. Left out are runs with a result that are not valid, \
-         or short of grains (docs/accuracy.md): heights, settlements and deviations are without \
+         does not refine may still be wrong. Left out are runs with a result that do not count \
+         in means (docs/accuracy.md): heights, settlements and deviations are without \
          them; overlap, numerical creep, grains outside and times are of all runs; otherwise a setting could \
          pass because its bad runs are left out. A setting with a run in which a run-time check \
          found something misses the standard, as one with a run that failed. Grains outside are \

@@ -43,7 +43,7 @@ pub(super) fn found_in(
     without_runs: &str,
 ) -> String {
     let left_out = runs.iter().filter(|r| !r.counts_in_means()).count();
-    let end = format!(" and from {these}, not being valid or short of grains");
+    let end = format!(" and from {these}, each for the reason in the table of runs");
     match found {
         Some(found) => found + &sentence_of_left_out(left_out, runs.len(), &end),
         None if left_out > 0 => format!("There is {NO_VALID_RUN}."),

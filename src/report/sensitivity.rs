@@ -172,7 +172,7 @@ fn page(of: &Sensitivity, figure: Figure) -> Page {
          effect that lies inside that scatter: the 95 % confidence interval (Student's t) of its \
          largest difference contains zero. Grains outside are those that do not lie in the \
          cylinder at the end: a jam in the funnel lowers the specimen by what is stuck there. Runs \
-         that are not valid, or short of grains, are left out of every difference with their pair \
+         that do not count in means are left out of every difference with their pair \
          (docs/accuracy.md), and counted.",
         specimen(&of.scenario, of.grains, of.quick),
         counted(of.configurations as usize, "configuration"),

@@ -182,6 +182,29 @@ fn the_page_says_what_was_not_available() {
     assert!(text.contains("not available to us (only its text was)"), "law: it says so");
 }
 
+/// Law: whatever keeps a run out of means is in the table of runs, among what falls short, with
+/// the statements, the settlements and, for the first, in the opening paragraph.
+#[test]
+fn the_page_says_why_runs_do_not_count() {
+    let mut runs = canned::runs();
+    let spoilt = runs.iter_mut().find(|r| r.name == "vibration-continuous-c2").expect("a run");
+    spoilt.summary.grains.missing = Some(700);
+    let (page, _) = make_report(canned::study(&runs), &[]);
+    let first = page.find("; the first, ").expect("in the opening paragraph");
+    assert!(first < page.find("<nav").expect("contents"), "law: it opens the page");
+    let lacking = runs.iter().find(|r| r.name == "vibration-continuous-c2").expect("a run");
+    let why = lacking.summary.why_left_out().join("; ");
+    assert!(!why.is_empty(), "law: it does not count");
+    // Paragraph, table of runs, shortfalls, settlements and statements.
+    let found = page.matches(&why).count();
+    assert!(found >= 5, "law: `{why}` in five places, got {found}");
+    for run in runs.iter().filter(|r| !r.counts_in_means()) {
+        for why in run.summary.why_left_out() {
+            assert!(page.contains(&why), "law: `{why}` of {} is on the page", run.name);
+        }
+    }
+}
+
 /// Law: a run that lacks grains is marked in the table, named and left out of the mean.
 #[test]
 fn a_jammed_run_is_marked_and_left_out() {

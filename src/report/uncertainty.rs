@@ -55,9 +55,11 @@ pub(super) fn section(of: &Uncertainty) -> Vec<Block> {
             [] => Block::Text("No specimen was shaken.".to_owned()),
             runs => Block::Table(settlements(runs)),
         },
-        heading("The laboratory's scatter"),
-        Block::Table(laboratory(&of.laboratory)),
     ]);
+    let left_out = of.settlements.iter().filter(|run| !run.left_out_of_means.is_empty());
+    let why = left_out.map(|run| format!("{}: {}", run.run, run.left_out_of_means.join("; ")));
+    let laboratory = Block::Table(laboratory(&of.laboratory));
+    blocks.extend([Block::List(why.collect()), heading("The laboratory's scatter"), laboratory]);
     blocks
 }
 

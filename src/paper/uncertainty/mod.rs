@@ -58,7 +58,7 @@ pub struct Quantity {
     pub values: Vec<f64>,
     /// The runs they are from.
     pub runs: Vec<String>,
-    /// Runs that have it and are left out, being not valid or short of grains.
+    /// Runs that have it and are left out, as they do not count in means.
     pub left_out: Vec<String>,
     /// Their mean; null without any.
     pub mean: Option<f64>,

@@ -77,12 +77,12 @@ fn effect_figure(
     let panels = effects.iter().map(|effect| effect_panel(of, n, factor, effect));
     let caption = if factor.sampled {
         "Every run at the value that was drawn; all other ranges were drawn from as well. Crosses: runs \
-         left out of the effects, not being valid or short of grains."
+         left out of the effects, as they do not count in means."
             .to_owned()
     } else {
         format!(
-            "Rings: every run; crosses: runs left out of the means, not being valid or short of \
-             grains. Discs: means over {} configurations{}, with the 95 % confidence of the mean by \
+            "Rings: every run; crosses: runs left out of the means, as they do not count in \
+             them. Discs: means over {} configurations{}, with the 95 % confidence of the mean by \
              Student's t.",
             of.configurations,
             if of.design == "grid" { " and over all values of the other factors" } else { "" }

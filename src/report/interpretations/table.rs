@@ -227,9 +227,7 @@ impl Rows<'_> {
         self.words("runs that meet the accuracy standard", |c| {
             format!("{} of {}", c.meeting_standard(), c.runs.len())
         });
-        self.words("runs left out of means, not being valid or short of grains", |c| {
-            format!("{} of {}", c.left_out(), c.runs.len())
-        });
+        self.words("runs left out of means", |c| format!("{} of {}", c.left_out(), c.runs.len()));
     }
 
     /// Every claim that any interpretation has, and the tally of results.

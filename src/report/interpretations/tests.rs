@@ -162,7 +162,7 @@ fn what_is_not_valid_is_marked_and_never_mixed() {
     assert_eq!((claim[1].value, claim[1].not_valid), (Some(16.0), false), "law: it is valid");
     assert_eq!((claim[2].value, claim[2].not_valid), (Some(16.0), true), "law: shown, marked");
     assert_eq!(claim[2].verdict, Some(crate::paper::Verdict::NotComparable));
-    let left_out = row("runs left out of means, not being valid or short of grains");
+    let left_out = row("runs left out of means");
     let words: Vec<&str> = left_out.cells.iter().map(|c| c.words.as_str()).collect();
     assert_eq!(words, ["0 of 18", "6 of 18", "18 of 18"]);
     // Overlap and creep, by which runs are judged, are of all.
