@@ -95,8 +95,8 @@ fn page(of: &CompareRecord, figures: Vec<Figure>) -> Page {
     let engines: Vec<String> = of.backends.iter().map(engine).collect();
     let standard = format!(
         "Wall times can be compared only between runs that meet the accuracy standard (overlap mean \
-         below {} %, 99th percentile below {} %, numerical creep below {} µm/s): a step that lets grains overlap \
-         more is cheaper, not better.",
+         below {} %, 99th percentile below {} %, numerical creep below {} µm/s): a step that lets grains \
+         overlap more is cheaper, not better.",
         of.standard.overlap_mean_percent,
         of.standard.overlap_p99_percent,
         compact(of.standard.creep_um_per_s)

@@ -274,8 +274,8 @@ fn cheapest(of: &Convergence) -> [Block; 2] {
     };
     let standard = format!(
         "The whole standard: overlap below {} % in the mean and {} % at its 99th percentile, numerical \
-         creep below {} µm/s, the height within {} % and both settlements within {} % of the finest rung, of the \
-         setting's own ladder and of the ladder \"{}\".",
+         creep below {} µm/s, the height within {} % and both settlements within {} % of the finest rung, of \
+         the setting's own ladder and of the ladder \"{}\".",
         compact(of.standard.overlap_mean_percent),
         compact(of.standard.overlap_p99_percent),
         compact(of.standard.creep_um_per_s),
@@ -342,8 +342,8 @@ fn how_to_read(of: &Convergence) -> String {
          \"reference\" is the finest rung, from which nothing can deviate: what its own ladder \
          does not refine may still be wrong. Left out are runs with a result that do not count \
          in means (docs/accuracy.md): heights, settlements and deviations are without \
-         them; overlap, numerical creep, grains outside and times are of all runs; otherwise a setting could \
-         pass because its bad runs are left out. A setting with a run in which a run-time check \
+         them; overlap, numerical creep, grains outside and times are of all runs; otherwise a setting \
+         could pass because its bad runs are left out. A setting with a run in which a run-time check \
          found something misses the standard, as one with a run that failed. Grains outside are \
          those that do not lie in the cylinder at the end, in the mean over runs: a jam in the \
          funnel lowers the specimen by what is stuck there. Numerical creep is without its sign. \

@@ -214,8 +214,8 @@ pub(super) fn runs(study: &StudyView) -> Vec<Block> {
     let reading = "Heights in mm above the floor: mean of the surface, its 95th percentile, highest \
                    point of any grain. e: void ratio to the mean surface. Settlement in mm at the end, \
                    of the plate and of the mean surface, and the plate's share after 5 s. Overlap in % \
-                   of the equivalent diameter. Numerical creep in µm/s, and the drop of the mean grain height in \
-                   the rest test in µm over its length. Z: mean number of grains touching a grain. \
+                   of the equivalent diameter. Numerical creep in µm/s, and the drop of the mean grain height \
+                   in the rest test in µm over its length. Z: mean number of grains touching a grain. \
                    Grains through a wall / over the rim / left in the funnel are listed as lost.";
     let of_cylinder = study.runs.iter().filter(|r| r.kind != RunKind::Repose);
     let table = table!(of_cylinder.map(|r| (r, &r.summary)), |(run, s)| {

@@ -45,8 +45,8 @@ pub(super) fn section(of: &Uncertainty) -> Vec<Block> {
             Block::Table(placements(&of.placements)),
         ]);
     }
-    let reading = "Numerical creep is that of the second half of the rest test, and what it would make over as \
-                   long as the vibration took. It is shown, and not subtracted: a shaken specimen need \
+    let reading = "Numerical creep is that of the second half of the rest test, and what it would make \
+                   over as long as the vibration took. It is shown, and not subtracted: a shaken specimen need \
                    not sink as a resting one does.";
     blocks.extend([
         heading("Settlement beside the numerical creep of the specimen at rest"),

@@ -49,6 +49,9 @@ fn every_file_of_the_contract_is_there() {
     let card: Value = serde_json::from_str(&text).expect("JSON");
     let rows = card["rows"].as_array().expect("a list").len();
     assert!((6..=8).contains(&rows), "law: six to eight rows, got {rows}");
+    let tally = card["tally"].as_object().expect("counts");
+    let counted: u64 = tally.values().filter_map(Value::as_u64).sum();
+    assert_eq!(counted, rows as u64, "law: a row is counted once, got {tally:?}");
     let results = claims.iter().filter(|c| c["kind"] == "result");
     for verdict in ["within", "outside", "not_run", "not_comparable"] {
         let counted = results.clone().filter(|c| c["verdict"] == verdict).count();

@@ -236,8 +236,8 @@ fn cost(of: &Convergence) -> Result<Figure, ReportError> {
         }
     }
     plot.mark_level("what is allowed", 1.0);
-    let caption = "The largest of overlap, numerical creep and deviations, each over what the standard allows, \
-                   against wall time; below the dotted line the whole standard is met. Lines join the \
+    let caption = "The largest of overlap, numerical creep and deviations, each over what the standard \
+                   allows, against wall time; below the dotted line the whole standard is met. Lines join the \
                    rungs of a ladder in order. The setting that the study is compared with is left \
                    out: it cannot deviate from itself.";
     Figure::new("convergence-cost", "Cost against error", caption, &[plot], &table)

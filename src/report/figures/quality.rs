@@ -51,8 +51,8 @@ pub(super) fn creep(study: &StudyView, standard: &Standard) -> Result<Figure, Re
         None => "No run had a rest test.".to_owned(),
     };
     let caption = format!(
-        "Numerical creep in the rest test: each finished specimen is left alone, nothing moves, and its mean \
-         grain height should stay where it is. Dotted: the accuracy standard, ±{limit} µm/s, which \
+        "Numerical creep in the rest test: each finished specimen is left alone, nothing moves, and its \
+         mean grain height should stay where it is. Dotted: the accuracy standard, ±{limit} µm/s, which \
          is {} mm in 20 s. {found}",
         number(limit * 20e-3, 1)
     );
