@@ -5,7 +5,7 @@ use crate::paper::{StudyView, Verdict, constants::GRAIN_COUNT, text::number, unc
 use crate::record::{RunRecord, left_out_in_words};
 
 /// What moves the settlement of the plate, as far as it was measured.
-const SETTLEMENT: &str = "The table's acceleration and the plate's position move the settlement, a \
+const SETTLEMENT: &str = "The table's amplitude and the plate's diameter move the settlement, and a \
                           gradual start and stop of the table makes it smaller; friction between \
                           grains and cell shape showed no effect beyond the wide scatter \
                           (docs/studies.md), nor did sieve curve and funnel on the quick specimen \

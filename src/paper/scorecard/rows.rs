@@ -108,7 +108,7 @@ impl Measured {
         let test = MeanTest::of(values, CONFIDENCE);
         Self {
             mean: mean(values),
-            interval: test.map(|t| Interval::around(t.mean, t.half_width)),
+            interval: test.map(|t| Interval::around(t.estimate.mean, t.half_width)),
             count: values.len(),
             one: "run",
             left_out: None,
