@@ -7,7 +7,7 @@ use pluvia::{
 
 use super::{
     bench::{Bench, Point},
-    row::{Found, Row, Rule},
+    row::{Found, Row},
     shear::moments,
     standard_tests::{Sheared, friction_angle, inertial_number, shear_strength},
 };
@@ -30,10 +30,6 @@ const PLANE: f64 = 0.015_25;
 const SIZE_MM: f64 = 4.0;
 const SPEED_MM_PER_S: f64 = 6.0;
 const SOLIDS: f64 = 7800.0;
-
-const SEEN: &str = "Izadi & Bezuijen 2018, PLoS ONE 13(4), e0195073, abstract seen: uniform metal beads \
-    in the laboratory and with Bullet, \"the difference in the average angle of mobilized frictions was \
-    found to be only 1.0°\"; how large the angles are was not seen";
 
 /// A sheared specimen.
 struct Test {
@@ -118,14 +114,14 @@ fn rows(bench: &Bench, tests: &[Test]) -> Vec<Row> {
     [
         ("mobilised", "direct shear of steel beads, mean mobilised friction angle, °"),
         ("peak", "direct shear of steel beads, friction angle at the peak, °"),
-        ("end", "direct shear of steel beads, friction angle at the end, °"),
+        ("end", "direct shear of steel beads, friction angle at the end of the test, °"),
     ]
     .iter()
     .enumerate()
     .map(|(which, (id, quantity))| {
         let values = angles(which);
-        let row = Row::of("beads", &format!("beads-{id}"), quantity, Rule::Unseen(None), &values);
-        let row = row.seen(SEEN).noted(note.clone());
+        let row = Row::of("beads", &format!("beads-{id}"), quantity, None, &values);
+        let row = row.noted(note.clone());
         Row { design: bench.design().to_owned(), decimals: 1, ..row }
     })
     .collect()

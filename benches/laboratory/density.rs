@@ -7,43 +7,42 @@ use pluvia::{
 
 use super::{
     bench::{Bench, Run, root},
-    row::{Found, Row, Rule},
+    references::VOID_RATIO,
+    row::{Found, Published, Row},
 };
 
-const TABLE: &str = "Mathematical Problems in Engineering 2021, 5092612, Table 1, after Youd, seen";
-
-/// How far from a published void ratio ours may be.
-const WANTED: f64 = 0.05;
-
-/// A material whose index densities are published.
+/// A material whose index densities are looked for.
 struct Material {
     /// The scenario's name, and that of its rows.
     name: &'static str,
     /// What it is called in rows.
     title: &'static str,
-    roundness: f64,
-    e_max: f64,
-    e_min: f64,
-    /// What the table says of it.
-    seen: &'static str,
+    /// Of its grains; without one their edges are sharp.
+    roundness: Option<f64>,
+    /// Void ratios of the loosest and the densest state, where they are published.
+    published: Option<(f64, f64)>,
 }
 
-const MATERIALS: [Material; 2] = [
+const GRAVEL: usize = 1;
+const MATERIALS: [Material; 3] = [
     Material {
         name: "basalt",
         title: "crushed basalt",
-        roundness: 0.19,
-        e_max: 1.257,
-        e_min: 0.705,
-        seen: "CB-Mix No. 1, two halves of 0.5 to 0.7 and 0.7 to 1 mm, roundness 0.19",
+        roundness: Some(0.19),
+        published: Some((1.257, 0.705)),
     },
     Material {
         name: "gravel",
         title: "river gravel",
-        roundness: 0.45,
-        e_max: 0.774,
-        e_min: 0.546,
-        seen: "G2-8, 7.49 to 19.21 mm in four fractions of roundness 0.30, 0.41, 0.59, 0.59",
+        roundness: Some(0.45),
+        published: Some((0.774, 0.546)),
+    },
+    // What relative densities of the other tests need.
+    Material {
+        name: "fraction",
+        title: "the grains of shear box, oedometer and triaxial test",
+        roundness: None,
+        published: None,
     },
 ];
 
@@ -80,79 +79,114 @@ const STANDARD: Vibration = Vibration {
     most: 1,
 };
 
+/// A fall of the void ratio in the second half of a vibration from which on it is not at its end.
+const ENDED: f64 = 0.1 * VOID_RATIO;
+
 /// Runs the test: of the paper's grains, and of those that are published.
 pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     let paper = format!("{}/pluviation", if bench.is_small() { "quick" } else { "paper" });
-    let found = states(bench, &paper, &STRONG)?;
-    let standard = match bench.is_quick() {
-        true => None,
-        false => Some(states(bench, &paper, &STANDARD)?),
-    };
-    let none = |id: &str, state: &str, of: &IndexState, note: String| {
-        let quantity = format!("void ratio of the paper's grains, {state}");
-        row(bench, &format!("density-{id}"), &quantity, Rule::Unseen(None), of)
-            .seen("none is published")
-            .noted(note)
-    };
-    let mut rows = vec![
-        none("e-max", "loosest", &found.states.e_max, made(&found, &found.states.e_max)),
-        none(
-            "e-min",
-            "densest",
-            &found.states.e_min,
-            made(&found, &found.states.e_min) + &still_falls(&found),
-        ),
-        none(
-            "frictionless",
-            BOUND,
-            &found.states.frictionless,
-            made(&found, &found.states.frictionless),
-        ),
-    ];
-    rows.extend(standard.iter().map(|standard| {
-        none(
-            "d4253",
-            "vibrated as in ASTM D4253, but for seconds",
-            &standard.states.e_min,
-            made(standard, &standard.states.e_min) + &still_falls(standard),
-        )
-    }));
+    let mut rows = Vec::new();
+    if !bench.is_quick() {
+        let found = states(bench, &paper, &STRONG)?;
+        rows.extend(index_rows(bench, "density", "the paper's grains", &found, None, ""));
+        rows.extend(as_in_the_standard(bench, &found, &states(bench, &paper, &STANDARD)?));
+    }
     let mut points = Vec::new();
-    let materials = if bench.is_quick() { &MATERIALS[1..] } else { &MATERIALS[..] };
+    let materials = if bench.is_quick() { &MATERIALS[GRAVEL..=GRAVEL] } else { &MATERIALS[..] };
     for material in materials {
         let found = states(bench, &format!("validation/density-{}", material.name), &STRONG)?;
-        let of = |id: &str, state: &str, of: &IndexState, published: Option<f64>| {
-            let rule = match published {
-                Some(value) => Rule::Range(value - WANTED, value + WANTED),
-                None => Rule::Unseen(None),
-            };
-            let id = format!("density-{}-{id}", material.name);
-            let quantity = format!("void ratio of {}, {state}", material.title);
-            let source = match published {
-                Some(value) => format!("{TABLE}: {}: {value}. ± {WANTED} is ours", material.seen),
-                None => "none is published".to_owned(),
-            };
-            let note = format!(
-                "{}; roundness {}, friction between grains 0.5",
-                made(&found, of),
-                material.roundness
-            );
-            row(bench, &id, &quantity, rule, of).seen(&source).noted(note)
+        let grains = match material.roundness {
+            Some(roundness) => format!("; roundness {roundness}, friction between grains 0.5"),
+            None => "; sharp edges, friction between grains 0.5".to_owned(),
         };
-        rows.push(of("e-max", "loosest", &found.states.e_max, Some(material.e_max)));
-        let mut densest = of("e-min", "densest", &found.states.e_min, Some(material.e_min));
-        densest.note += &still_falls(&found);
-        rows.push(densest);
-        rows.push(of("frictionless", BOUND, &found.states.frictionless, None));
-        points.push((material, found));
+        let begin = format!("density-{}", material.name);
+        let published = material.published;
+        rows.extend(index_rows(bench, &begin, material.title, &found, published, &grains));
+        if let (Some(roundness), Some(published)) = (material.roundness, published) {
+            points.push(Compared { roundness, published, found });
+        }
     }
     Ok(Found { rows, charts: vec![chart(&points), settling(bench, &paper)?] })
 }
 
-const BOUND: &str = "without friction, a bound";
+/// Rows of the loosest and the densest state, how far they are from each other, and the bound.
+fn index_rows(
+    bench: &Bench,
+    begin: &str,
+    grains: &str,
+    found: &IndexDensities,
+    published: Option<(f64, f64)>,
+    more: &str,
+) -> Vec<Row> {
+    let of = |id: &str, state: &str, published, values: &[f64], note: String| {
+        let quantity = format!("void ratio of {grains}, {state}");
+        row(bench, &format!("{begin}-{id}"), &quantity, published, values).noted(note)
+    };
+    let about = |value: f64| Published::Range { low: value - VOID_RATIO, high: value + VOID_RATIO };
+    let states = &found.states;
+    // Realisations belong together only where none is left out.
+    let is_whole = states.e_max.failures.is_empty() && states.e_min.failures.is_empty();
+    let pairs = states.e_max.values.iter().zip(&states.e_min.values);
+    let ranges: Vec<f64> = pairs.filter(|_| is_whole).map(|(loose, dense)| loose - dense).collect();
+    let range = published.map(|(e_max, e_min)| Published::Value { value: e_max - e_min });
+    let note = |state: &IndexState| made(found, state) + more;
+    vec![
+        of(
+            "e-max",
+            "loosest",
+            published.map(|(e_max, _)| about(e_max)),
+            &states.e_max.values,
+            note(&states.e_max),
+        ),
+        of(
+            "e-min",
+            &format!("densest{}", sinking(found)),
+            published.map(|(_, e_min)| about(e_min)),
+            &states.e_min.values,
+            note(&states.e_min) + &still_falls(found),
+        ),
+        of("range", "loosest less densest", range, &ranges, String::new()),
+        of(
+            "frictionless",
+            "without friction, a bound",
+            None,
+            &states.frictionless.values,
+            note(&states.frictionless),
+        ),
+    ]
+}
 
-fn row(bench: &Bench, id: &str, quantity: &str, rule: Rule, state: &IndexState) -> Row {
-    let mut row = Row::of("density", id, quantity, rule, &state.values);
+/// What the vibration of ASTM D4253 makes of the paper's grains within seconds, and the relative
+/// density of that by the index densities found.
+fn as_in_the_standard(
+    bench: &Bench,
+    found: &IndexDensities,
+    standard: &IndexDensities,
+) -> Vec<Row> {
+    let state = &standard.states.e_min;
+    let seconds = STANDARD.duration_s[usize::from(!bench.is_small())];
+    let vibrated = format!("vibrated as in ASTM D4253, but for {seconds} s{}", sinking(standard));
+    let quantity = format!("void ratio of the paper's grains, {vibrated}");
+    let note = made(standard, state) + &still_falls(standard);
+    let mut rows = vec![row(bench, "density-d4253", &quantity, None, &state.values).noted(note)];
+    if let Some((e_max, e_min)) = found.means.e_max.zip(found.means.e_min) {
+        let values: Vec<f64> = state.values.iter().map(|e| (e_max - e) / (e_max - e_min)).collect();
+        let quantity = format!("relative density of the paper's grains, {vibrated}");
+        let mut row = row(bench, "density-d4253-relative", &quantity, None, &values);
+        row.decimals = 2;
+        rows.push(row.noted("By the means of the loosest and the densest state above"));
+    }
+    rows
+}
+
+fn row(
+    bench: &Bench,
+    id: &str,
+    quantity: &str,
+    published: Option<Published>,
+    values: &[f64],
+) -> Row {
+    let mut row = Row::of("density", id, quantity, published, values);
     row.decimals = 3;
     bench.design().clone_into(&mut row.design);
     row
@@ -167,16 +201,25 @@ fn made(found: &IndexDensities, state: &IndexState) -> String {
     note
 }
 
-/// Share of a cycle within which two moments are the same.
-const SAME_MOMENT: f64 = 0.02;
+/// By how much the void ratio fell in the second half of the vibration.
+fn second_half(found: &IndexDensities) -> Option<f64> {
+    pluvia::measure::statistics::mean(&found.second_half)
+}
+
+/// What is said beside a state whose vibration has not come to an end.
+fn sinking(found: &IndexDensities) -> &'static str {
+    if second_half(found).is_some_and(|fall| fall > ENDED) { ", still sinking" } else { "" }
+}
 
 /// Whether the vibration has come to an end.
 fn still_falls(found: &IndexDensities) -> String {
-    match pluvia::measure::statistics::mean(&found.second_half) {
-        Some(change) => format!("; it fell by {change:.3} in the second half of that time"),
-        None => String::new(),
-    }
+    second_half(found).map_or_else(String::new, |fall| {
+        format!("; it fell by {fall:.3} in the second half of that time")
+    })
 }
+
+/// Share of a cycle within which two moments are the same.
+const SAME_MOMENT: f64 = 0.02;
 
 /// The folder of a scenario's runs, in that of all.
 fn folder(scenario: &str, vibration: &Vibration) -> String {
@@ -190,9 +233,12 @@ fn settling(bench: &Bench, paper: &str) -> Result<Chart, String> {
         Axis::linear("Mean surface over its height at the end"),
     );
     let own = [(paper, "The paper's grains", &STRONG), (paper, "The same, 60 Hz", &STANDARD)];
-    let scenarios: Vec<String> =
-        MATERIALS.iter().map(|material| format!("validation/density-{}", material.name)).collect();
-    let published = scenarios.iter().zip(&MATERIALS).map(|(path, m)| (&path[..], m.title, &STRONG));
+    let published: Vec<(String, &str)> = MATERIALS
+        .iter()
+        .filter(|material| material.published.is_some())
+        .map(|material| (format!("validation/density-{}", material.name), material.title))
+        .collect();
+    let published = published.iter().map(|(path, title)| (&path[..], *title, &STRONG));
     for (kind, (scenario, title, vibration)) in own.into_iter().chain(published).enumerate() {
         let out = bench.options(&folder(scenario, vibration)).out;
         for configuration in 1..=bench.configurations.min(vibration.most) {
@@ -239,19 +285,27 @@ fn states(bench: &Bench, scenario: &str, vibration: &Vibration) -> Result<IndexD
     DensityStudy::new(&options).and_then(|study| study.carry_out()).map_err(|e| e.to_string())
 }
 
-fn chart(found: &[(&Material, IndexDensities)]) -> Chart {
-    type Value = fn(&(&Material, IndexDensities)) -> Vec<f64>;
+/// States of a material whose index densities are published.
+struct Compared {
+    roundness: f64,
+    /// Loosest and densest.
+    published: (f64, f64),
+    found: IndexDensities,
+}
+
+fn chart(compared: &[Compared]) -> Chart {
+    type Value = fn(&Compared) -> Vec<f64>;
     let mut plot = Plot::new(Axis::linear("Roundness"), Axis::linear("Void ratio"));
     let mut add = |name: &str, look, values: Value| {
         let points =
-            found.iter().flat_map(|of| values(of).into_iter().map(|e| (of.0.roundness, e)));
+            compared.iter().flat_map(|of| values(of).into_iter().map(|e| (of.roundness, e)));
         plot.add(name, look, points.collect());
     };
-    add("Loosest", Look::points(0), |of| of.1.states.e_max.values.clone());
-    add("Densest", Look::points(1), |of| of.1.states.e_min.values.clone());
-    add("Without friction", Look::points(2), |of| of.1.states.frictionless.values.clone());
-    add("Published, loosest", Look::dots(0), |of| vec![of.0.e_max]);
-    add("Published, densest", Look::dots(1), |of| vec![of.0.e_min]);
+    add("Loosest", Look::points(0), |of| of.found.states.e_max.values.clone());
+    add("Densest", Look::points(1), |of| of.found.states.e_min.values.clone());
+    add("Without friction", Look::points(2), |of| of.found.states.frictionless.values.clone());
+    add("Published, loosest", Look::dots(0), |of| vec![of.published.0]);
+    add("Published, densest", Look::dots(1), |of| vec![of.published.1]);
     Chart {
         stem: "density".into(),
         title: "Loosest and densest states of published materials".into(),

@@ -9,7 +9,7 @@ use pluvia::{
 
 use super::{
     bench::{Bench, Point, Run},
-    row::{Found, Row, Rule},
+    row::{Found, Row},
     standard_tests::{Compressed, Rebound, compression_index, rebound, void_ratio_of_height},
 };
 
@@ -27,10 +27,6 @@ const END: usize = 8;
 const AGAIN: usize = 10;
 /// Height in mm of the middle of the lid above its lower side.
 const HALF_LID_MM: f64 = 5.0;
-
-const SEEN: &str = "no number was seen; that rebound \"is never cent per cent\" and that little is \
-    compressed in sands stands in a textbook seen as a web page";
-const OWN: &str = "our own check; none is published";
 
 /// A test of a realisation.
 struct Test {
@@ -118,9 +114,11 @@ fn rows(tests: &[Test], stiff: &[Test], stiffness: f64, diameter_mm: f64) -> Vec
     let values = |tests: &[Test], of: fn(&Rebound) -> f64| -> Vec<f64> {
         tests.iter().filter_map(Test::rebound).map(|r| 100.0 * of(&r)).collect()
     };
-    let indices = |one: usize, other: usize| -> Vec<f64> {
+    let indices = |tests: &[Test], one: usize, other: usize| -> Vec<f64> {
         tests.iter().filter_map(|test| test.index(one, other)).collect()
     };
+    let begin: Vec<f64> =
+        tests.iter().filter_map(|test| test.void_ratios.first().copied()).collect();
     let again: Vec<f64> = tests
         .iter()
         .map(|t| {
@@ -142,17 +140,15 @@ fn rows(tests: &[Test], stiff: &[Test], stiffness: f64, diameter_mm: f64) -> Vec
         ),
         None => String::new(),
     };
-    let row = |id: &str, quantity: &str, values: &[f64], seen: &str, note: &str, decimals| {
-        let rule = Rule::Unseen(None);
-        let mut row = Row::of("oedometer", &format!("oedometer-{id}"), quantity, rule, values)
-            .seen(seen)
-            .noted(note);
+    let row = |id: &str, quantity: &str, values: &[f64], note: &str, decimals| {
+        let id = format!("oedometer-{id}");
+        let mut row = Row::of("oedometer", &id, quantity, None, values).noted(note);
         row.decimals = decimals;
         row
     };
     let how = format!(
-        "12.5 to 200 kPa and back, {diameter_mm:.0} mm wide; contacts of {:.0} kN/m. What is \
-         beyond the springs is grains that have moved",
+        "12.5 to 200 kPa and back, {diameter_mm:.0} mm wide; contacts of {:.0} kN/m. The rest of \
+         the compression stays: grains that have moved for good, and springs that friction holds",
         stiffness * 1e-3
     );
     vec![
@@ -160,7 +156,6 @@ fn rows(tests: &[Test], stiff: &[Test], stiffness: f64, diameter_mm: f64) -> Vec
             "came-back",
             "oedometer, share of the compression that comes back, %",
             &values(tests, |r| r.came_back),
-            SEEN,
             &(how + &stiffer),
             0,
         ),
@@ -168,32 +163,44 @@ fn rows(tests: &[Test], stiff: &[Test], stiffness: f64, diameter_mm: f64) -> Vec
             "springs",
             "oedometer, share that the springs of contacts can give back, %",
             &values(tests, |r| r.of_springs),
-            OWN,
-            "Energy ½ f²/k of all contacts that unloading sets free, over the mean force of the lid: a bound, since friction takes a part of it where grains slide back",
+            "Energy ½ f²/k of all contacts that unloading sets free, over the mean force of the lid: \
+             a bound, since friction takes a part of it where grains slide back",
             0,
         ),
         row(
             "again",
             "oedometer, loaded again, compression over that of the first loading, %",
             &again,
-            OWN,
             "12.5 to 200 kPa both times",
             0,
         ),
         row(
             "compression-index",
             "oedometer, compression index, 50 to 200 kPa",
-            &indices(MIDDLE, TOP),
-            SEEN,
+            &indices(tests, MIDDLE, TOP),
             "Fall of the void ratio for ten times the stress, by the height of the lid",
             3,
         ),
         row(
             "swelling-index",
             "oedometer, swelling index, 200 to 50 kPa",
-            &indices(TOP, DOWN),
-            SEEN,
-            "The same on unloading; halves with contacts twice as stiff where it is their springs",
+            &indices(tests, TOP, DOWN),
+            "The same on unloading. Were it the springs alone, it would halve with contacts twice as \
+             stiff: see the row below",
+            3,
+        ),
+        row(
+            "swelling-index-stiffer",
+            "oedometer, swelling index, 200 to 50 kPa, contacts twice as stiff",
+            &indices(stiff, TOP, DOWN),
+            "Another specimen of the same grains, poured anew: its void ratio differs, too",
+            3,
+        ),
+        row(
+            "void-ratio",
+            "oedometer, void ratio at 12.5 kPa, loaded first",
+            &begin,
+            "By the height of the lid",
             3,
         ),
     ]

@@ -3,7 +3,10 @@
 use pluvia::measure::inference::MeanTest;
 use serde::{Deserialize, Serialize};
 
-use super::standard_tests::{Verdict, judge};
+use super::{
+    references,
+    standard_tests::{Verdict, judge, judge_value},
+};
 
 /// What is published.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -36,6 +39,9 @@ pub struct Row {
     pub ours: Option<f64>,
     /// Its 95 % confidence interval by Student's t.
     pub interval: Option<Interval>,
+    /// Half the width that it may have for the row to be *within* a single published value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub widest_half_width: Option<f64>,
     /// Each realisation.
     pub values: Vec<f64>,
     pub verdict: Verdict,
@@ -47,17 +53,6 @@ pub struct Row {
     pub design: String,
 }
 
-/// How a row is judged.
-#[derive(Debug, Clone, Copy)]
-pub enum Rule {
-    /// Against a range that was seen in a source.
-    Range(f64, f64),
-    /// Against a value, which the interval must hold.
-    Value(f64),
-    /// Not at all: no source was seen that states what is published.
-    Unseen(Option<Published>),
-}
-
 /// What a test found.
 pub struct Found {
     pub rows: Vec<Row>,
@@ -65,50 +60,51 @@ pub struct Found {
 }
 
 impl Row {
-    /// Judges what realisations gave.
-    pub fn of(test: &str, id: &str, quantity: &str, rule: Rule, values: &[f64]) -> Self {
-        let test_of_mean = MeanTest::of(values, 0.95);
-        let ours = pluvia::measure::statistics::mean(values);
-        let interval = test_of_mean.map(|t| {
-            let mean = t.estimate.mean;
-            Interval { low: mean - t.half_width, high: mean + t.half_width }
-        });
-        let ends = interval.map(|i| (i.low, i.high));
-        let (published, verdict) = match rule {
-            Rule::Range(low, high) => {
-                (Some(Published::Range { low, high }), judge((low, high), ours, ends))
-            }
-            Rule::Value(value) => {
-                let verdict = match (ours, ends) {
-                    (None, _) => Verdict::NotRun,
-                    (_, None) => Verdict::Undecided,
-                    (_, Some((low, high))) if low <= value && value <= high => Verdict::Within,
-                    _ => Verdict::Outside,
-                };
-                (Some(Published::Value { value }), verdict)
-            }
-            Rule::Unseen(published) => (published, Verdict::NotJudged),
-        };
-        Self {
+    /// What realisations gave, judged.
+    pub fn of(
+        test: &str,
+        id: &str,
+        quantity: &str,
+        published: Option<Published>,
+        values: &[f64],
+    ) -> Self {
+        let mut row = Self {
             id: id.to_owned(),
             test: test.to_owned(),
             quantity: quantity.to_owned(),
             published,
             source: String::new(),
-            ours,
-            interval,
+            ours: None,
+            interval: None,
+            widest_half_width: None,
             values: values.to_vec(),
-            verdict,
+            verdict: Verdict::NotRun,
             note: String::new(),
             decimals: 2,
             design: String::new(),
-        }
+        };
+        row.judge();
+        row
     }
 
-    /// The same with where the published number was seen.
-    pub fn seen(mut self, source: &str) -> Self {
-        source.clone_into(&mut self.source);
-        self
+    /// Judges the values by the reference of the row.
+    pub fn judge(&mut self) {
+        let reference = references::of(&self.id);
+        self.ours = pluvia::measure::statistics::mean(&self.values);
+        self.interval = MeanTest::of(&self.values, 0.95).map(|t| {
+            let mean = t.estimate.mean;
+            Interval { low: mean - t.half_width, high: mean + t.half_width }
+        });
+        let ends = self.interval.map(|i| (i.low, i.high));
+        self.verdict = match self.published.filter(|_| reference.is_judged) {
+            None => Verdict::NotJudged,
+            Some(Published::Range { low, high }) => judge((low, high), self.ours, ends),
+            Some(Published::Value { value }) => {
+                judge_value(value, reference.widest.unwrap_or(0.0), self.ours, ends)
+            }
+        };
+        self.source = reference.source;
+        self.widest_half_width = reference.widest;
     }
 
     /// The same with what a reader must know.

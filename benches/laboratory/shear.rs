@@ -10,8 +10,11 @@ use pluvia::{
 
 use super::{
     bench::{Bench, Point, Run},
-    row::{Found, Published, Row, Rule},
-    standard_tests::{ShearStrength, Sheared, friction_angle, inertial_number, shear_strength},
+    row::{Found, Published, Row},
+    standard_tests::{
+        ShearStrength, Sheared, friction_angle, inertial_number, shear_strength,
+        void_ratio_of_height,
+    },
 };
 
 const SCENARIO: &str = "scenarios/validation/direct-shear.json";
@@ -36,20 +39,11 @@ const SHEARING: f64 = 3.0;
 const ROUNDER: [f64; 2] = [0.2, 0.45];
 /// Number of the first of their points, after the stresses and what is tried once.
 const FIRST_ROUNDER: usize = STRESSES.len() + 3;
+/// Height in mm of the middle of the lid above its lower side.
+const HALF_LID_MM: f64 = 5.0;
 /// Height in m of the plane between the halves.
 const PLANE: f64 = 0.025_25;
 const GRAVITY: f64 = 9.81;
-
-const PEAK_SEEN: &str = "AASHTO No. 8 aggregates, crushed, uncompacted, dry, from five sources, in a \
-    shear box of 0.3 m: \"highest and lowest peak friction angle measured at 55° and 43°\", FHWA-HRT-13-068 \
-    (2013), seen as quoted on a page of excerpts; Geo-Congress 2014, pp. 47-53, abstract seen \
-    (trid.trb.org/view/1303095): all of five aggregates above 45°, at 34 to 207 kPa";
-const END_NOT_SEEN: &str = "φ = 42° − 17° R of Cho, Dodds & Santamarina 2006, with roundness R of 0.1 to \
-    0.3, from memory: the abstract was seen, which says that the angle at the critical state rises with \
-    angularity, the formula was not";
-const ROUNDER_SEEN: &str = "Cho, Dodds & Santamarina 2006, abstract seen: the angle at the critical state \
-    rises with angularity; by how much was not seen";
-const NONE: &str = "none is published";
 
 /// Box and speed of a design.
 struct ShearBox {
@@ -93,6 +87,8 @@ struct Test {
     configuration: u32,
     moments: Vec<Sheared>,
     strength: ShearStrength,
+    /// Void ratio of all grains in the box before they are sheared, and at the end.
+    void_ratios: [f64; 2],
     /// Mean displacement of the grains along the box in m, by their height before in m.
     profile: Vec<(f64, f64)>,
 }
@@ -134,8 +130,10 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         let together = if run.point == STRESSES.len() { 2 * TOGETHER } else { TOGETHER };
         match shear_strength(&moments, together, END * from_mm(design.travel_mm)) {
             Some(strength) => {
-                let (configuration, profile) = (run.configuration, profile(run)?);
-                tests.push(Test { point: run.point, configuration, moments, strength, profile });
+                let void_ratios = void_ratios(run, &moments, &design)?;
+                let (point, configuration) = (run.point, run.configuration);
+                let profile = profile(run)?;
+                tests.push(Test { point, configuration, moments, strength, void_ratios, profile });
             }
             None => eprintln!("{}: not sheared", run.folder.display()),
         }
@@ -143,7 +141,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     let mut rows = rows(bench, &design, &tests);
     for row in &mut rows {
         bench.design().clone_into(&mut row.design);
-        row.decimals = 1;
+        row.decimals = if row.id.contains("void-ratio") { 3 } else { 1 };
     }
     Ok(Found { rows, charts: vec![chart(&tests), profiles(&tests)] })
 }
@@ -172,10 +170,9 @@ fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
     };
     let peak: fn(&ShearStrength) -> f64 = |s| s.peak;
     let end: fn(&ShearStrength) -> f64 = |s| s.end;
-    let row = |id: &str, quantity: &str, rule, values: &[f64], seen: &str, note: String| {
-        Row::of("direct-shear", &format!("direct-shear-{id}"), quantity, rule, values)
-            .seen(seen)
-            .noted(note)
+    let row = |id: &str, quantity: &str, published, values: &[f64], note: String| {
+        let id = format!("direct-shear-{id}");
+        Row::of("direct-shear", &id, quantity, published, values).noted(note)
     };
     let [low, _, high] = STRESSES.map(|stress| design.inertial(stress));
     let how = format!(
@@ -199,10 +196,32 @@ fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
             format!(". With friction between grains of 0.3, at 50 kPa: {}", slippery.join(", "))
         }
     };
-    let unseen = Rule::Unseen(Some(Published::Range { low: 36.9, high: 40.3 }));
-    let rise: Vec<f64> = (1..=bench.configurations)
-        .filter_map(|c| Some(of(TRIED, c)?.strength.dilation.atan().to_degrees()))
-        .collect();
+    let each = |point: usize, what: &dyn Fn(&Test) -> f64| -> Vec<f64> {
+        (1..=bench.configurations).filter_map(|c| of(point, c).map(what)).collect()
+    };
+    let rise = |test: &Test| test.strength.dilation.atan().to_degrees();
+    let rise_at_end = |test: &Test| test.strength.dilation_at_end.atan().to_degrees();
+    let mean_at_end = |point: usize| -> Option<String> {
+        let mean = pluvia::measure::statistics::mean(&each(point, &rise_at_end))?;
+        Some(format!("{mean:.1}° at {} kPa", STRESSES[point]))
+    };
+    let others: Vec<String> =
+        (0..STRESSES.len()).filter(|n| *n != TRIED).filter_map(mean_at_end).collect();
+    let still = format!(
+        "Rise of the lid over displacement in the last third: where it is not zero, the test ends \
+         before the critical state; {}",
+        others.join(", ")
+    );
+    let box_wide = "By the height of the lid, over the whole box: the sheared layer is looser";
+    let samples = tests.iter().find(|test| test.point == TRIED).map_or_else(String::new, |test| {
+        let [first, .., last] = &test.moments[..] else { return String::new() };
+        let apart = (last.displacement - first.displacement) / (test.moments.len() - 1) as f64;
+        format!(
+            ". The peak is the largest mean of {TOGETHER} samples in succession of {}, over {:.1} mm",
+            test.moments.len(),
+            to_mm(TOGETHER as f64 * apart)
+        )
+    });
     let half = format!(
         "{} in place of {} mm/s, at 50 kPa: I {:.0e} in place of {:.0e}",
         HALF * design.speed_mm_per_s,
@@ -211,14 +230,12 @@ fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
         design.inertial(STRESSES[TRIED])
     );
     let stiffer = "860 in place of 430 kN/m, at 50 kPa; poured anew".to_owned();
-    let own = "our own check; none is published";
     let rounder = ROUNDER.iter().enumerate().map(|(n, roundness)| {
         row(
             &format!("roundness-{roundness}"),
             &format!("direct shear, grains of roundness {roundness}, change of the end, °"),
-            Rule::Unseen(None),
+            None,
             &change(FIRST_ROUNDER + n, end),
-            ROUNDER_SEEN,
             "At 50 kPa, against grains with sharp edges of the same realisation".to_owned(),
         )
     });
@@ -226,62 +243,87 @@ fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
         row(
             "peak",
             "direct shear, friction angle at the peak, °",
-            Rule::Range(43.0, 55.0),
+            Some(Published::Range { low: 43.0, high: 55.0 }),
             &angles(peak),
-            PEAK_SEEN,
-            how.clone(),
+            how.clone() + &samples,
         ),
         row(
             "end",
-            "direct shear, friction angle at the end, °",
-            unseen,
+            "direct shear, friction angle at the end of the test, °",
+            None,
             &angles(end),
-            END_NOT_SEEN,
-            how + &with_less,
+            how + ". Mean over the last third of the displacement" + &with_less,
         ),
         row(
             "dilation",
             "direct shear, angle of dilation at the peak, 50 kPa, °",
-            Rule::Unseen(None),
-            &rise,
-            NONE,
+            None,
+            &each(TRIED, &rise),
             "Rise of the lid over displacement".to_owned(),
+        ),
+        row(
+            "dilation-end",
+            "direct shear, angle of dilation at the end of the test, 50 kPa, °",
+            None,
+            &each(TRIED, &rise_at_end),
+            still,
+        ),
+        row(
+            "void-ratio",
+            "direct shear, void ratio before the shearing, 50 kPa",
+            None,
+            &each(TRIED, &|test| test.void_ratios[0]),
+            box_wide.to_owned(),
+        ),
+        row(
+            "void-ratio-end",
+            "direct shear, void ratio at the end of the test, 50 kPa",
+            None,
+            &each(TRIED, &|test| test.void_ratios[1]),
+            box_wide.to_owned(),
         ),
         row(
             "rate-peak",
             "direct shear at half the speed, change of the peak, °",
-            Rule::Unseen(None),
+            None,
             &change(3, peak),
-            own,
             half.clone(),
         ),
         row(
             "rate-end",
             "direct shear at half the speed, change of the end, °",
-            Rule::Unseen(None),
+            None,
             &change(3, end),
-            own,
             half,
         ),
         row(
             "stiffness-peak",
             "direct shear, contacts twice as stiff, change of the peak, °",
-            Rule::Unseen(None),
+            None,
             &change(4, peak),
-            own,
             stiffer.clone(),
         ),
         row(
             "stiffness-end",
             "direct shear, contacts twice as stiff, change of the end, °",
-            Rule::Unseen(None),
+            None,
             &change(4, end),
-            own,
             stiffer,
         ),
     ];
     rows.extend(rounder);
     rows
+}
+
+/// Void ratio of all grains in the box at the first moment and at the last.
+fn void_ratios(run: &Run, moments: &[Sheared], design: &ShearBox) -> Result<[f64; 2], String> {
+    let solids = run.summary("/grains/solids_volume_cm3")?.ok_or("no volume of solids")? * 1e-6;
+    let area = from_mm(design.side_mm).powi(2);
+    let of = |moment: Option<&Sheared>| {
+        let height = moment.map_or(f64::NAN, |m| m.height) - from_mm(HALF_LID_MM);
+        void_ratio_of_height(height, area, solids)
+    };
+    Ok([of(moments.first()), of(moments.last())])
 }
 
 /// How far grains have come along the box in the end, in layers a grain high.

@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::{
     bench::{Bench, Point, Run},
-    row::{Found, Published, Row, Rule},
+    row::{Found, Published, Row},
     standard_tests::{
         CriticalState, Triaxial, angle_of_ratio, critical_state, inertial_number, peak_ratio,
     },
@@ -45,14 +45,6 @@ const SIDE_MM: f64 = 66.0;
 const WIDE_MM: f64 = 132.0;
 /// Width in which it is poured, over that.
 const POURED: f64 = 72.0 / 66.0;
-
-const ONE_STATE: &str = "Peña et al. 2009, Powders and Grains, pp. 185-188, abstract seen: irregular \
-    polygons reach a critical state that \"is independent of the initial stress and density\"; \
-    Casagrande's definition of 1940, of one void ratio for loose and dense, seen as quoted";
-const NOT_SEEN: &str = "φ = 42° − 17° R of Cho, Dodds & Santamarina 2006, with roundness R of 0.1 to \
-    0.3, from memory: the abstract was seen, which says that the angle at the critical state rises with \
-    angularity, the formula was not";
-const NONE: &str = "none is published for these grains";
 
 /// A specimen that was sheared.
 struct Test {
@@ -192,14 +184,12 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
         };
         (1..=bench.configurations).filter_map(|c| Some(of(find(0, c)?) - of(find(1, c)?))).collect()
     };
-    let row =
-        |id: &str, quantity: &str, rule, values: &[f64], seen: &str, note: String, decimals| {
-            let mut row = Row::of("triaxial", &format!("triaxial-{id}"), quantity, rule, values)
-                .seen(seen)
-                .noted(note);
-            row.decimals = decimals;
-            row
-        };
+    let row = |id: &str, quantity: &str, published, values: &[f64], note: String, decimals| {
+        let id = format!("triaxial-{id}");
+        let mut row = Row::of("triaxial", &id, quantity, published, values).noted(note);
+        row.decimals = decimals;
+        row
+    };
     let begin = |test: &Test| test.moments[0].void_ratio;
     let void_ratio = |test: &Test| test.end.void_ratio;
     let ratio = |test: &Test| test.end.ratio;
@@ -213,92 +203,118 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
     };
     let inertial = inertial_number(RATE, from_mm(SIZE_MM), SOLIDS, from_kpa(STRESS));
     let how = format!(
-        "A cube {:.0} grains wide, smooth plates, void ratio and stress of an inner region, whose mean stress \
-         the plates at the sides keep; means beyond an axial strain of {:.0} %, I = ε̇ d √(ρ/p) = {inertial:.0e}",
+        "A cube {:.0} grains wide, smooth plates, void ratio and stress of an inner region, whose \
+         mean stress the plates at the sides keep; means beyond an axial strain of {:.0} %, \
+         I = ε̇ d √(ρ/p) = {inertial:.0e}",
         side / SIZE_MM,
         100.0 * END
     );
-    let unseen = Rule::Unseen(Some(Published::Range { low: 36.9, high: 40.3 }));
-    let made = "Poured and compressed by 10 kPa with friction between grains of 0.5 and of 0.05, sheared with 0.5";
+    let same = Some(Published::Value { value: 0.0 });
+    let critical = Some(Published::Range { low: 36.9, high: 40.3 });
+    let made = "Poured and compressed by 10 kPa with friction between grains of 0.5 and of 0.05, \
+                sheared with 0.5";
     vec![
         row(
             "begin",
             "triaxial, void ratio of loose less dense, at the beginning",
-            Rule::Unseen(None),
+            None,
             &difference(&begin),
-            NONE,
+            made.to_owned(),
+            3,
+        ),
+        row(
+            "begin-loose",
+            "triaxial, void ratio of the loose at the beginning",
+            None,
+            &values(0, &begin),
+            made.to_owned(),
+            3,
+        ),
+        row(
+            "begin-dense",
+            "triaxial, void ratio of the dense at the beginning",
+            None,
+            &values(1, &begin),
             made.to_owned(),
             3,
         ),
         row(
             "end-difference",
             "triaxial, void ratio of loose less dense, at the end",
-            Rule::Value(0.0),
+            same,
             &difference(&void_ratio),
-            ONE_STATE,
             how.clone(),
             3,
         ),
         row(
             "end-loose",
             "triaxial, void ratio of the loose at the end",
-            Rule::Unseen(None),
+            None,
             &values(0, &void_ratio),
-            NONE,
             how.clone() + &still(0),
             3,
         ),
         row(
             "end-dense",
             "triaxial, void ratio of the dense at the end",
-            Rule::Unseen(None),
+            None,
             &values(1, &void_ratio),
-            NONE,
             how.clone() + &still(1),
             3,
         ),
         row(
             "ratio-difference",
             "triaxial, q/p of loose less dense, at the end",
-            Rule::Value(0.0),
+            same,
             &difference(&ratio),
-            ONE_STATE,
+            how.clone(),
+            2,
+        ),
+        row(
+            "ratio-loose",
+            "triaxial, q/p of the loose at the end",
+            None,
+            &values(0, &ratio),
+            how.clone(),
+            2,
+        ),
+        row(
+            "ratio-dense",
+            "triaxial, q/p of the dense at the end",
+            None,
+            &values(1, &ratio),
             how.clone(),
             2,
         ),
         row(
             "peak-loose",
             "triaxial, friction angle of the loose at its peak, °",
-            Rule::Unseen(None),
+            None,
             &values(0, &peak),
-            NONE,
             how.clone(),
             1,
         ),
         row(
             "peak-dense",
             "triaxial, friction angle of the dense at its peak, °",
-            Rule::Unseen(None),
+            None,
             &values(1, &peak),
-            NONE,
             how.clone(),
             1,
         ),
         row(
             "angle-loose",
             "triaxial, friction angle of the loose at the end, °",
-            unseen,
+            critical,
             &values(0, &angle),
-            NOT_SEEN,
             how.clone(),
             1,
         ),
         row(
             "angle-dense",
             "triaxial, friction angle of the dense at the end, °",
-            unseen,
+            critical,
             &values(1, &angle),
-            NOT_SEEN,
             how,
             1,
         ),
@@ -352,9 +368,10 @@ fn path(tests: &[Test]) -> Chart {
     Chart {
         stem: "triaxial-path".into(),
         title: "Stress paths of loose and dense specimens".into(),
-        caption: "Deviator stress against mean stress of an inner region, each realisation a line: p is kept \
-                  by the forces at the sides, and q grows to its peak and falls to the critical state."
-            .into(),
+        caption:
+            "Deviator stress against mean stress of an inner region, each realisation a line: \
+                  p is kept by the forces at the sides, and q grows to its peak and falls."
+                .into(),
         panels: vec![plot(tests, axes, |m| to_kpa(m.mean()), |m| to_kpa(m.deviator()))],
     }
 }

@@ -433,7 +433,10 @@ fn laboratory(quote: Cells, all: &Value) -> Result<String, String> {
         let at = |path: &str| quote(&format!("laboratory:{id}/{path}:.{decimals}"));
         let published = &value["published"];
         let published = if published["value"].is_number() {
-            at("published/value")?
+            let widest = value["widest_half_width"].is_number().then(|| at("widest_half_width"));
+            let widest =
+                widest.transpose()?.map_or_else(String::new, |w| format!(" (± {w} at most)"));
+            at("published/value")? + &widest
         } else if published["low"].is_number() {
             format!("{} to {}", at("published/low")?, at("published/high")?)
         } else {

@@ -1,9 +1,9 @@
 //! Standard tests of granular material: the laws by which they are read, as pure functions.
 //!
-//! Discharge of a hopper ([`fit_beverloo`]), run-out of a column ([`deposit_edge`]), a box that is
+//! Discharge of a hopper ([`fit_beverloo`]), run-out of a column ([`deposit_edge`], [`run_out_of_slope`]), a box that is
 //! tilted ([`sliding_tilt`]), direct shear ([`shear_strength`], [`friction_angle`]), an oedometer
 //! ([`rebound`]), triaxial compression ([`critical_state`]), where a curve of means takes a value
-//! ([`crossing`]), and how what was measured is judged ([`judge`]).
+//! ([`crossing`]), and how what was measured is judged ([`judge`], [`judge_value`]).
 
 mod beverloo;
 mod judge;
@@ -14,11 +14,11 @@ mod tilt;
 mod triaxial;
 
 pub use beverloo::{BeverlooFit, Discharge, Held, Outflow, fit_beverloo, steady_outflow};
-pub use judge::{Verdict, judge};
+pub use judge::{Verdict, judge, judge_value};
 pub use oedometer::{
     Compressed, Rebound, compression_index, given_back_by_springs, rebound, void_ratio_of_height,
 };
-pub use run_out::{deposit_edge, run_out_of_lube};
+pub use run_out::{deposit_edge, run_out_of_lube, run_out_of_slope};
 pub use shear::{ShearStrength, Sheared, friction_angle, inertial_number, shear_strength};
 pub use tilt::{Tilted, sliding_tilt};
 pub use triaxial::{CriticalState, Triaxial, angle_of_ratio, critical_state, peak_ratio};

@@ -1,6 +1,6 @@
 //! How far a collapsed column has run out.
 
-/// Distance from the axis in m at which a deposit ends: the outermost at which rings of one grain's
+/// Distance from the axis in m at which the centroids of a deposit end: the outermost at which rings of one grain's
 /// width are still covered to `share`, on straight lines between the middles of rings.
 ///
 /// `distances` are those of the grains' centroids from the axis in m, `size` their diameter. The
@@ -24,6 +24,20 @@ pub fn deposit_edge(distances: &[f64], size: f64, share: f64) -> Option<f64> {
 /// 1.24 a below 1.7, 1.6 √a above.
 pub fn run_out_of_lube(aspect: f64) -> f64 {
     if aspect < 1.7 { 1.24 * aspect } else { 1.6 * aspect.sqrt() }
+}
+
+/// Run-out of a column whose deposit has a slope (a tangent) all around and the column's volume: a
+/// truncated cone with the column's height, or a cone where that is lower. It is what volume alone
+/// makes of an angle of repose, without the run-up of a fall.
+pub fn run_out_of_slope(aspect: f64, slope: f64) -> f64 {
+    // How far the flank reaches, over r₀.
+    let flank = aspect / slope;
+    let radius = if flank * flank <= 3.0 {
+        (flank + (4.0 - flank * flank / 3.0).sqrt()) / 2.0
+    } else {
+        (3.0 * flank).cbrt()
+    };
+    radius - 1.0
 }
 
 #[cfg(test)]
@@ -58,6 +72,22 @@ mod tests {
         assert_eq!(deposit_edge(&rolled, 0.01, 0.5), Some(got), "law: single grains do not count");
         assert_eq!(deposit_edge(&rolled[rolled.len() - 3..], 0.01, 0.5), None, "law: no deposit");
         assert_eq!(deposit_edge(&[], 0.01, 0.5), None, "law: no grains");
+    }
+
+    #[test]
+    fn a_deposit_with_a_slope_has_the_volume_of_its_column() {
+        for (aspect, slope) in [(0.56, 0.93), (1.2, 0.93), (2.4, 0.6), (3.7, 0.93), (0.1, 2.0)] {
+            let radius = 1.0 + run_out_of_slope(aspect, slope);
+            // The plateau on top, or none; volumes over π r₀³.
+            let top = (radius - aspect / slope).max(0.0);
+            let height = slope * (radius - top);
+            let got = height * (radius * radius + radius * top + top * top) / 3.0;
+            assert!(
+                (got - aspect).abs() < 1e-12,
+                "law: a = {aspect}, slope {slope}: the volume is {aspect}, got {got}, tolerance 1e-12"
+            );
+        }
+        assert!(run_out_of_slope(1.0, 1e9) < 1e-8, "law: a wall stays where it is");
     }
 
     #[test]
