@@ -29,7 +29,7 @@ export PATH="$tools:$PATH"
 
 # What goes into the package beside its own files: scenarios, and licences of all that is inside.
 rm -rf python/pluvia/scenarios python/licenses
-for folder in paper quick laboratory; do
+for folder in paper quick laboratory validation; do
     mkdir -p "python/pluvia/scenarios/$folder"
     cp scenarios/$folder/*.json "python/pluvia/scenarios/$folder/"
 done

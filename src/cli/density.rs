@@ -9,10 +9,10 @@ use crate::study::{DensityOptions, DensityStudy, IndexState};
 Grains, contact and engine are the scenario's; mould and procedure are those of this command. The
 loosest state is of grains let fall from just above those in the mould (after ASTM D4254), the
 densest of grains vibrated vertically; grains without friction are a bound. ASTM D4253 vibrates for
-8 minutes at 60 Hz and 0.33 mm under 13.8 kPa, of which a few seconds do little: hence other values
-here. Leaves density.json, which also lists the deviations from the standards, and runs/ in DIR.
-Finished stages there are reused. Put e_max and e_min into a scenario as index_densities, and its
-summary gives relative densities.
+8 minutes at 60 Hz and 0.33 mm under 13.8 kPa; after a few seconds of that grains still sink: hence
+other values here. Leaves density.json, which also lists the deviations from the standards, and
+runs/ in DIR. Finished stages there are reused. Put e_max and e_min into a scenario as
+index_densities, and its summary gives relative densities.
 
 Examples:
   pluvia density scenarios/quick/pluviation.json --configurations 3 --out out/density
