@@ -119,18 +119,3 @@ pub(super) fn lowest_of(reach: impl Iterator<Item = (bool, f64)>) -> f64 {
         });
     if still.is_finite() { still } else { free }
 }
-
-impl Solids {
-    /// The pieces, by number, that hold a place within a part.
-    pub(super) fn holding(
-        &self,
-        place: &Vector,
-        state: &SpecimenState,
-    ) -> impl Iterator<Item = usize> {
-        let place = Point::from(*place);
-        let present = state.pieces.iter().enumerate().filter(|(_, piece)| piece.present);
-        present.filter_map(move |(n, piece)| {
-            self.is_in(n, &(piece.pose.inverse() * place)).then_some(n)
-        })
-    }
-}

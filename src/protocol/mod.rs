@@ -7,6 +7,7 @@
 
 mod base;
 mod bodies;
+mod course;
 mod ending;
 #[cfg(test)]
 mod ending_tests;
@@ -32,7 +33,9 @@ mod progress;
 mod segment_tests;
 mod segments;
 mod setup;
+mod solids;
 mod stages;
+mod staging;
 mod stand;
 #[cfg(test)]
 mod testing;
@@ -82,8 +85,9 @@ use crate::world::{
 };
 use crate::{grains, scale};
 use {
-    bodies::*, ending::*, feeder::*, free_pieces::*, mean_stress::*, pieces::*, placing::*,
-    plausible::*, segments::*, stages::*, stand::*, watch::*, whereabouts::*,
+    bodies::*, course::*, ending::*, feeder::*, free_pieces::*, mean_stress::*, pieces::*,
+    placing::*, plausible::*, segments::*, solids::*, staging::*, stand::*, watch::*,
+    whereabouts::*,
 };
 
 /// Sees the specimen at regular times: how series are recorded.

@@ -5,6 +5,9 @@ use super::*;
 use crate::motion::PieceMotion;
 use crate::world::{Contact, World};
 
+/// Moments at which the way of a piece is looked at for its lowest place.
+const SAMPLES_OF_WAY: u32 = 64;
+
 /// Pieces that move as one in a stage.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Drive {
@@ -360,56 +363,4 @@ fn motion_of(press: &PressState) -> Motion {
         return Motion::Turned { inertia: press.mass_kg, axis, about: turns.about };
     }
     Motion::Pressed { mass: press.mass_kg, direction: press.direction }
-}
-
-/// The space that pieces take.
-#[derive(Debug, Clone)]
-pub(super) struct Solids {
-    /// The half-spaces of each part in the frame of its piece: outward normal and offset.
-    parts: Vec<Vec<Vec<(Vector, f64)>>>,
-    /// Radius in m about the origin of that frame that holds the piece.
-    radii: Vec<f64>,
-}
-
-impl Solids {
-    pub(super) fn of(setup: &Setup) -> Self {
-        Self {
-            parts: setup.pieces.iter().map(|p| p.parts.iter().map(planes).collect()).collect(),
-            radii: setup.pieces.iter().map(|piece| piece.radius).collect(),
-        }
-    }
-
-    /// Whether a place lies within a part: no grain's centroid can.
-    pub(super) fn holds(&self, place: &Vector, state: &SpecimenState) -> bool {
-        self.holding(place, state).next().is_some()
-    }
-
-    /// Whether a place in the frame of a piece lies within one of its parts.
-    pub(super) fn is_in(&self, piece: usize, at: &Point) -> bool {
-        at.coords.norm() < self.radii[piece]
-            && self.parts[piece].iter().any(|part| depth(part, at) > 0.0)
-    }
-
-    /// Whether a ball is clear of every part; it may be called not clear near an edge.
-    pub(super) fn is_clear(&self, centre: &Vector, radius: f64, state: &SpecimenState) -> bool {
-        state.pieces.iter().enumerate().filter(|(_, piece)| piece.present).all(|(n, piece)| {
-            let at = piece.pose.inverse() * Point::from(*centre);
-            at.coords.norm() > self.radii[n] + radius
-                || self.parts[n].iter().all(|part| depth(part, &at) < -radius)
-        })
-    }
-}
-
-/// Moments at which the way of a piece is looked at for its lowest place.
-const SAMPLES_OF_WAY: u32 = 64;
-
-/// The half-spaces of a part in the frame of its piece.
-fn planes(part: &Piece) -> Vec<(Vector, f64)> {
-    let shape = part.shape.transformed(&part.pose);
-    (0..shape.faces().len()).filter_map(|face| shape.plane(face)).collect()
-}
-
-/// How deep a point lies within half-spaces, in m; negative outside.
-fn depth(planes: &[(Vector, f64)], at: &Point) -> f64 {
-    planes.iter().map(|(normal, offset)| offset - normal.dot(&at.coords)).fold(f64::MAX, f64::min)
 }

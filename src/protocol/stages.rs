@@ -1,4 +1,5 @@
-//! The stages themselves.
+//! Runs one stage on a specimen; holds those of funnel and cylinder, while `laboratory` has those
+//! of pieces.
 
 use std::sync::atomic::AtomicBool;
 
@@ -40,141 +41,7 @@ pub fn run(
     }
 }
 
-pub(super) type StageResult = Result<StageOutcome, StageError>;
-
-/// A laboratory in which a stage is to be done.
-pub(super) struct Laboratory<'a> {
-    pub(super) setup: &'a Setup,
-    make_world: WorldMaker<'a>,
-    pub(super) stage: &'a StageSpec,
-    midway: Option<Midway>,
-    observer: &'a mut dyn Observer,
-    cancel: &'a AtomicBool,
-}
-
-pub(super) struct Course {
-    pub(super) until: Until,
-    /// Height in m of the funnel's collar.
-    pub(super) collar: f64,
-    pub(super) motion: Option<TableMotion>,
-    pub(super) feed: Option<Feed>,
-    pub(super) placing: Option<Placing>,
-    /// The pieces of a laboratory that move.
-    pub(super) drive: Option<Drive>,
-    pub(super) endings: Option<Endings>,
-    /// What keeps a mean stress, and how that begins.
-    pub(super) keeper: Option<(StressKeeper, KeptStress)>,
-}
-
-impl Course {
-    pub(super) fn until(until: Until) -> Self {
-        let (motion, feed, placing, drive) = (None, None, None, None);
-        Self { until, collar: 0.0, motion, feed, placing, drive, endings: None, keeper: None }
-    }
-
-    pub(super) fn until_settled(limit: f64) -> Self {
-        Self::until(Until { limit, calm_from: Some(0.0) })
-    }
-
-    pub(super) fn of_length(limit: f64) -> Self {
-        Self::until(Until { limit, calm_from: None })
-    }
-
-    /// How long it goes on where the condition that ends it held at a time in s: a motion dies
-    /// away and settles, and without one it is over.
-    pub(super) fn until_after(&self, reached: Option<f64>) -> Until {
-        let Some(time) = reached else { return self.until };
-        let Some(drive) = &self.drive else { return Until { limit: time, calm_from: None } };
-        let end = drive.motion.ended_at(time).duration;
-        let settling = self.until.limit - drive.motion.duration;
-        Until { limit: end + settling, calm_from: self.until.calm_from.map(|_| end) }
-    }
-
-    /// What moves, where the condition that ends it held at a time in s.
-    pub(super) fn drive_after(&self, reached: Option<f64>) -> Option<Drive> {
-        let mut drive = self.drive.clone()?;
-        if let Some(time) = reached {
-            drive.motion = drive.motion.ended_at(time);
-        }
-        Some(drive)
-    }
-
-    fn last_part(&self) -> u32 {
-        self.placing.map_or(1, |p| p.parts()) - 1
-    }
-}
-
-/// A stage that has run its course.
-pub(super) struct Ended<'a> {
-    pub(super) stand: Stand<'a>,
-    pub(super) settled: bool,
-    pub(super) feeder: Option<Feeder>,
-}
-
-impl<'a> Laboratory<'a> {
-    /// Carries a stage out segment by segment, from where it was interrupted or else from
-    /// the specimen.
-    pub(super) fn carry_out(
-        &mut self,
-        specimen: Specimen,
-        course: &Course,
-    ) -> Result<Ended<'a>, StageError> {
-        let Specimen { grains, state } = specimen;
-        let mut midway = match &self.midway {
-            Some(midway) => midway.clone(),
-            None => Midway {
-                kept_stress: course.keeper.as_ref().map(|(_, kept)| *kept),
-                ..Midway::at_start(state, course.collar, self.setup)
-            },
-        };
-        loop {
-            let fed = midway.fed.take();
-            let part = midway.part;
-            let mut stand =
-                Stand::new(self.setup, self.make_world, grains.clone(), course, midway)?;
-            let begin = |feed| Feeder::new(self.setup, &stand.specimen, feed, fed);
-            let mut feeder = course.feed.clone().map(begin);
-            let end = stand.segment(course, feeder.as_mut(), self.observer, self.cancel);
-            match end.map_err(|source| failed(source, &stand.specimen))? {
-                SegmentEnd::OfPart { settled } if part < course.last_part() => {
-                    if !settled {
-                        stand.warn(not_settled("seating the top plate", course.until.limit));
-                    }
-                    midway = stand.pause(feeder);
-                    midway.next_part();
-                    continue;
-                }
-                SegmentEnd::OfPart { settled } => return Ok(Ended { stand, settled, feeder }),
-                SegmentEnd::Seam => midway = stand.pause(feeder),
-                SegmentEnd::Cancelled => return Err(StageError::Cancelled),
-            }
-            if let ControlFlow::Break(()) = self.observer.seam(&midway) {
-                return Err(StageError::Cancelled);
-            }
-        }
-    }
-
-    /// The same, with a warning that names `what` was done where not everything settled within a
-    /// limit in s.
-    fn settled(
-        &mut self,
-        specimen: Specimen,
-        course: &Course,
-        what: &str,
-        limit: f64,
-    ) -> Result<Ended<'a>, StageError> {
-        let mut ended = self.carry_out(specimen, course)?;
-        if !ended.settled {
-            ended.stand.warn(not_settled(what, limit));
-        }
-        Ok(ended)
-    }
-
-    /// Why the stage cannot be done now.
-    pub(super) fn refused(&self, reason: &'static str) -> StageError {
-        StageError::OutOfOrder { stage: self.stage.name(), reason }
-    }
-
+impl Laboratory<'_> {
     fn fill(&mut self, mut specimen: Specimen, limit: f64) -> StageResult {
         // Where the funnel stands does not matter before it opens; here it
         // stands on the cylinder, at falling height zero.
@@ -239,25 +106,6 @@ impl<'a> Laboratory<'a> {
         outcome.settling =
             Some(Settling { time_s: outcome.simulated, limit_s: time_limit_s, settled });
         Ok(outcome)
-    }
-
-    /// Carries out a stage that lets grains go, and tells of those left; also whether all were let
-    /// go and everything settled.
-    pub(super) fn feed(
-        &mut self,
-        specimen: Specimen,
-        course: &Course,
-        what: &str,
-        left: &str,
-    ) -> Result<(StageOutcome, bool), StageError> {
-        let Ended { mut stand, settled, feeder } = self.carry_out(specimen, course)?;
-        let (limit, waiting) = (course.until.limit, feeder.map_or(0, |feeder| feeder.waiting()));
-        if waiting > 0 {
-            stand.warn(format!("after {limit} s {waiting} grains {left}"));
-        } else if !settled {
-            stand.warn(not_settled(what, limit));
-        }
-        Ok((stand.finish(), settled && waiting == 0))
     }
 
     fn pour(&mut self, mut specimen: Specimen, falling_height: f64, limit: f64) -> StageResult {
@@ -335,10 +183,6 @@ fn came_to_rest(stand: Stand<'_>, settled: bool, after: f64, limit_s: f64) -> St
     let time_s = outcome.simulated - after;
     outcome.settling = Some(Settling { time_s, limit_s, settled });
     outcome
-}
-
-pub(super) fn not_settled(what: &str, limit: f64) -> String {
-    format!("after {limit} s of {what} the grains had not settled by the stated criterion")
 }
 
 /// What became of a grain whose centroid is above the cylinder's rim when a pour ends, all in m:

@@ -1,7 +1,7 @@
 //! The test stand: a world built from a specimen, and the one loop that steps it.
 
-mod driven;
 mod ending;
+mod moving;
 mod reading;
 
 use std::sync::Arc;
@@ -48,15 +48,6 @@ pub(super) enum SegmentEnd {
     Seam,
     /// Because it was asked to stop.
     Cancelled,
-}
-
-/// How long to go on.
-#[derive(Clone, Copy)]
-pub(super) struct Until {
-    /// At most so long, in s since the stage, or the part of it, began.
-    pub limit: f64,
-    /// From when on, in s, to end as soon as everything has settled; none where it does not count.
-    pub calm_from: Option<f64>,
 }
 
 impl<'a> Stand<'a> {

@@ -1,0 +1,112 @@
+//! Runs the course of any stage in a laboratory, segment by segment.
+
+use std::sync::atomic::AtomicBool;
+
+use super::*;
+
+pub(super) type StageResult = Result<StageOutcome, StageError>;
+
+/// A laboratory in which a stage is to be done.
+pub(super) struct Laboratory<'a> {
+    pub(super) setup: &'a Setup,
+    pub(super) make_world: WorldMaker<'a>,
+    pub(super) stage: &'a StageSpec,
+    pub(super) midway: Option<Midway>,
+    pub(super) observer: &'a mut dyn Observer,
+    pub(super) cancel: &'a AtomicBool,
+}
+
+/// A stage that has run its course.
+pub(super) struct Ended<'a> {
+    pub(super) stand: Stand<'a>,
+    pub(super) settled: bool,
+    pub(super) feeder: Option<Feeder>,
+}
+
+impl<'a> Laboratory<'a> {
+    /// Carries a stage out segment by segment, from where it was interrupted or else from
+    /// the specimen.
+    pub(super) fn carry_out(
+        &mut self,
+        specimen: Specimen,
+        course: &Course,
+    ) -> Result<Ended<'a>, StageError> {
+        let Specimen { grains, state } = specimen;
+        let mut midway = match &self.midway {
+            Some(midway) => midway.clone(),
+            None => Midway {
+                kept_stress: course.keeper.as_ref().map(|(_, kept)| *kept),
+                ..Midway::at_start(state, course.collar, self.setup)
+            },
+        };
+        loop {
+            let fed = midway.fed.take();
+            let part = midway.part;
+            let mut stand =
+                Stand::new(self.setup, self.make_world, grains.clone(), course, midway)?;
+            let begin = |feed| Feeder::new(self.setup, &stand.specimen, feed, fed);
+            let mut feeder = course.feed.clone().map(begin);
+            let end = stand.segment(course, feeder.as_mut(), self.observer, self.cancel);
+            match end.map_err(|source| failed(source, &stand.specimen))? {
+                SegmentEnd::OfPart { settled } if part < course.last_part() => {
+                    if !settled {
+                        stand.warn(not_settled("seating the top plate", course.until.limit));
+                    }
+                    midway = stand.pause(feeder);
+                    midway.next_part();
+                    continue;
+                }
+                SegmentEnd::OfPart { settled } => return Ok(Ended { stand, settled, feeder }),
+                SegmentEnd::Seam => midway = stand.pause(feeder),
+                SegmentEnd::Cancelled => return Err(StageError::Cancelled),
+            }
+            if let ControlFlow::Break(()) = self.observer.seam(&midway) {
+                return Err(StageError::Cancelled);
+            }
+        }
+    }
+
+    /// The same, with a warning that names `what` was done where not everything settled within a
+    /// limit in s.
+    pub(super) fn settled(
+        &mut self,
+        specimen: Specimen,
+        course: &Course,
+        what: &str,
+        limit: f64,
+    ) -> Result<Ended<'a>, StageError> {
+        let mut ended = self.carry_out(specimen, course)?;
+        if !ended.settled {
+            ended.stand.warn(not_settled(what, limit));
+        }
+        Ok(ended)
+    }
+
+    /// Why the stage cannot be done now.
+    pub(super) fn refused(&self, reason: &'static str) -> StageError {
+        StageError::OutOfOrder { stage: self.stage.name(), reason }
+    }
+
+    /// Carries out a stage that lets grains go, and tells of those left; also whether all were let
+    /// go and everything settled.
+    pub(super) fn feed(
+        &mut self,
+        specimen: Specimen,
+        course: &Course,
+        what: &str,
+        left: &str,
+    ) -> Result<(StageOutcome, bool), StageError> {
+        let Ended { mut stand, settled, feeder } = self.carry_out(specimen, course)?;
+        let (limit, waiting) = (course.until.limit, feeder.map_or(0, |feeder| feeder.waiting()));
+        if waiting > 0 {
+            stand.warn(format!("after {limit} s {waiting} grains {left}"));
+        } else if !settled {
+            stand.warn(not_settled(what, limit));
+        }
+        Ok((stand.finish(), settled && waiting == 0))
+    }
+}
+
+pub(super) fn not_settled(what: &str, limit: f64) -> String {
+    format!("after {limit} s of {what} the grains had not settled by the stated criterion")
+}
