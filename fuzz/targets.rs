@@ -20,7 +20,7 @@ use pluvia::specimen::SpecimenState;
 use pluvia::study::{
     ConvergenceStudy, RunOptions, SensitivityStudy, StudyOptions, SweepPlan, SweepStudy,
 };
-use pluvia::viewer::{Desk, RunData, Site};
+use pluvia::viewer::{Responder, RunData, Site};
 
 /// In memory where the system has such a place: a million files need no disk.
 fn folder() -> tempfile::TempDir {
@@ -30,7 +30,7 @@ fn folder() -> tempfile::TempDir {
 
 thread_local! {
     static FOLDER: tempfile::TempDir = folder();
-    static DESK: Desk = desk();
+    static RESPONDER: Responder = responder();
 }
 
 /// Hands a file of that content to `read`.
@@ -298,24 +298,25 @@ pub fn plan(data: &[u8]) {
     reads_plan(data);
 }
 
-fn desk() -> Desk {
+fn responder() -> Responder {
     let bytes = b"PLUVIEW1".to_vec();
     let run =
         RunData { scenario: "s".to_owned(), grains: 0, stages: 0, frames: 0, kept: true, bytes };
-    Desk::new(Site::new(run), 4321).expect("random numbers")
+    Responder::new(Site::new(run), 4321).expect("random numbers")
 }
 
 /// The head of a request to the viewer, in which `TOKEN` stands for the token; whether it is
 /// served a file.
 pub fn reads_request(data: &[u8]) -> bool {
-    DESK.with(|desk| {
+    RESPONDER.with(|responder| {
         let mut request = data.to_vec();
         let asked = b"TOKEN";
         while let Some(at) = request.windows(asked.len()).position(|w| w == asked) {
-            request.splice(at..at + asked.len(), desk.path().into_bytes());
+            request.splice(at..at + asked.len(), responder.path().into_bytes());
         }
-        let knows = request.windows(desk.path().len()).any(|w| w == desk.path().as_bytes());
-        let Some(answer) = desk.answer(&request) else { return false };
+        let path = responder.path();
+        let knows = request.windows(path.len()).any(|w| w == path.as_bytes());
+        let Some(answer) = responder.answer(&request) else { return false };
         assert!(answer.starts_with(b"HTTP/1.1 "), "law: an answer is one of HTTP");
         let served = answer.starts_with(b"HTTP/1.1 200 ");
         assert!(!served || knows, "law: nobody is served who does not know the token");

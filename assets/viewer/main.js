@@ -261,7 +261,7 @@ class Viewer {
     return this.picker.pick(this.playback, from, direction, cut);
   }
 
-  // Everything that hangs on time and settings.
+  // Everything that depends on time and settings.
   change() {
     const now = this.playback;
     if (!this.camera.moved && this.framed !== now.stage.number) this.fit();

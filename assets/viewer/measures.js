@@ -49,7 +49,7 @@ export class Measures {
     }
   }
 
-  // From where to where the colours go. It hangs on the stage, not on the
+  // From where to where the colours go. It depends on the stage, not on the
   // time, so that a colour means the same as long as a stage plays.
   range(mode) {
     if (mode === "speed") return SPEEDS_MM_PER_S;

@@ -142,9 +142,9 @@ pub enum GrainsError {
         /// Radius of the region in m.
         region_m: f64,
     },
-    /// A mixing made for other grains.
-    #[error("the mixing is not a permutation of the {grains} grains")]
-    ForeignMixing {
+    /// A realisation of other grains.
+    #[error("the realisation is not a permutation of the {grains} grains")]
+    ForeignRealisation {
         /// Number of grains.
         grains: usize,
     },

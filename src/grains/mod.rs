@@ -1,4 +1,4 @@
-//! Grains: particle size distribution, Voronoi cells, mixing, `grains.json`.
+//! Grains: particle size distribution, Voronoi cells, realisations, `grains.json`.
 //!
 //! [`generate`] turns a sieve table into a [`GrainSet`]; [`mix`] and [`rain`]
 //! put it into another order, other orientations and apart from each other,
@@ -14,8 +14,8 @@ mod generate;
 mod gradation;
 mod mesh;
 mod meshes;
-mod mixing;
 pub mod psd;
+mod realisation;
 mod shape;
 mod sieve;
 mod sieve_memory;
@@ -34,8 +34,8 @@ pub use generate::generate;
 pub use gradation::Gradation;
 pub use mesh::{write_obj, write_ply, write_ply_of, write_stl, write_stl_of};
 pub use meshes::{MeshRecord, from_meshes, meshes_csv, parts_of_piece};
-pub use mixing::{Mixing, mix, rain};
 pub use psd::{Fraction, ParticleSizeDistribution};
+pub use realisation::{Realisation, mix, rain};
 pub use shape::{GrainShape, ShapeRatio};
 pub use sieve::{Passage, SIEVE_TOLERANCE, sieve_size};
 pub use sieve_memory::sieve_size_of;

@@ -62,9 +62,9 @@ pub fn inverse_prediction(
         return None;
     }
     let centre = mean(xs)?;
-    let lever: Vec<f64> = xs.iter().map(|x| x - centre).collect();
+    let offsets: Vec<f64> = xs.iter().map(|x| x - centre).collect();
     let heights: Vec<f64> = blocks.iter().filter_map(|b| mean(b)).collect();
-    let slopes: Vec<f64> = blocks.iter().map(|b| along(&lever, b)).collect::<Option<_>>()?;
+    let slopes: Vec<f64> = blocks.iter().map(|b| along(&offsets, b)).collect::<Option<_>>()?;
     let (level, slope) = (mean(&heights)?, mean(&slopes)?);
     if slope == 0.0 {
         return None;
@@ -122,10 +122,10 @@ fn curvature_p(xs: &[f64], blocks: &[Vec<f64>], confidence: f64) -> Option<f64> 
 /// `None` where two distinct abscissae leave nothing.
 pub fn bend_pattern(xs: &[f64]) -> Option<Vec<f64>> {
     let centre = mean(xs)?;
-    let lever: Vec<f64> = xs.iter().map(|x| x - centre).collect();
-    let squares: Vec<f64> = lever.iter().map(|x| x * x).collect();
-    let (offset, tilt) = (mean(&squares)?, along(&lever, &squares)?);
-    let bend: Vec<f64> = squares.iter().zip(&lever).map(|(s, x)| s - offset - tilt * x).collect();
+    let offsets: Vec<f64> = xs.iter().map(|x| x - centre).collect();
+    let squares: Vec<f64> = offsets.iter().map(|x| x * x).collect();
+    let (offset, tilt) = (mean(&squares)?, along(&offsets, &squares)?);
+    let bend: Vec<f64> = squares.iter().zip(&offsets).map(|(s, x)| s - offset - tilt * x).collect();
     let width = squares.iter().copied().fold(0.0, f64::max);
     bend.iter().any(|b| b.abs() > 1e-9 * width).then_some(bend)
 }

@@ -15,7 +15,7 @@ const POINTS_A_CYCLE: f64 = 1000.0;
 /// Most points that are looked at; longer motions are looked at more coarsely.
 const MOST_POINTS: f64 = 1e6;
 
-/// Peaks and jumps of a motion, as an engine is told of it.
+/// Peaks and jumps of a motion, as an engine gets it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MotionFacts {
     /// The waveform in words.

@@ -94,7 +94,7 @@ impl TableMotion {
             + f64::from(self.periods.saturating_sub(1)) * self.rest
     }
 
-    /// Displacement in m as the table is driven at a time in s since the start: of a table
+    /// Displacement in m as the table is moved at a time in s since the start: of a table
     /// that is set from frame to frame that of the frame under way.
     pub fn displacement(&self, time: f64) -> Vector {
         match (self.within(time), self.frames_per_s) {
@@ -104,7 +104,7 @@ impl TableMotion {
         }
     }
 
-    /// Velocity in m/s with which the table is driven in the engine step of the given length in
+    /// Velocity in m/s with which the table is moved in the engine step of the given length in
     /// s that ends at a time in s since the start.
     pub fn velocity(&self, time: f64, step: f64) -> Vector {
         match (self.within(time), self.frames_per_s) {

@@ -37,7 +37,7 @@ pub(super) enum Subject {
     /// Force of the grains on pieces, by number, along a unit vector.
     Force(Vec<usize>, Vector),
     /// Displacement of pieces since the stage began, along a unit vector or in every direction.
-    Way(Vec<usize>, Option<Vector>),
+    Displacement(Vec<usize>, Option<Vector>),
     /// Angle by which pieces have turned since the stage began, in the mean.
     Turn(Vec<usize>),
     /// Flow through an opening.
@@ -63,7 +63,8 @@ pub struct Judged {
     pub amounts: Vec<f64>,
     /// Whether the flow was as large as what it is to fall below.
     pub was_above: bool,
-    /// What was found last: force in N, way in m, angle in rad, flow in kg/s, or a relative change.
+    /// What was found last: force in N, displacement in m, angle in rad, flow in kg/s, or a
+    /// relative change.
     pub last: Option<f64>,
     /// When the condition held, in s since the stage began; of one of several, whether it held at
     /// the last look, and when that was.
@@ -196,7 +197,7 @@ impl Ending {
                 (force()?, Condition::Steady(p / 100.0))
             }
             ConditionSpec { moved_mm: Some(mm), .. } => {
-                (Subject::Way(pieces()?, direction), Condition::Reaches(from_mm(mm)))
+                (Subject::Displacement(pieces()?, direction), Condition::Reaches(from_mm(mm)))
             }
             ConditionSpec { turned_deg: Some(deg), .. } => {
                 (Subject::Turn(pieces()?), Condition::Reaches(from_deg(deg)))
@@ -221,7 +222,7 @@ impl Ending {
             (_, Condition::Steady(_)) => (&mut found.change_percent, last.map(|x| 100.0 * x)),
             (Subject::Force(..), _) => (&mut found.force_n, last),
             (Subject::Turn(_), _) => (&mut found.turned_deg, last.map(f64::to_degrees)),
-            (Subject::Way(..), _) => (&mut found.moved_mm, last.map(to_mm)),
+            (Subject::Displacement(..), _) => (&mut found.moved_mm, last.map(to_mm)),
             (Subject::Flow(_), _) => (&mut found.flow_g_per_s, last.map(to_g)),
         };
         *number = value;
@@ -302,11 +303,11 @@ impl Judged {
         ends
     }
 
-    /// Takes what was found at a look: a way in m, an angle in rad, or the impulse in N s or mass in kg since the
-    /// look before, `every` seconds ago. Whether the condition holds.
+    /// Takes what was found at a look: a displacement in m, an angle in rad, or the impulse in N s
+    /// or mass in kg since the look before, `every` seconds ago. Whether the condition holds.
     pub(super) fn look(&mut self, ending: &Ending, found: f64, every: f64) -> bool {
         let now = match ending.subject {
-            Subject::Way(..) | Subject::Turn(_) => Some(found),
+            Subject::Displacement(..) | Subject::Turn(_) => Some(found),
             Subject::Force(..) | Subject::Flow(_) => {
                 let window = ((ending.window / every).round() as usize).max(1);
                 self.amounts.push(found);

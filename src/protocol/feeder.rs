@@ -4,7 +4,7 @@ use nalgebra::UnitQuaternion;
 use rand_pcg::Pcg64;
 
 use super::*;
-use crate::grains::{self, Mixing};
+use crate::grains::{self, Realisation};
 
 /// Places under the spout that are tried before a grain waits for the next check.
 const TRIES: usize = 16;
@@ -140,7 +140,7 @@ impl Feeder {
             fixed.map(|f| set.grains[f.grain].shape.heights(&f.pose).1).fold(0.0, f64::max);
         let clearance = set.rain_clearance();
         let radius = |g: &grains::Grain| g.shape.radius_about_origin() + clearance;
-        let Mixing { order, orientations, .. } = grains::mix(set, seed, configuration);
+        let Realisation { order, orientations, .. } = grains::mix(set, seed, configuration);
         let order = feed.grains.clone().unwrap_or(order);
         let mut mass = 0.0;
         let masses = order.iter().map(|&grain| {

@@ -92,7 +92,7 @@ impl Laboratory<'_> {
         mass: Option<f64>,
     ) -> Vec<usize> {
         let set = &specimen.grains;
-        let mixing = grains::mix(set, self.setup.seed, self.setup.configuration);
+        let mixed = grains::mix(set, self.setup.seed, self.setup.configuration);
         let fits = |grain: usize| {
             let block = &set.blocks[set.grains[grain].fraction];
             // Openings are typed in mm, and may be a rounding off in m.
@@ -102,7 +102,7 @@ impl Laboratory<'_> {
         };
         let mut taken = 0.0;
         let waits = |grain: &usize| specimen.state.bodies[*grain].fate == Fate::Waiting;
-        let chosen = mixing.order.into_iter().filter(waits).filter(|grain| fits(*grain));
+        let chosen = mixed.order.into_iter().filter(waits).filter(|grain| fits(*grain));
         let enough = |grain: &usize| {
             let more = mass.is_none_or(|mass| taken < mass);
             taken += set.grains[*grain].mass;
@@ -119,7 +119,7 @@ impl Laboratory<'_> {
         chosen: &[usize],
     ) -> Result<(), StageError> {
         let set = specimen.grains.clone();
-        let mixing = grains::mix(&set, self.setup.seed, self.setup.configuration);
+        let mixed = grains::mix(&set, self.setup.seed, self.setup.configuration);
         let clearance = set.rain_clearance();
         let radius = |grain: usize| set.grains[grain].shape.radius_about_origin() + clearance;
         let largest = chosen.iter().map(|&grain| radius(grain)).fold(0.0, f64::max);
@@ -152,7 +152,7 @@ impl Laboratory<'_> {
             )));
         }
         for (&grain, place) in chosen.iter().zip(places) {
-            let pose = Pose::from_parts(place.into(), mixing.orientations[grain]);
+            let pose = Pose::from_parts(place.into(), mixed.orientations[grain]);
             let state = &mut specimen.state.bodies[grain];
             (state.body, state.fate) = (BodyState::at_rest(pose), Fate::Present);
         }

@@ -43,7 +43,7 @@ fn block() -> Specimen {
 /// What one world was told and did.
 #[derive(Debug, Default, Clone)]
 struct Log {
-    driven: Vec<(BodyId, Pose)>,
+    moved: Vec<(BodyId, Pose)>,
     recalled_drives: Vec<(BodyId, [Pose; 3])>,
     recalled: Vec<RememberedContact>,
     /// When it was asked last.
@@ -82,7 +82,7 @@ impl World for Spy {
     }
 
     fn drive(&mut self, id: BodyId, pose: &Pose) -> Result<(), WorldError> {
-        self.log().driven.push((id, *pose));
+        self.log().moved.push((id, *pose));
         self.inner.drive(id, pose)
     }
 
@@ -172,9 +172,9 @@ fn a_segment_is_told_where_the_table_was_in_the_last_steps_of_the_one_before() {
         let on_table = after.recalled_drives.len();
         assert!(on_table > 1, "law: every piece on the table is recalled");
         for (id, ends) in &after.recalled_drives {
-            let driven: Vec<Pose> =
-                before.driven.iter().filter(|(other, _)| other == id).map(|(_, p)| *p).collect();
-            let last: [Pose; 3] = driven[driven.len() - 3..].try_into().expect("three");
+            let moved: Vec<Pose> =
+                before.moved.iter().filter(|(other, _)| other == id).map(|(_, p)| *p).collect();
+            let last: [Pose; 3] = moved[moved.len() - 3..].try_into().expect("three");
             assert_eq!(*ends, last, "law: the same poses to the bit");
         }
     }

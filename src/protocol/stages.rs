@@ -47,10 +47,10 @@ impl Laboratory<'_> {
         // stands on the cylinder, at falling height zero.
         let opening_height = self.setup.cylinder.height;
         let bare = Funnel::new(&self.setup.funnel, opening_height, 0.0)?;
-        let mixing = grains::mix(&specimen.grains, self.setup.seed, self.setup.configuration);
+        let mixed = grains::mix(&specimen.grains, self.setup.seed, self.setup.configuration);
         let poses = grains::rain(
             &specimen.grains,
-            &mixing,
+            &mixed,
             bare.top_radius - scale::COLLAR_CLEARANCE.at(&self.setup.scale),
             bare.top_height,
         )
@@ -186,8 +186,8 @@ fn came_to_rest(stand: Stand<'_>, settled: bool, after: f64, limit_s: f64) -> St
 }
 
 /// What became of a grain whose centroid is above the cylinder's rim when a pour ends, all in m:
-/// it hangs in the funnel, or lies on the wall. A heap that reaches above the rim is taken away
-/// with the funnel, which it may reach into.
+/// it hangs in the funnel, or lies on the wall. Grains piled above the rim, which may reach into
+/// the funnel, are taken away with it.
 fn above_rim(at: &Vector, rim: f64, radius: f64, opening_height: f64) -> Option<Fate> {
     let on_wall = at.z < opening_height && at.xy().norm() > radius;
     (at.z > rim).then_some(if on_wall { Fate::Spilled } else { Fate::LeftInFunnel })

@@ -115,7 +115,7 @@ fn a_settled_specimen_ends_its_stage_early_and_a_restless_one_does_not() {
 }
 
 #[test]
-fn the_table_is_driven_to_the_exact_sinusoid_at_the_end_of_each_step() {
+fn the_table_is_moved_to_the_exact_sinusoid_at_the_end_of_each_step() {
     struct X(Vec<(f64, f64)>);
     impl Observer for X {
         fn observe(&mut self, specimen: &Specimen, moment: Moment) {

@@ -80,8 +80,8 @@ struct Budget {
     table: Vector,
     time: f64,
     /// How far the table has moved since then.
-    #[serde(default)]
-    way: Vector,
+    #[serde(default, rename = "way")]
+    displacement: Vector,
     gained: f64,
     /// In a laboratory, or with a weight on the top plate, what contacts may have stored as springs
     /// and give back: their energy at the beginning, and the work of pieces since.
@@ -154,7 +154,7 @@ impl Watch {
             mass: now.mass,
             table,
             time,
-            way: Vector::zeros(),
+            displacement: Vector::zeros(),
             gained: 0.0,
             stored: None,
         };
@@ -197,7 +197,7 @@ impl Watch {
     /// Takes into account that the table has moved, in m.
     pub(super) fn table_moved(&mut self, by: Vector) {
         if let Some(budget) = &mut self.budget {
-            budget.way += by;
+            budget.displacement += by;
         }
     }
 
@@ -287,9 +287,9 @@ impl Budget {
         given.z += self.mass * self.gravity * (time - self.time);
         let work = self.table.component_mul(&given).sup(&table.component_mul(&given)).sum();
         // Not the mean of both velocities: the table may jump to a speed, or stop, in between.
-        let way = std::mem::take(&mut self.way);
+        let displacement = std::mem::take(&mut self.displacement);
         let passed = time - self.time;
-        let work_of_table = if passed > 0.0 { way.dot(&given) / passed } else { 0.0 };
+        let work_of_table = if passed > 0.0 { displacement.dot(&given) / passed } else { 0.0 };
         balance.input += work_of_table;
         balance.dissipated += work_of_table + self.energy - now.energy;
         let mut rise = now.energy - self.energy - work;

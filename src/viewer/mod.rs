@@ -13,5 +13,5 @@ mod shapes;
 pub use data::{FORMAT, MAGIC, RunData, VERSION, read_run_data};
 pub use page::{Site, self_contained};
 pub use redirect::Redirect;
-pub use request::Desk;
+pub use request::Responder;
 pub use server::{Server, ServerError};

@@ -1,4 +1,4 @@
-//! How a browser is told an address that nobody else may see: in a file that its owner alone can
+//! How a browser gets an address that nobody else may see: in a file that its owner alone can
 //! read. What programs are started with, every user of the machine can list.
 
 use std::{

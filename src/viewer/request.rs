@@ -138,11 +138,11 @@ impl Door {
 /// The viewer's answers without a connection, for whoever tries very many requests; it has a
 /// token of its own.
 #[derive(Debug)]
-pub struct Desk {
+pub struct Responder {
     door: Door,
 }
 
-impl Desk {
+impl Responder {
     /// One that serves a site as from a port.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! What the files show: grains, apparatus, contacts, chains of force.
+//! What the files show: grains, apparatus, contacts, force chains.
 
 use std::{collections::BTreeMap, sync::Arc};
 

@@ -132,7 +132,7 @@ fn lists_name_every_file_with_its_time() {
         [("grains", &taken), ("apparatus", &taken), ("contacts", &ends), ("force_chains", &ends)]
     {
         let path = folder.path().join(name).with_extension("pvd");
-        assert!(files.lists.contains(&path), "{name}.pvd is told of");
+        assert!(files.lists.contains(&path), "{name}.pvd is listed");
         let text = fs::read_to_string(&path).expect("a list");
         let document = Document::parse(&text).expect("XML");
         let sets: Vec<Node> =
@@ -142,7 +142,7 @@ fn lists_name_every_file_with_its_time() {
             let time: f64 = set.attribute("timestep").expect("a time").parse().expect("a number");
             assert_near("time in the list in s", *expected, time, 0.0);
             let file = folder.path().join(set.attribute("file").expect("a path"));
-            assert!(files.data.contains(&file), "{} is told of", file.display());
+            assert!(files.data.contains(&file), "{} is listed", file.display());
             assert_near("time in the file in s", *expected, read(&file).time, 0.0);
             listed += 1;
         }

@@ -17,9 +17,9 @@ impl Stand<'_> {
         }
         let found = endings.each.iter().enumerate().map(|(n, ending)| match &ending.subject {
             Subject::Force(_, along) => pieces.take_felt(n).dot(along),
-            Subject::Way(which, along) => {
-                let way = pieces.moved(which, &specimen.state);
-                along.map_or(way.norm(), |along| way.dot(&along))
+            Subject::Displacement(which, along) => {
+                let by = pieces.moved(which, &specimen.state);
+                along.map_or(by.norm(), |along| by.dot(&along))
             }
             Subject::Turn(which) => pieces.turned(which, &specimen.state),
             Subject::Flow(opening) => Opening::mass_passed(opening, places, specimen),

@@ -319,9 +319,9 @@ fn rise_after_fall(motion: &[(f64, f64, f64)]) -> f64 {
     let half = 0.5 * motion.first().map_or(0.0, |m| m.1);
     let fallen = motion.iter().position(|m| m.1 < half).unwrap_or(motion.len());
     let after = &motion[fallen..];
-    // Where it no longer goes down it has struck.
-    let struck = after.windows(2).position(|m| m[1].1 >= m[0].1).unwrap_or(after.len());
-    largest(after[struck..].iter().map(|m| m.1))
+    // Where it no longer goes down it has landed.
+    let landed = after.windows(2).position(|m| m[1].1 >= m[0].1).unwrap_or(after.len());
+    largest(after[landed..].iter().map(|m| m.1))
 }
 
 #[cfg(test)]

@@ -188,7 +188,7 @@ pub enum Experiment {
     RoundedTopples(round::RoundedTopples),
     /// A body at rest: distance it moves in mm.
     Rests { body: RestingBody, settle_s: f64, duration_s: f64 },
-    /// Grains heaped three below, one above: largest movement in mm.
+    /// Grains piled three below, one above: largest movement in mm.
     GrainOnThree { settle_s: f64, duration_s: f64 },
     /// Cubes on top of each other, guided by walls or not: height lost in mm.
     Cubes { count: u32, guided: bool, duration_s: f64 },

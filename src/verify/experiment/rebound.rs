@@ -23,17 +23,17 @@ pub(super) fn rebound(bench: &Bench, restitution: f64, height: f64, rates: &[f64
     for &rate in rates {
         let (mut scene, id) = dropped(&bench.at_rate(rate), restitution, height)?;
         let mut curve = vec![(0.0, to_mm(height))];
-        let (mut struck, mut peak) = (false, 0.0_f64);
+        let (mut landed, mut peak) = (false, 0.0_f64);
         scene.follow(id, fall + rise + 0.1, |time, state| {
             let z = state.pose.translation.vector.z - SIDE / 2.0;
-            // Struck once it no longer falls; the first peak after that counts.
-            struck |= time > 0.5 * fall && state.linear_velocity.z > -0.5 * GRAVITY * fall;
-            if struck {
+            // Landed once it no longer falls; the first peak after that counts.
+            landed |= time > 0.5 * fall && state.linear_velocity.z > -0.5 * GRAVITY * fall;
+            if landed {
                 peak = peak.max(z);
             }
             curve.push((time, to_mm(z)));
         })?;
-        if !struck {
+        if !landed {
             return Err(VerifyError::NoEvent("an impact"));
         }
         let got = (peak / height).sqrt();

@@ -1,5 +1,5 @@
-//! Mixing: another order and other orientations of the same grains, and
-//! where they begin their fall.
+//! Realisations: the same grains mixed anew, in another order and turned otherwise, and where
+//! they begin their fall.
 
 use std::f64::consts::FRAC_1_SQRT_2 as H;
 
@@ -10,28 +10,28 @@ use super::*;
 /// Places tried for each grain; the lowest is taken.
 const TRIES: usize = 24;
 
-/// One mixing of a grain set.
+/// One realisation of a grain set: its grains mixed anew.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Mixing {
+pub struct Realisation {
     /// Indices of the grains in the order in which they are placed, lowest first.
     pub order: Vec<usize>,
     /// Orientation of each grain's principal axes, by grain index.
     pub orientations: Vec<UnitQuaternion<f64>>,
     /// Seed it was drawn from.
     pub seed: u64,
-    /// Number of the configuration it belongs to.
+    /// Its number, `configuration` in a scenario.
     pub configuration: u32,
 }
 
 /// Mixes the grains: a random order and uniformly random orientations, others
 /// for every seed and configuration (paper, section 3: "three different
 /// initial configurations ... obtained by additional mixing").
-pub fn mix(grains: &GrainSet, seed: u64, configuration: u32) -> Mixing {
+pub fn mix(grains: &GrainSet, seed: u64, configuration: u32) -> Realisation {
     let mut order: Vec<usize> = (0..grains.grains.len()).collect();
     shuffle(&mut stream(seed, &format!("order of mixing {configuration}")), &mut order);
     let mut rng = stream(seed, &format!("orientations of mixing {configuration}"));
     let orientations = order.iter().map(|_| rotation(&mut rng)).collect();
-    Mixing { order, orientations, seed, configuration }
+    Realisation { order, orientations, seed, configuration }
 }
 
 /// Poses, by grain index, from which mixed grains can be let fall: their
@@ -44,10 +44,10 @@ pub fn mix(grains: &GrainSet, seed: u64, configuration: u32) -> Mixing {
 /// lowest of them, and stays there.
 ///
 /// # Errors
-/// A mixing of other grains, sizes that are not finite, a grain too large for the region.
+/// A realisation of other grains, sizes that are not finite, a grain too large for the region.
 pub fn rain(
     grains: &GrainSet,
-    mixing: &Mixing,
+    mixed: &Realisation,
     region_radius: f64,
     bottom: f64,
 ) -> Result<Vec<Pose>, GrainsError> {
@@ -59,7 +59,7 @@ pub fn rain(
         });
     }
     let count = grains.grains.len();
-    check_mixing(mixing, count)?;
+    check_realisation(mixed, count)?;
     let clearance = grains.rain_clearance();
     let radii: Vec<f64> =
         grains.grains.iter().map(|g| g.shape.radius_about_origin() + clearance).collect();
@@ -68,23 +68,23 @@ pub fn rain(
         return Err(GrainsError::DoesNotFit { grain, radius_m, region_m });
     }
     let largest = radii.iter().copied().fold(0.0, f64::max);
-    let mut heap = Heap::new(region_radius, bottom, largest);
-    let name = format!("places of mixing {}", mixing.configuration);
-    let mut rng = stream(mixing.seed, &name);
+    let mut stack = Stack::new(region_radius, bottom, largest);
+    let name = format!("places of mixing {}", mixed.configuration);
+    let mut rng = stream(mixed.seed, &name);
     let mut poses = vec![Pose::identity(); count];
-    for &grain in &mixing.order {
-        let sphere = heap.drop_sphere(radii[grain], &mut rng);
+    for &grain in &mixed.order {
+        let sphere = stack.drop_sphere(radii[grain], &mut rng);
         let place = Translation3::new(sphere.x, sphere.y, sphere.z);
-        poses[grain] = Pose::from_parts(place, mixing.orientations[grain]);
+        poses[grain] = Pose::from_parts(place, mixed.orientations[grain]);
     }
     Ok(poses)
 }
 
-fn check_mixing(mixing: &Mixing, grains: usize) -> Result<(), GrainsError> {
-    let mut order = mixing.order.clone();
+fn check_realisation(mixed: &Realisation, grains: usize) -> Result<(), GrainsError> {
+    let mut order = mixed.order.clone();
     order.sort_unstable();
-    if !order.into_iter().eq(0..grains) || mixing.orientations.len() != grains {
-        return Err(GrainsError::ForeignMixing { grains });
+    if !order.into_iter().eq(0..grains) || mixed.orientations.len() != grains {
+        return Err(GrainsError::ForeignRealisation { grains });
     }
     Ok(())
 }
@@ -98,7 +98,7 @@ struct Sphere {
 }
 
 /// Spheres at rest on each other in a cylinder, in a grid of vertical columns.
-struct Heap {
+struct Stack {
     region_radius: f64,
     bottom: f64,
     largest: f64,
@@ -108,7 +108,7 @@ struct Heap {
     columns: Vec<Vec<Sphere>>,
 }
 
-impl Heap {
+impl Stack {
     fn new(region_radius: f64, bottom: f64, largest: f64) -> Self {
         // Columns as wide as the largest sphere: whatever touches a sphere
         // stands in its own column or one of the eight around it.
@@ -256,8 +256,8 @@ mod tests {
     fn the_gap_helper_sees_spheres_that_overlap_and_leave() {
         let grains = generate(&few_grains(), 1).unwrap();
         let n = grains.grains.len();
-        let heaped = vec![Pose::translation(0.0, 0.0, -1.0); n];
-        let [apart, _, floor, _] = gaps(&grains, &heaped, 0.1, 0.0);
+        let together = vec![Pose::translation(0.0, 0.0, -1.0); n];
+        let [apart, _, floor, _] = gaps(&grains, &together, 0.1, 0.0);
         assert!(apart < 0.0 && floor < 0.0, "grains in one place below the floor: {apart} {floor}");
         let far = vec![Pose::translation(1.0, 0.0, 0.0); n];
         assert!(gaps(&grains, &far, 0.1, 0.0)[1] < 0.0, "grains outside the wall");
@@ -273,9 +273,9 @@ mod tests {
             assert_ne!(one.order, other.order, "another order");
             assert_ne!(one.orientations, other.orientations, "other orientations");
         }
-        let poses = |mixing: &Mixing| rain(&grains, mixing, 0.05, 0.0).unwrap();
-        assert_eq!(poses(&one), poses(&one), "same mixing, same places");
-        assert_ne!(poses(&one), poses(&mix(&grains, 1, 2)), "another mixing, other places");
+        let poses = |mixed: &Realisation| rain(&grains, mixed, 0.05, 0.0).unwrap();
+        assert_eq!(poses(&one), poses(&one), "same realisation, same places");
+        assert_ne!(poses(&one), poses(&mix(&grains, 1, 2)), "another realisation, other places");
         for (i, pose) in poses(&one).iter().enumerate() {
             assert_eq!(pose.rotation, one.orientations[i], "grain {i} is turned as mixed");
         }
@@ -284,20 +284,20 @@ mod tests {
     #[test]
     fn a_narrow_region_is_a_column_and_a_narrower_one_an_error() {
         let grains = generate(&few_grains(), 1).unwrap();
-        let mixing = mix(&grains, 1, 1);
+        let mixed = mix(&grains, 1, 1);
         let needed = grains.largest_bounding_radius() + grains.rain_clearance();
-        let poses = rain(&grains, &mixing, needed, 0.0).unwrap();
+        let poses = rain(&grains, &mixed, needed, 0.0).unwrap();
         let [apart, wall, ..] = gaps(&grains, &poses, needed, 0.0);
         assert!(apart > 0.0 && wall > 0.0, "gaps in a tight column: {apart} m, {wall} m");
-        let error = rain(&grains, &mixing, needed * 0.999, 0.0);
+        let error = rain(&grains, &mixed, needed * 0.999, 0.0);
         assert!(matches!(error, Err(GrainsError::DoesNotFit { .. })), "{error:?}");
         for bad in [0.0, -1.0, f64::NAN] {
-            assert!(rain(&grains, &mixing, bad, 0.0).is_err(), "region radius {bad}");
+            assert!(rain(&grains, &mixed, bad, 0.0).is_err(), "region radius {bad}");
         }
-        assert!(rain(&grains, &mixing, 0.1, f64::NAN).is_err(), "bottom NaN");
-        let mut foreign = mixing.clone();
+        assert!(rain(&grains, &mixed, 0.1, f64::NAN).is_err(), "bottom NaN");
+        let mut foreign = mixed.clone();
         foreign.order[0] = foreign.order[1];
         let error = rain(&grains, &foreign, 0.1, 0.0);
-        assert!(matches!(error, Err(GrainsError::ForeignMixing { .. })), "{error:?}");
+        assert!(matches!(error, Err(GrainsError::ForeignRealisation { .. })), "{error:?}");
     }
 }
