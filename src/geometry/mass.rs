@@ -2,7 +2,11 @@
 
 use nalgebra::{Matrix3, SymmetricEigen, UnitQuaternion};
 
-use super::{ConvexPolyhedron, Point, Pose, Vector, convex::mean};
+use super::{
+    ConvexPolyhedron, Point, Pose, Rounded, Vector,
+    convex::mean,
+    moments::{Moments, add_swept},
+};
 
 /// Volume, centroid and inertia of a homogeneous polyhedron.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,34 +27,6 @@ pub struct PrincipalFrame {
     pub pose: Pose,
     /// Principal moments for a density of 1 kg/m³, in m⁵, ascending.
     pub moments_per_density: Vector,
-}
-
-/// Moments of a body about a point: ∫dV, ∫x dV, ∫x xᵀ dV.
-#[derive(Default)]
-pub(super) struct Moments {
-    volume: f64,
-    first: Vector,
-    second: Matrix3<f64>,
-}
-
-impl Moments {
-    pub(super) fn add(&mut self, volume: f64, first: Vector, second: Matrix3<f64>) {
-        self.volume += volume;
-        self.first += first;
-        self.second += second;
-    }
-
-    /// Mass properties by the moments about `point`.
-    pub(super) fn about(&self, point: Point) -> MassProperties {
-        let offset = self.first / self.volume;
-        let covariance = self.second - self.volume * offset * offset.transpose();
-        let inertia = Matrix3::identity() * covariance.trace() - covariance;
-        MassProperties {
-            volume: self.volume,
-            centroid: point + offset,
-            inertia_per_density: (inertia + inertia.transpose()) / 2.0,
-        }
-    }
 }
 
 impl MassProperties {
@@ -75,7 +51,7 @@ impl MassProperties {
             };
         }
         if let Some(rounded) = polyhedron.rounded() {
-            return rounded.mass_properties();
+            return Self::of_rounded(rounded);
         }
         // Integrating about an inner point, not the origin, keeps the sums
         // free of cancellation when the body lies far from the origin.
@@ -89,7 +65,31 @@ impl MassProperties {
                 a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose();
             all.add(v, v / 4.0 * s, v / 20.0 * square);
         }
-        all.about(inner)
+        Self::of_moments(&all, inner)
+    }
+
+    /// Those of the core, and of what the ball adds to it.
+    fn of_rounded(rounded: &Rounded) -> Self {
+        let core = Self::of(&rounded.core);
+        let about = core.centroid;
+        let mut all = Moments::default();
+        let covariance = Matrix3::identity() * (core.inertia_per_density.trace() / 2.0)
+            - core.inertia_per_density;
+        all.add(core.volume, Vector::zeros(), covariance);
+        add_swept(rounded, &about, &mut all);
+        Self::of_moments(&all, about)
+    }
+
+    /// Those of a body by its moments about a point.
+    fn of_moments(moments: &Moments, point: Point) -> Self {
+        let offset = moments.first / moments.volume;
+        let covariance = moments.second - moments.volume * offset * offset.transpose();
+        let inertia = Matrix3::identity() * covariance.trace() - covariance;
+        Self {
+            volume: moments.volume,
+            centroid: point + offset,
+            inertia_per_density: (inertia + inertia.transpose()) / 2.0,
+        }
     }
 
     /// The principal frame: eigenvectors of the inertia tensor, right-handed,

@@ -5,21 +5,24 @@
 
 mod convex;
 mod hull;
+mod joined;
 mod mass;
+mod moments;
 mod outline;
 mod polyhedron;
-mod rounded;
+#[cfg(test)]
+mod rounded_tests;
+mod rounding;
 mod sphere;
 #[cfg(test)]
 pub(crate) mod testing;
 
-pub(crate) use convex::{
-    FLATNESS, cut, edges_of, enclosed_volume, joined_polyhedron, loop_of, used,
-};
+pub(crate) use convex::{cut, edges_of, enclosed_volume, loop_of, used};
 pub(crate) use hull::{Hull, hull};
+pub(crate) use joined::{FLATNESS, joined_polyhedron};
 pub use mass::{MassProperties, PrincipalFrame};
-pub use polyhedron::{ConvexPolyhedron, PolyhedronError};
-pub use rounded::{Rounded, eroded, inner_radius, rounded_within};
+pub use polyhedron::{ConvexPolyhedron, PolyhedronError, Rounded};
+pub use rounding::{eroded, inner_radius, rounded_within};
 pub use sphere::Sphere;
 
 /// Position and orientation of a rigid body: maps body coordinates to world

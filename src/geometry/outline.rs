@@ -2,11 +2,22 @@
 
 use super::{
     ConvexPolyhedron, Point, PolyhedronError, Rounded, Vector, edges_of, hull, joined_polyhedron,
-    rounded::{angle, faces_about, normals},
+    polyhedron::{angle, checked, faces_about, normals},
 };
 
 /// Largest angle in rad between neighbouring normals of the mesh on a rounded edge.
-pub(super) const STEP: f64 = 0.35;
+const STEP: f64 = 0.35;
+
+impl ConvexPolyhedron {
+    /// A polyhedron swept by a ball with a radius in m.
+    ///
+    /// # Errors
+    /// When the radius is not positive, or the core is not a polyhedron of flat faces.
+    pub fn of_rounded(core: Self, radius: f64) -> Result<Self, PolyhedronError> {
+        let rounded = checked(core, radius)?;
+        Ok(outline(&rounded, STEP)?.standing_for(rounded))
+    }
+}
 
 /// A convex mesh whose corners lie on the surface: flat faces whole, edges in strips, corners in
 /// triangles.

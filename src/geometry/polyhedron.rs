@@ -1,16 +1,18 @@
 //! Closed convex polyhedra with explicit faces, some of which stand for rounded bodies.
 
+// A rounded polyhedron has a polyhedron as its core, and a polyhedron may stand for it.
+mod rounded;
+
 use std::{collections::HashSet, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Point, Pose, Rounded, Sphere, Vector,
-    convex::mean,
-    edges_of, enclosed_volume,
-    outline::{STEP, outline},
-    sphere::unit_mesh,
+    Point, Pose, Sphere, Vector, convex::mean, edges_of, enclosed_volume, sphere::unit_mesh,
 };
+
+pub use rounded::Rounded;
+pub(super) use rounded::{angle, faces_about, normals};
 
 /// Largest distance of a vertex from the plane of a face it should lie on or
 /// behind, as a fraction of the polyhedron's bounding radius.
@@ -142,7 +144,7 @@ impl TryFrom<Raw> for ConvexPolyhedron {
 }
 
 /// A rounded polyhedron with a radius in m, where it can be one.
-fn checked(core: ConvexPolyhedron, radius: f64) -> Result<Rounded, PolyhedronError> {
+pub(super) fn checked(core: ConvexPolyhedron, radius: f64) -> Result<Rounded, PolyhedronError> {
     let sharp = core.sphere.is_none() && core.rounded.is_none();
     let good = sharp && radius.is_finite() && radius > 0.0;
     let rounded = good.then_some(Rounded { core, radius });
@@ -202,14 +204,9 @@ impl ConvexPolyhedron {
         self.sphere
     }
 
-    /// A polyhedron swept by a ball with a radius in m.
-    ///
-    /// # Errors
-    /// When the radius is not positive, or the core is not a polyhedron of flat faces.
-    pub fn of_rounded(core: Self, radius: f64) -> Result<Self, PolyhedronError> {
-        let rounded = checked(core, radius)?;
-        let mesh = outline(&rounded, STEP)?;
-        Ok(Self { rounded: Some(Arc::new(rounded)), ..mesh })
+    /// The same mesh, standing for a rounded polyhedron.
+    pub(super) fn standing_for(self, rounded: Rounded) -> Self {
+        Self { rounded: Some(Arc::new(rounded)), ..self }
     }
 
     /// The rounded polyhedron that the polyhedron stands for, if any.
