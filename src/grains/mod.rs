@@ -37,8 +37,8 @@ pub use meshes::{MeshRecord, from_meshes, meshes_csv, parts_of_piece};
 pub use psd::{Fraction, ParticleSizeDistribution};
 pub use realisation::{Realisation, mix, rain};
 pub use shape::{GrainShape, ShapeRatio};
-pub use sieve::{Passage, SIEVE_TOLERANCE, sieve_size};
-pub use sieve_memory::sieve_size_of;
+pub use sieve::{Passage, SIEVE_TOLERANCE};
+pub use sieve_memory::{sieve_size, sieve_size_of};
 pub use sieve_table::{sieve_csv, table_csv};
 pub use sizes::{load_grains, load_scenario};
 

@@ -1,4 +1,4 @@
-//! Sieve sizes that were found before: the same grains are sieved as they are
+//! Sieve sizes, remembered: the same grains are sieved as they are
 //! made, for every table and at the end of every stage, and the exact search
 //! takes some milliseconds a grain.
 
@@ -35,6 +35,27 @@ pub fn sieve_size_of(corners: &[Vector]) -> f64 {
     }
     known.insert(name, side);
     side
+}
+
+/// Side in m of the smallest square opening that a grain passes, moving
+/// straight in its best orientation: [`Passage::of`].
+///
+/// ```
+/// use pluvia::{geometry::{ConvexPolyhedron, Vector}, grains::sieve_size};
+///
+/// // A box of 10 × 12 × 30 mm goes through lengthwise, and must have room for its 12 mm.
+/// let grain = ConvexPolyhedron::cuboid(Vector::new(0.010, 0.012, 0.030))?;
+/// assert!((sieve_size(&grain) - 0.012).abs() < 1e-9);
+/// # Ok::<(), pluvia::geometry::PolyhedronError>(())
+/// ```
+pub fn sieve_size(shape: &ConvexPolyhedron) -> f64 {
+    if let Some(sphere) = shape.sphere() {
+        return 2.0 * sphere.radius;
+    }
+    // The shadow of what a ball sweeps is as much wider as the ball, in every direction.
+    let (shape, radius) = shape.core();
+    let corners: Vec<Vector> = shape.vertices().iter().map(|v| v.coords).collect();
+    sieve_size_of(&corners) + 2.0 * radius
 }
 
 fn name(corners: &[Vector]) -> [u8; 32] {

@@ -4,11 +4,6 @@ use meshless_voronoi::{Dimensionality, VoronoiIntegrator};
 
 use super::*;
 
-/// Least distance between two points, as a fraction of the cube's side. The
-/// tessellation rounds coordinates to about 2⁻⁵⁰ of the side where it decides
-/// close calls exactly, and panics on points that coincide.
-const LEAST_DISTANCE: f64 = 1e-9;
-
 /// Relative loss of volume above which a tessellation is rejected; rounding
 /// leaves about 1e-14.
 const VOLUME_TOLERANCE: f64 = 1e-9;
@@ -102,33 +97,6 @@ fn stretched_cells(
         return Err(GrainsError::VolumeLost { block_m3, cells_m3 });
     }
     Ok(cells)
-}
-
-/// Guards the tessellation, which panics on points that are not finite or
-/// coincide and silently accepts points outside the cube.
-pub(super) fn check_points(points: &[Vector]) -> Result<(), GrainsError> {
-    let fault = |point: usize, reason: &str| {
-        Err(GrainsError::BadPoint { point, reason: reason.to_owned() })
-    };
-    if points.is_empty() {
-        return Err(GrainsError::NoGrains);
-    }
-    if let Some(point) = points.iter().position(|p| !p.iter().all(|c| (0.0..=1.0).contains(c))) {
-        return fault(point, "does not lie in the block");
-    }
-    let mut order: Vec<usize> = (0..points.len()).collect();
-    order.sort_by(|&a, &b| points[a].x.total_cmp(&points[b].x));
-    for (i, &a) in order.iter().enumerate() {
-        for &b in &order[i + 1..] {
-            if points[b].x - points[a].x > LEAST_DISTANCE {
-                break;
-            }
-            if (points[a] - points[b]).norm() <= LEAST_DISTANCE {
-                return fault(a.max(b), "coincides with another one");
-            }
-        }
-    }
-    Ok(())
 }
 
 /// Computes the cells in a box that fits the unit cube, where the tessellation's absolute

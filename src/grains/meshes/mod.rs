@@ -8,6 +8,7 @@
 
 mod draw;
 mod obj;
+mod object;
 mod piece;
 mod ply;
 mod read;
@@ -26,7 +27,7 @@ use std::path::{Path, PathBuf};
 use super::*;
 use crate::plain::without_zeros;
 use crate::scenario::{Fault, MeshGrains, MeshUnit, ScenarioErrors};
-use {read::*, surface::*};
+use {object::*, read::*, surface::*};
 
 /// Sieve sizes in m that a grain may have before it is scaled: what is finer
 /// than 0.05 mm is silt, and what is coarser than 1 m no granular soil that

@@ -3,33 +3,6 @@
 use super::*;
 use crate::input;
 
-/// One object of a file, as the file gives it: in the file's unit of length.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Object {
-    /// Its name in the file, or its number.
-    pub name: String,
-    /// Vertices; a file may give the same place several times.
-    pub vertices: Vec<Point>,
-    /// Faces as loops of vertex numbers, all of which exist.
-    pub faces: Vec<Vec<u32>>,
-}
-
-/// Why a file gives no objects.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum ReadError {
-    /// The system does not let it be read.
-    Unreadable(String),
-    /// Its content is wrong; the fault lacks the file.
-    Fault(Fault),
-}
-
-impl ReadError {
-    /// A fault of the content of a file.
-    pub fn fault(message: impl Into<String>, found: impl ToString, allowed: &str) -> Self {
-        Self::Fault(Fault::new(message, found, allowed))
-    }
-}
-
 /// The files that names and patterns stand for, in the order given, those of a
 /// pattern in the order of their names; a file that is met again is left out.
 pub(super) fn files(entries: &[String], faults: &mut Vec<Fault>) -> Vec<PathBuf> {
