@@ -1,4 +1,4 @@
-//! Walls of solid convex pieces.
+//! Cylinder, funnel and top plate as solid convex pieces, walls as rings of them.
 //!
 //! A round wall of N flat pieces has the circle's area, not its radius: the
 //! inner half-width is r·√(π / (N tan(π/N))), from N tan(π/N) · w² = π r².

@@ -1,4 +1,5 @@
-//! `pluvia calibrate`.
+//! `pluvia calibrate` finds the value of a field, friction between grains unless another is
+//! named, that gives a measured result such as an angle of repose.
 
 use super::*;
 use crate::report::CalibrationEnding;

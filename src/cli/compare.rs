@@ -1,4 +1,4 @@
-//! `pluvia compare`.
+//! `pluvia compare` runs one scenario in several engines and puts their results side by side.
 
 use super::*;
 use crate::study::compare;

@@ -1,4 +1,4 @@
-//! `pluvia completions`.
+//! `pluvia completions` prints a script that lets a shell complete commands and options.
 
 use clap::CommandFactory;
 use clap_complete::{Shell, generate};

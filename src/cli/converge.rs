@@ -1,4 +1,5 @@
-//! `pluvia converge`.
+//! `pluvia converge` refines the engine's settings step by step and finds the cheapest
+//! that is fine enough.
 
 use super::*;
 use crate::study::ConvergenceStudy;

@@ -1,4 +1,5 @@
-//! `pluvia density`.
+//! `pluvia density` finds the loosest and the densest state of a scenario's grains,
+//! for relative densities.
 
 use super::*;
 use crate::study::{DensityOptions, DensityStudy, IndexState};

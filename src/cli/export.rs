@@ -1,4 +1,4 @@
-//! `pluvia export`.
+//! `pluvia export` writes a run's specimen, or how it moved, in formats that other programs read.
 
 use super::*;
 use crate::export::{

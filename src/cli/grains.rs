@@ -1,4 +1,4 @@
-//! `pluvia grains`.
+//! `pluvia grains` makes only the grains of a scenario and writes them with their sieve analysis.
 
 use super::*;
 use crate::grains::{

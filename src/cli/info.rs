@@ -1,4 +1,4 @@
-//! `pluvia info`.
+//! `pluvia info` prints versions, engines with their precision, features and cores.
 
 use super::*;
 use crate::study::STAGE_FORMAT;

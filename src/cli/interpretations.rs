@@ -1,4 +1,4 @@
-//! `pluvia interpretations`.
+//! `pluvia interpretations` runs the paper's programme under several interpretations, side by side.
 
 use super::*;
 use crate::study::{InterpretationsOptions, interpretations};

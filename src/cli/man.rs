@@ -1,4 +1,4 @@
-//! `pluvia man`.
+//! `pluvia man` writes the manual pages, from the same descriptions as `--help`.
 
 use clap::{Command, CommandFactory};
 use clap_mangen::Man;

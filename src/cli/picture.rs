@@ -1,4 +1,4 @@
-//! `pluvia picture`.
+//! `pluvia picture` makes a picture or an animation of a run, or a picture of grains alone.
 
 use super::*;
 use crate::export::{Playback, read_playback, read_playback_for, stage_at_rest};

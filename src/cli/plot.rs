@@ -1,4 +1,4 @@
-//! `pluvia plot`.
+//! `pluvia plot` draws any columns of a run's tables against each other.
 
 use super::picture::prepare;
 use super::*;

@@ -1,4 +1,4 @@
-//! `pluvia reproduce`.
+//! `pluvia reproduce` runs the paper's programme and compares its statements with the results.
 
 use super::*;
 use crate::paper::Claim;

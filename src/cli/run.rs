@@ -1,4 +1,4 @@
-//! `pluvia run`.
+//! `pluvia run` runs one scenario, from its grains to its report.
 
 use super::*;
 use crate::scenario::GrainsSpec;

@@ -1,4 +1,4 @@
-//! `pluvia schema`.
+//! `pluvia schema` prints the JSON Schema of scenarios or designs, or the page of their fields.
 
 use super::*;
 use crate::scenario;

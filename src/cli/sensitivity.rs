@@ -1,4 +1,5 @@
-//! `pluvia sensitivity`.
+//! `pluvia sensitivity` varies each choice that the paper leaves open, one at a time, and ranks
+//! the effects.
 
 use super::*;
 use crate::study::SensitivityStudy;

@@ -1,4 +1,4 @@
-//! `pluvia stage`.
+//! `pluvia stage` runs one stage of a planned sweep and stores it: the work of a job on a cluster.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! `pluvia store`.
+//! `pluvia store` checks the stored stages of an output folder.
 
 use clap::Subcommand;
 

@@ -1,4 +1,4 @@
-//! `pluvia sweep`.
+//! `pluvia sweep` runs a scenario at many values of its fields and puts the results into one table.
 
 use super::*;
 use crate::report::Sweep;

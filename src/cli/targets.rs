@@ -1,4 +1,4 @@
-//! `pluvia targets`.
+//! `pluvia targets` finds which values of the factors of sweeps meet several targets together.
 
 use super::*;
 use crate::report::{Target, write_targets};

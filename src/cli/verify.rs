@@ -1,4 +1,4 @@
-//! `pluvia verify`.
+//! `pluvia verify` compares the engines with analytical solutions.
 
 use super::*;
 use crate::verify::{SuiteOptions, builtin, run_suite, settings};

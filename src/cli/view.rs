@@ -1,4 +1,4 @@
-//! `pluvia view`.
+//! `pluvia view` plays a run in the browser, in three dimensions.
 
 use std::sync::mpsc::RecvTimeoutError;
 

@@ -1,4 +1,4 @@
-//! Waveforms along x.
+//! Waveforms of the table along x: displacement, velocity and acceleration in time.
 
 use std::sync::Arc;
 

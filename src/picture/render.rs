@@ -1,4 +1,4 @@
-//! From a scene to pixels.
+//! Renders a scene: a ray for every sample of a pixel, shaded by what it hits.
 //!
 //! One ray a pixel finds what is seen and what light falls on it; pixels on the
 //! edge of a face or a body are drawn anew from nine rays. Each pixel is computed

@@ -1,4 +1,4 @@
-//! How long work tells of itself.
+//! What long work reports to whoever shows its progress.
 
 /// Told of stages as they go on, from any thread.
 pub trait Progress: Send + Sync {

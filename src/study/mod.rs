@@ -1,4 +1,5 @@
-//! Many runs, one answer.
+//! Runs scenarios stage by stage, with a store of finished stages, and the studies of many runs:
+//! reproduction, sweeps, calibration, convergence and sensitivity.
 
 mod accuracy;
 mod begin;

@@ -1,4 +1,5 @@
-//! Expected against got.
+//! Judges what a case measured: what was expected, what it got, and whether that is within the
+//! tolerance.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,5 @@
-//! Changes that should not matter.
+//! Changes that must not matter to a result: a turned laboratory, another order of bodies, another
+//! unit of length.
 
 use super::*;
 use crate::verify::view::View;
