@@ -3,6 +3,7 @@
 use super::testing::*;
 use super::*;
 use crate::scenario::Scenario;
+use crate::world::scripted::ScriptedWorld;
 
 /// A box with a steel-like block above its floor, a vane and a few grains that wait.
 fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
@@ -123,6 +124,41 @@ fn what_nothing_carries_is_reported() {
         try_go(None, before_everything(), None, release(&["block", "vane", "box"], 500.0));
     let told = got.expect_err("nothing carries them").to_string();
     assert!(told.contains("nothing is left that could carry"), "law: {told}");
+}
+
+/// Law: what moves freely has ½ m v² + ½ ω·I ω, a box with m/12 (b² + c²) about each of its axes;
+/// what is pressed has ½ m v².
+#[test]
+fn the_kinetic_energy_of_pieces_is_that_of_their_motion() {
+    let setup = Setup::new(&scenario(None)).expect("a laboratory");
+    let begun = laboratory::begun(&setup, before_everything()).state;
+    let pieces_of = |state: &SpecimenState| {
+        let mut world = ScriptedWorld::still(STEP);
+        let mut parties = HashMap::new();
+        Pieces::add(&mut world, &setup, state, &state.pieces, None, &mut parties).expect("pieces")
+    };
+    let (mass, v, spin) = (0.5, Vector::new(0.3, -0.2, 0.7), Vector::new(20.0, -50.0, 30.0));
+    let mut state = begun.clone();
+    let mut free = released(&setup.pieces[1], &state.pieces[1], mass);
+    (free.body.linear_velocity, free.body.angular_velocity) = (v, spin);
+    state.pieces[1].free = Some(free);
+    let got = Tally::of(pieces_of(&state).free_motion(&state), 0.0).energy;
+    let [a, b, c] = [0.04_f64, 0.03, 0.02].map(|side| side * side);
+    let moments = Vector::new(b + c, a + c, a + b) * (mass / 12.0);
+    let own = state.pieces[1].pose.rotation.inverse() * spin;
+    let law = 0.5 * mass * v.norm_squared() + 0.5 * moments.dot(&own.component_mul(&own));
+    near("½ m v² + ½ ω·I ω of a free box, J", got, law, 1e-10 * law);
+
+    let mut state = begun;
+    state.pieces[1].press = Some(PressState {
+        direction: -Vector::z(),
+        mass_kg: 0.2,
+        speed_m_per_s: -0.1,
+        ..PressState::default()
+    });
+    let (energy, fastest) = pieces_of(&state).pressed_motion(&state).expect("it is pressed");
+    near("½ m v² of a pressed one, J", energy, 1e-3, 1e-15);
+    near("its speed, m/s", fastest, 0.1, 1e-15);
 }
 
 /// Law: a vane is turned by a moment as one body, α = M/I, and a box pressed as one.

@@ -95,7 +95,7 @@ pub(super) type Moving<'a> = (f64, &'a Vector, &'a BodyState);
 /// What is summed over all bodies that move freely, in SI units.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Tally {
-    energy: f64,
+    pub(super) energy: f64,
     momentum: Vector,
     mass: f64,
     fastest: f64,
