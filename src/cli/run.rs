@@ -27,6 +27,9 @@ pub(super) struct RunArgs {
     /// Replace the results of another run in that folder
     #[arg(long)]
     force: bool,
+    /// Leave out pictures and figures of series and grains, which take seconds
+    #[arg(long)]
+    no_figures: bool,
     #[command(flatten)]
     jobs: Jobs,
 }
@@ -48,6 +51,9 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
     let _at_work = earlier_run::begin(&args.out, scenario, args.force)?;
     let options = RunOptions { frames: true, ..context.run_options(&args.out, args.jobs) };
     let record = ready.carry_out(&options)?;
+    if !args.no_figures {
+        ready.draw(&record, &options)?;
+    }
     earlier_run::finished(&args.out);
     let mut text = table::of_summary(&record.summary);
     text += &format!("results in {}\n", plain_path(&args.out));

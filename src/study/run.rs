@@ -30,8 +30,7 @@ impl ReadyRun {
     }
 
     /// Runs the scenario and writes `manifest.json`, `summary.json`,
-    /// `series.csv`, `rest_test.csv`, `grains.csv`, `grains.json`, `specimen.json`
-    /// and figures.
+    /// `series.csv`, `rest_test.csv`, `grains.csv`, `grains.json` and `specimen.json`.
     ///
     /// # Errors
     /// [`StudyError`].
@@ -46,9 +45,17 @@ impl ReadyRun {
         }
         let runs = std::slice::from_ref(&self.run);
         let (mut records, _) = carry_out(&self.plan, runs, options, |_| options.out.clone())?;
-        let record = records.remove(0);
+        Ok(records.remove(0))
+    }
+
+    /// Draws figures and pictures of what the run left.
+    ///
+    /// # Errors
+    /// [`StudyError`] where they cannot be written.
+    pub fn draw(&self, record: &RunRecord, options: &RunOptions) -> Result<(), StudyError> {
+        let grains = &self.run.grains;
         let (figures, known) = (options.out.join("figures"), described(grains));
-        crate::report::run_figures(&figures, &record)?;
+        crate::report::run_figures(&figures, record)?;
         let specified = ParticleSizeDistribution::of(grains).ok();
         crate::report::grain_figures(&figures, &known.sieved, specified.as_ref(), &known.shapes)?;
         match crate::picture::of_run(&options.out) {
@@ -56,7 +63,7 @@ impl ReadyRun {
             // The numbers are there; a run is not lost for want of a picture.
             Err(error) => options.progress.message(&format!("there are no pictures: {error}")),
         }
-        Ok(record)
+        Ok(())
     }
 }
 

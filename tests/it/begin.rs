@@ -4,14 +4,12 @@ use std::{
     fs,
     path::{Path, PathBuf},
     process::{Command, Output},
-    sync::OnceLock,
 };
 
 use pluvia::grains::load_scenario;
 use serde_json::{Value, json};
-use tempfile::TempDir;
 
-use super::{interruption::copy, small};
+use super::{export::small_run as whole, interruption::copy, small};
 
 fn pluvia(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_pluvia")).args(args).output().expect("it starts")
@@ -37,21 +35,7 @@ fn read(path: &Path) -> Value {
 }
 
 fn run(scenario: &Path, out: &Path) -> Output {
-    pluvia(&["run", text(scenario), "--out", text(out), "--quiet"])
-}
-
-/// Thirty grams poured, put under a plate and shaken, without an interruption.
-fn whole() -> &'static Path {
-    static RUN: OnceLock<(TempDir, PathBuf)> = OnceLock::new();
-    let (_, out) = RUN.get_or_init(|| {
-        let folder = tempfile::tempdir().expect("a folder");
-        let out = folder.path().join("whole");
-        let scenario = write(folder.path(), "whole.json", &small::scenario(30.0, 0.25, 0.1));
-        let output = run(&scenario, &out);
-        assert!(output.status.success(), "{}", said(&output));
-        (folder, out)
-    });
-    out
+    pluvia(&["run", text(scenario), "--out", text(out), "--quiet", "--no-figures"])
 }
 
 /// The stages of the whole run after the first two.

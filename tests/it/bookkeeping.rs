@@ -25,8 +25,8 @@ fn run(mass_g: f64, pieces: Value, measures: Value, stages: Value) -> (Value, Ve
     std::fs::write(&file, scenario.to_string()).expect("a scenario");
     let out = folder.path().join("out");
     let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-    let ended = command.arg("run").arg(&file).arg("--out").arg(&out).arg("--quiet").output();
-    let ended = ended.expect("it starts");
+    command.arg("run").arg(&file).arg("--out").arg(&out).args(["--quiet", "--no-figures"]);
+    let ended = command.output().expect("it starts");
     assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
     let summary = std::fs::read(out.join("summary.json")).expect("a summary");
     let series = csv::Reader::from_path(out.join("series.csv")).expect("a series");

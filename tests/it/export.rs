@@ -15,7 +15,8 @@ use tempfile::TempDir;
 
 use super::small;
 
-/// Thirty grams of gravel poured and shaken for a moment, once for all tests.
+/// Thirty grams of gravel poured, put under a plate and shaken for a moment, without figures, once
+/// for all tests.
 pub(super) fn small_run() -> &'static Path {
     static RUN: OnceLock<(TempDir, PathBuf)> = OnceLock::new();
     let (_, out) = RUN.get_or_init(|| {
@@ -24,7 +25,7 @@ pub(super) fn small_run() -> &'static Path {
         let content = small::scenario(30.0, 0.25, 0.1);
         fs::write(&scenario, content.to_string()).expect("a scenario file");
         let out = folder.path().join("run");
-        let args = ["run", "--quiet", "--out"];
+        let args = ["run", "--quiet", "--no-figures", "--out"];
         let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
         let output = command.args(args).arg(&out).arg(&scenario).output().expect("it starts");
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

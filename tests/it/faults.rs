@@ -311,7 +311,7 @@ fn the_last_line_of_a_run_that_is_not_valid_says_so() {
     let path = folder.path().join("unmeasured.json");
     fs::write(&path, scenario.to_string()).expect("written");
     let out = folder.path().join("out");
-    let mut command = pluvia(&["run", path.to_str().expect("UTF-8")], &out);
+    let mut command = pluvia(&["run", path.to_str().expect("UTF-8"), "--no-figures"], &out);
     let output = command.output().expect("it starts");
     // Also quietly: nothing else is said then.
     assert!(output.stdout.is_empty(), "law: quiet");

@@ -67,6 +67,13 @@ pub fn pluvia(scenario: &Path, out: &Path) -> Command {
     command
 }
 
+/// The same without figures and pictures, which take longer than a few grains do.
+pub fn without_figures(scenario: &Path, out: &Path) -> Command {
+    let mut command = pluvia(scenario, out);
+    command.arg("--no-figures");
+    command
+}
+
 /// The summary without what depends on the machine's speed.
 fn summary(out: &Path) -> Value {
     let text = fs::read(out.join("summary.json")).expect("a summary");

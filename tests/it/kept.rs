@@ -35,9 +35,10 @@ fn a_run_does_not_write_over_another() {
         assert!(said.contains(words), "`{words}` is missing in: {said}");
     }
     assert!(printed.is_empty() && summary() == was, "law: nothing is written");
-    let (code, _, said) = run(&scenario, &out, &["--quiet"]);
+    let (code, _, said) = run(&scenario, &out, &["--quiet", "--no-figures"]);
     assert_eq!(code, Some(0), "law: the same run may be made again, got {said}");
-    let (code, printed, said) = run(&scenario, &out, &[&other[..], &["--force"]].concat());
+    let forced = [&other[..], &["--force", "--no-figures"]].concat();
+    let (code, printed, said) = run(&scenario, &out, &forced);
     assert_eq!(code, Some(0), "law: --force replaces it, got {said}");
     assert!(printed.contains("NOT VALID"), "law: with what the other gives, got {printed}");
     assert!(!out.join("rest_test.csv").exists(), "law: nothing of the first run stays");
@@ -133,7 +134,7 @@ fn quiet_commands_print_nothing() {
     copy(finished(), &out);
     let (code, printed, said) = run(&scenario, &out, &["--quiet"]);
     assert_eq!((code, &*printed, &*said), (Some(0), "", ""), "law: nothing at all");
-    let (code, printed, said) = run(&scenario, &out, &["--quiet", "--json"]);
+    let (code, printed, said) = run(&scenario, &out, &["--quiet", "--json", "--no-figures"]);
     assert_eq!((code, &*said), (Some(0), ""), "law: no progress");
     let summary: serde_json::Value = serde_json::from_str(&printed).expect("JSON");
     assert_eq!(summary["scenario"], "small", "law: what --json asks for");

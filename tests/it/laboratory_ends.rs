@@ -7,7 +7,7 @@ use pluvia::grains::load_scenario;
 use pluvia::scenario::{ScenarioErrors, StageSpec};
 use serde_json::{Value, json};
 
-use super::interruption::pluvia;
+use super::interruption::without_figures;
 
 /// A box with a lid that is lowered and pressed.
 fn sound() -> Value {
@@ -181,7 +181,7 @@ fn what_ended_a_stage_stands_in_the_summary() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = write(folder.path(), &sound());
     let out = folder.path().join("out");
-    let done = pluvia(&scenario, &out).output().expect("started");
+    let done = without_figures(&scenario, &out).output().expect("started");
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     let read = fs::read(out.join("summary.json")).expect("a summary");
     let summary: Value = serde_json::from_slice(&read).expect("JSON");
@@ -307,7 +307,7 @@ fn a_mesh_is_a_piece_of_its_convex_parts_and_shows_in_pictures() {
 
     let scenario = write(folder, &of("blocks.obj"));
     let out = folder.join("out");
-    let done = pluvia(&scenario, &out).output().expect("started");
+    let done = without_figures(&scenario, &out).output().expect("started");
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     let shown = |walls: &str| {
         let picture = folder.join(format!("{walls}.png"));

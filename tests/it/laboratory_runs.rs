@@ -27,10 +27,16 @@ fn boxed(deposit: &Value) -> Value {
     })
 }
 
-/// Runs a scenario; its summary, and what is printed of it.
+/// Runs a scenario without figures; its summary, and what is printed of it.
 fn ran(folder: &Folder, name: &str, scenario: &Value) -> (Value, String) {
-    let file = folder.scenario(&format!("{name}.json"), scenario);
-    let printed = done(&["run", &file, "--out", &folder.out(name), "--jobs", "1"]);
+    ran_with(folder, name, scenario, &["--no-figures"])
+}
+
+/// The same with options.
+fn ran_with(folder: &Folder, name: &str, scenario: &Value, more: &[&str]) -> (Value, String) {
+    let (file, out) = (folder.scenario(&format!("{name}.json"), scenario), folder.out(name));
+    let args = ["run", &file, "--out", &out, "--jobs", "1"];
+    let printed = done(&[&args[..], more].concat());
     (folder.json(&format!("{name}/summary.json")), printed)
 }
 
@@ -39,7 +45,7 @@ fn ran(folder: &Folder, name: &str, scenario: &Value) -> (Value, String) {
 #[test]
 fn a_laboratory_has_no_mean_surface_over_time() {
     let folder = Folder::new();
-    let (summary, _) = ran(&folder, "out", &boxed(&json!({})));
+    let (summary, _) = ran_with(&folder, "out", &boxed(&json!({})), &[]);
     let mut rows = csv::Reader::from_path(folder.path("out/series.csv")).expect("series.csv");
     let names = rows.headers().expect("names").clone();
     let column = names.iter().position(|name| name == "mean_surface_mm");

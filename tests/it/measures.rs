@@ -54,7 +54,8 @@ fn finished() -> &'static Path {
         fs::write(&file, scenario().to_string()).expect("written");
         let out = folder.path().join("out");
         let text = |path: &Path| path.to_str().expect("UTF-8").to_owned();
-        let ran = pluvia(&["run", &text(&file), "--out", &text(&out), "--quiet"]);
+        let quiet = ["--quiet", "--no-figures"];
+        let ran = pluvia(&[&["run", &text(&file), "--out", &text(&out)][..], &quiet].concat());
         assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
         (folder, out)
     });

@@ -4,7 +4,7 @@ use std::{fs, path::Path};
 
 use serde_json::{Value, json};
 
-use super::{interruption::pluvia, small};
+use super::{interruption::without_figures, small};
 
 /// Runs the small scenario with a change of it; its summary.
 fn carried_out(folder: &Path, name: &str, change: impl Fn(&mut Value)) -> Value {
@@ -14,7 +14,7 @@ fn carried_out(folder: &Path, name: &str, change: impl Fn(&mut Value)) -> Value 
     fs::write(&file, scenario.to_string()).expect("a scenario");
     // One folder: what runs share is run once.
     let out = folder.join("out");
-    let done = pluvia(&file, &out).arg("--force").output().expect("started");
+    let done = without_figures(&file, &out).arg("--force").output().expect("started");
     assert!(done.status.success(), "{name}: {}", String::from_utf8_lossy(&done.stderr));
     for table in ["series.csv", "rest_test.csv", "manifest.json"] {
         fs::copy(out.join(table), folder.join(format!("{name}-{table}"))).expect("kept");

@@ -6,7 +6,7 @@ use std::{
     process::{Command, Output},
 };
 
-use super::export::small_run;
+use super::{export::small_run, interruption::finished};
 
 const SMALL: [&str; 4] = ["--width", "240", "--height", "160"];
 
@@ -183,7 +183,7 @@ fn a_picture_that_is_there_is_kept() {
 #[test]
 fn a_run_leaves_its_pictures() {
     for name in ["picture-grains", "picture-funnel", "picture-vibration"] {
-        let path = small_run().join(format!("figures/{name}.png"));
+        let path = finished().join(format!("figures/{name}.png"));
         let size = fs::metadata(&path).map(|m| m.len()).unwrap_or(0);
         assert!(size > 10_000, "{}: expected a picture, got {size} bytes", path.display());
     }

@@ -13,7 +13,9 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use super::{
-    interruption::{copy, finished, pluvia, stages, write_scenario_in_segments},
+    interruption::{
+        copy, finished, pluvia, stages, without_figures, write_scenario_in_segments,
+    },
     same::assert_same_files,
     small,
 };
@@ -131,7 +133,7 @@ fn last_stage(folder: &Path, stage: &Value, every: Option<f64>) -> Rows {
     let name = if every.is_some() { "segments" } else { "whole" };
     let (file, out) = (folder.join(format!("{name}.json")), folder.join(name));
     fs::write(&file, scenario.to_string()).expect("a scenario");
-    assert!(pluvia(&file, &out).status().expect("started").success());
+    assert!(without_figures(&file, &out).status().expect("started").success());
     let table = out.join("series.csv");
     let of = |what: &str| {
         let all = column(&table, "stage").into_iter().zip(column(&table, what));
@@ -232,7 +234,7 @@ fn checkpoints(out: &Path) -> Vec<PathBuf> {
 fn killed_between_segments(scenario: &Path, out: &Path) -> Option<Vec<PathBuf>> {
     for _ in 0..20 {
         let _ = fs::remove_dir_all(out);
-        let mut run = pluvia(scenario, out).spawn().expect("started");
+        let mut run = without_figures(scenario, out).spawn().expect("started");
         let patience = Instant::now();
         while checkpoints(out).len() < 2 && stages(out) < 5 {
             assert!(patience.elapsed() < Duration::from_secs(120), "law: it gets on");
@@ -259,6 +261,7 @@ fn damaged_checkpoints_are_told_and_those_before_are_used() {
     for torn in [1, 2, 3] {
         let out = folder.path().join(format!("out-{torn}"));
         copy(&killed, &out);
+        copy(&in_segments().join("figures"), &out.join("figures"));
         let found: Vec<PathBuf> = found
             .iter()
             .map(|file| out.join(file.strip_prefix(&killed).expect("a file of the run")))
@@ -272,7 +275,8 @@ fn damaged_checkpoints_are_told_and_those_before_are_used() {
             fs::write(found[0].with_file_name("frames.bin"), "PLUVFRM1").expect("cut off");
         }
         let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-        command.arg("run").arg(&scenario).arg("--out").arg(&out).stdout(Stdio::null());
+        command.arg("run").arg(&scenario).arg("--out").arg(&out).arg("--no-figures");
+        command.stdout(Stdio::null());
         let output = command.output().expect("it starts");
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "law: damage does not end a run, got {said}");

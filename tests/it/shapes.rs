@@ -66,7 +66,7 @@ fn pour_and_export(folder: &Folder, scenario: &Value, solid: [f64; 2], in_scene:
             continue;
         }
         let ran = out(name);
-        done(&[&["run", &path, "--quiet", "--out", &ran][..], settings].concat());
+        done(&[&["run", &path, "--quiet", "--no-figures", "--out", &ran][..], settings].concat());
         let summary = folder.json(&format!("{name}/summary.json"));
         let grains = &summary["grains"];
         assert_eq!(grains["count"], made["grains"], "law: the same grains are poured");

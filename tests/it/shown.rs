@@ -79,7 +79,7 @@ fn a_terminal_is_told_names_and_nothing_more() {
     let stored = fs::read_dir(out.join("stages")).expect("stages").flatten();
     let stage = stored.map(|e| e.path()).find(|p| p.join("stage.json").exists()).expect("a stage");
     fs::write(stage.join("series.csv"), "").expect("damaged");
-    let output = pluvia(&["run", text(&scenario), "--out", text(&out)]);
+    let output = pluvia(&["run", text(&scenario), "--out", text(&out), "--no-figures"]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(said.contains("damaged and done again"), "law: it is reported, got {said}");

@@ -50,7 +50,7 @@ fn the_example_of_stones_makes_grains_and_runs() {
     assert_eq!(back["notes"], json!([]), "convex as they are");
 
     let ran = out("run");
-    let (code, _, err) = run(&["run", EXAMPLE, "--quiet", "--out", &ran]);
+    let (code, _, err) = run(&["run", EXAMPLE, "--quiet", "--no-figures", "--out", &ran]);
     assert_eq!(code, Some(0), "{err}");
     let summary: Value = serde_json::from_str(&read(&ran, "summary.json")).expect("JSON");
     assert_eq!(summary["grains"]["count"], made_json["grains"], "the same grains are poured");
