@@ -13,9 +13,7 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use super::{
-    interruption::{
-        copy, finished, pluvia, stages, without_figures, write_scenario_in_segments,
-    },
+    interruption::{copy, finished, pluvia, stages, without_figures, write_scenario_in_segments},
     same::assert_same_files,
     small,
 };
