@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 use super::*;
 use crate::plain::without_zeros;
 use crate::scenario::{Fault, MeshGrains, MeshUnit, ScenarioErrors};
-use {object::*, read::*, surface::*};
+use {object::*, surface::*};
 
 /// Sieve sizes in m that a grain may have before it is scaled: what is finer
 /// than 0.05 mm is silt, and what is coarser than 1 m no granular soil that
@@ -59,11 +59,11 @@ pub fn from_meshes(spec: &MeshGrains, seed: u64) -> Result<GrainSet, ScenarioErr
     for path in read::files(&spec.meshes, &mut faults) {
         let objects = match read::objects(&path) {
             Ok(objects) => objects,
-            Err(read::ReadError::Unreadable(reason)) => {
+            Err(ReadError::Unreadable(reason)) => {
                 unreadable.push((path, reason));
                 continue;
             }
-            Err(read::ReadError::Fault(fault)) => {
+            Err(ReadError::Fault(fault)) => {
                 faults.push(Fault { file: path.display().to_string(), ..fault });
                 continue;
             }

@@ -16,8 +16,8 @@ const SPLIT: &str = "convex surfaces that are not joined: split it into convex p
 /// Every fault of the file, with the object in it as path.
 pub fn parts_of_piece(file: &Path, scale_to_mm: f64) -> Result<Vec<MeshPart>, Vec<Fault>> {
     let objects = read::objects(file).map_err(|error| match error {
-        read::ReadError::Fault(fault) => vec![fault],
-        read::ReadError::Unreadable(reason) => {
+        ReadError::Fault(fault) => vec![fault],
+        ReadError::Unreadable(reason) => {
             let message = format!("the mesh cannot be read: {reason}");
             vec![Fault::new(message, file.display(), "an OBJ, STL or PLY file")]
         }
