@@ -322,6 +322,13 @@ pub const KEPT: &[Kept] = &[
         takes: "half an hour",
     },
     Kept {
+        name: "referee-pours",
+        what: "Pours of 30 grains by the native solver, rapier, stock Bullet and the referee, 40 seeds of each kind",
+        files: &[("referee-pours.csv", "")],
+        made: Made::Once("make referee ARGS=\"--only pours --pours 40\""),
+        takes: "a day",
+    },
+    Kept {
         name: "robustness",
         what: "Faults of every class, and what became of them",
         files: &[("robustness.json", "")],

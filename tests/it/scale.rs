@@ -344,7 +344,7 @@ const OF_CPP: [(&str, &str); 28] = [
     ("hull_axis_kernels.h PARALLEL", "a sine squared"),
     ("hull_axis_kernels.h SAME_SIDE", "a product of sines"),
     ("hull_beside.cpp FLAT", "a cosine"),
-    ("hull_bodies.cpp CROWD_WAY", "a factor of the margin"),
+    ("hull_bodies.cpp CROWD_MARGINS", "a factor of the margin"),
     ("hull_clip.cpp CHOICE_SLACK", "a factor"),
     ("hull_clip.cpp OPPOSITE_SLACK", "a cosine"),
     ("hull_clip.cpp PARALLEL", "a sine squared"),

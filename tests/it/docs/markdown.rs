@@ -81,6 +81,7 @@ pub fn make_targets(text: &str) -> Vec<String> {
     }
     commands
         .iter()
+        .flat_map(|commands| commands.split("&&"))
         .filter_map(|command| command.trim().strip_prefix("make "))
         // What stands in quotes is a value.
         .map(|words| words.split('"').step_by(2).collect::<String>())
