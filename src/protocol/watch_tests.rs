@@ -178,7 +178,7 @@ fn a_grain_that_the_engine_loses_ends_the_stage() {
     };
     let (outcome, _) = rest(forgetful);
     let error = outcome.expect_err("law: no grain is lost in silence").to_string();
-    let is_grain = error.contains(": grain ") && error.contains("no longer in the engine");
+    let is_grain = error.contains(": grain_") && error.contains("no longer in the engine");
     assert!(is_grain, "law: a grain that files name, got `{error}`");
 }
 
