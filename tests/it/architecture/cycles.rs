@@ -1,10 +1,10 @@
 //! Which files of a module use each other, from their tokens: named imports, paths, and names that
 //! come through `use super::*` and re-exports.
 //!
-//! It finds no use that is not there, and may miss some: methods that a file adds to a type of
-//! another, macros, and lower-case names that the file also gives to something of its own. A
-//! module's `mod.rs` only puts its files together, and tests are left out; the files of a folder
-//! `a/` beside `a.rs` count as parts of that.
+//! It finds hardly any use that is not there (names of generics, and of constants in functions),
+//! and may miss some: methods that a file adds to a type of another, macros, and lower-case names
+//! that the file also gives to something of its own. A module's `mod.rs` only puts its files
+//! together, and tests are left out; the files of a folder `a/` beside `a.rs` count as parts of it.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -55,10 +55,12 @@ impl Sources {
             }
         }
         let is_test = |module: &String| {
-            tests.iter().any(|test: &String| {
-                let inside = module.strip_prefix(test.as_str());
-                inside.is_some_and(|inside| inside.is_empty() || inside.starts_with('/'))
-            })
+            // `#[path = "x_tests.rs"] mod tests;` is noted by its other name.
+            module.ends_with("_tests")
+                || tests.iter().any(|test: &String| {
+                    let inside = module.strip_prefix(test.as_str());
+                    inside.is_some_and(|inside| inside.is_empty() || inside.starts_with('/'))
+                })
         };
         sources.retain(|module: &String, _| !is_test(module));
         Self { files: sources, faces }
@@ -104,7 +106,7 @@ impl Sources {
             let (name, here) = (word(at), at);
             let (before, after) = (if at > 0 { word(at - 1) } else { "" }, word(at + 1));
             at += 1;
-            let inner = [".", "fn", "::", "struct", "enum", "let", "mod"].contains(&before);
+            let inner = ITEMS.contains(&before) || matches!(before, "." | "::" | "let" | "mod");
             if !is_word(name) || inner || variants.contains(&here) {
                 continue;
             }
@@ -455,6 +457,7 @@ mod tests {
             "struct Two; struct S { one: Two }",
             "#[cfg(test)] mod tests { use super::super::two::Two; fn f() -> Two { Two } }",
             "fn f() { self.two(); Kind::Two }",
+            "trait Kind { type Two; }",
         ] {
             let text = format!("{one} {own}");
             let found = cycles(&[("m/mod", FACE), ("m/one", &text), ("m/two", user)]);
