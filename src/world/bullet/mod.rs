@@ -90,8 +90,8 @@ pub fn info() -> BackendInfo {
 impl BulletBackend {
     /// Makes an empty world.
     ///
-    /// `gravity` in m/s². Every setting is applied and compared with what
-    /// Bullet then holds.
+    /// `gravity` in m/s². Settings are applied, and those of the solver compared with what the
+    /// world then holds.
     ///
     /// # Errors
     /// [`WorldError::BadSetting`] for a value Bullet cannot take or did not

@@ -62,7 +62,7 @@ fn run(native: NativeSettings) -> Snapshot {
 fn threads_and_instructions_change_no_bit() {
     let _turn = shared_turn();
     let reference = run(NativeSettings::default());
-    // Threads and instructions do not meet: each number of threads with one kind is enough.
+    // For time, each number of threads with one kind of instructions.
     for (threads, portable) in [(1, true), (2, false), (3, true), (4, false)] {
         let got = run(NativeSettings { threads: Some(threads), portable, ..Default::default() });
         let same = reference == got;

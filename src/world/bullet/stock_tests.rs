@@ -142,24 +142,37 @@ fn our_own_contacts_refuse_all_of_it() {
 #[test]
 fn what_only_native_contacts_do_is_refused_or_empty() {
     let _turn = shared_turn();
-    let (mut world, floor, _) = cube_on_slab(&on(StockSettings::default()));
+    let (mut world, floor, cube) = cube_on_slab(&on(StockSettings::default()));
     world.record_substeps();
     steps(&mut world, 48);
     let mut remembered = Vec::new();
     world.remember(&mut remembered);
     assert!(remembered.is_empty(), "law: contacts are not remembered, got {remembered:?}");
-    assert!(world.recall(&remembered).is_ok(), "law: nothing is recalled");
+    let made_up = RememberedContact {
+        a: cube,
+        b: floor,
+        point: Vector::zeros(),
+        normal: Vector::z(),
+        force: Vector::z(),
+        warm_start: 1.0,
+        feature: [0, 0],
+    };
+    assert!(world.recall(&[made_up]).is_ok(), "law: what is recalled is no fault");
+    world.remember(&mut remembered);
+    assert!(remembered.is_empty(), "law: nothing is recalled, got {remembered:?}");
     assert!(world.drives().is_empty(), "law: kinematic bodies go on from no step before");
     assert_eq!(world.recorded_substep(), SubstepRecord::default(), "law: there is no sub-step");
     assert_eq!(world.solver_residual(), None, "law: no residual is measured");
     let pressed = world.add(&slab(Motion::Pressed { mass: 1.0, direction: Vector::z() }));
+    let turned = Motion::Turned { inertia: 1.0, axis: Vector::y(), about: Vector::zeros() };
+    let turned = world.add(&slab(turned));
     let other = world.add(&slab(Motion::Kinematic)).expect("added");
     let joined = world.join(other, floor);
-    for refused in [pressed.map(|_| ()), joined] {
+    for refused in [pressed.map(|_| ()), turned.map(|_| ()), joined] {
         let says = "only native contacts";
         assert!(
             matches!(&refused, Err(WorldError::BadBody { reason }) if reason.contains(says)),
-            "law: pressed bodies and bodies of parts are refused, got {refused:?}"
+            "law: pressed and turned bodies and bodies of parts are refused, got {refused:?}"
         );
     }
 }

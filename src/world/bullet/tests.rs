@@ -3,7 +3,7 @@
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use super::*;
-use crate::scenario::ContactSolver;
+use crate::scenario::{ContactSolver, NativeSettings};
 pub(super) use crate::world::testing::{contacts, free_box, slab, snapshot, state, steps, uniform};
 
 /// Bullet keeps the contact threshold once a process: tests with the default
@@ -72,7 +72,9 @@ fn settings_are_read_back_from_the_engine() {
 fn native_worlds_read_back_no_setting_of_stock_contacts() {
     let _turn = shared_turn();
     let held = |path| {
-        let mut world = world(&on(path));
+        let native = NativeSettings { iterations: 5, ..Default::default() };
+        let settings = EngineSettings { rate_hz: 960.0, gyroscopic: false, native, ..on(path) };
+        let mut world = world(&settings);
         world.add(&free_box(Vector::repeat(0.01), Vector::zeros())).expect("added");
         world.effective()
     };
@@ -92,9 +94,11 @@ fn native_worlds_read_back_no_setting_of_stock_contacts() {
     }
     let defaults = EngineSettings::default();
     for (name, expected) in [
-        ("gyroscopic", 1.0),
+        ("gyroscopic", 0.0),
         ("sleeping", 0.0),
-        ("iterations_in_a_substep", f64::from(defaults.native.iterations)),
+        ("iterations_in_a_substep", 5.0),
+        ("time_step_s", 1.0 / 960.0),
+        ("collision_margin_m", 0.0),
         ("restitution_speed_m_per_s", defaults.restitution_velocity_threshold_m_per_s),
     ] {
         let got = native[name].as_f64().expect("a number");
