@@ -195,15 +195,14 @@ template <class L> struct Displacement {
     }
 };
 
-// The speed to reach along the normal in this sub-step, and how the contact
-// yields.
+// The bias velocity along the normal in this sub-step, and the softness of the contact.
 //
 // A contact that is not closed yet is met exactly at the end of the sub-step,
 // a closed one is an implicit spring and damper (Catto 2011, "Soft
 // constraints"). Whether it rebounds is decided when this is solved
 // (see contact_impacts.h). Velocities are those before gravity.
 //
-// The spring: stiffness k, damping c = 2 ζ √(k m), in a sub-step h yield
+// The spring: stiffness k, damping c = 2 ζ √(k m), in a sub-step h softness
 // γ = 1/(h (c + h k)), share of the overlap to remove β = h k/(c + h k).
 template <class L>
 PLUVIA_INLINE void prepare(const Pack<L> &pack, Point<L> *points, PointMemory<L> *memory,

@@ -35,7 +35,7 @@ struct Inspection {
 
 // Adds the natural map of Signorini's and Coulomb's laws,
 //   λ − P(λ − m u),
-// where u is the speed beyond what the contact aims at and P the nearest impulse
+// where u is the speed beyond the bias velocity and P the nearest impulse
 // that the laws allow (normal at least 0, friction at most μ times the normal):
 // it is 0 where the problem is solved (Acary & Brogliato 2008, "Numerical methods
 // for nonsmooth dynamical systems", 12.4; here with the normal law for itself, as

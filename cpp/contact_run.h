@@ -173,9 +173,9 @@ template <class L> class Run {
     }
 
     // Goes over the contacts that are awake until they are solved: until an iteration changes
-    // no body by more than asked for, and, of forces, no contact is approached faster than it aims
-    // at by more than `limit`, for which there are MOST_FOR_SPEED iterations at most. Of impacts,
-    // `limit` is what decides how much a body may change.
+    // no body by more than asked for, and, of forces, no contact is approached faster than its
+    // bias velocity by more than `limit`, for which there are MOST_FOR_SPEED iterations at most.
+    // Of impacts, `limit` is what decides how much a body may change.
     //
     // The worst body counts, not all together: where one grain lags behind the forces on it, it
     // swings, and is never at rest. With few that might change by twice as much, grains under a

@@ -14,8 +14,8 @@
 namespace pluvia {
 
 // What is solved. `Forces`: contacts under load and what they meet, until hardly any is approached
-// faster than it aims at, which is what adds overlap, and bodies hardly change any more (see
-// contact_run.h). `Impacts`: the phases in which contacts rebound.
+// faster than its bias velocity, which is what adds overlap, and bodies hardly change any more
+// (see contact_run.h). `Impacts`: the phases in which contacts rebound.
 enum class Solved { Forces, Impacts };
 
 // Which half of an iteration.
@@ -23,7 +23,7 @@ enum class Half { Forward, Backward };
 
 // What packs have found.
 template <class L> struct alignas(64) Unsolved {
-    L speed{};   // the fastest approach beyond what is aimed at
+    L speed{};   // the fastest approach beyond the bias velocity
     L fastest{}; // approach of impacts
 };
 
@@ -53,8 +53,9 @@ PLUVIA_INLINE void solve(const Pack<L> &pack, Point<L> &c, Search<L> &last, cons
     L next_2 = c.impulse.z - c.tangent_mass * slip_2;
     const L most = pack.friction * borne;
     const L size = root(L(next_1 * next_1 + next_2 * next_2 + TINY<L>));
-    // min(1, most/size), for size 0 as well. Not `within_cone`, which rounds sizes below 1e-15
-    // differently: the bits of results would change.
+    // min(1, most/size), for size 0 as well. Not `within_cone`, which adds nothing under the
+    // root: sizes below about 5e-12 (1e-7 in double precision) would come out otherwise, and
+    // with them the bits of results.
     const L scale = most / larger(most, size);
     next_1 = next_1 * scale;
     next_2 = next_2 * scale;

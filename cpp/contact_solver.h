@@ -80,7 +80,7 @@ class ContactSolver {
 
     const ContactLaw &law() const { return law_; }
     bool gyroscopic() const { return gyroscopic_; }
-    // Natural-map residual of the last sub-step of the step looked at last, over
+    // Natural-map residual of the last sub-step of the step inspected last, over
     // its impulses, both in the kinetic norm; 0 before the first.
     double residual() const { return residual_; }
     // Has the last sub-step of every step from now on recorded, or none any more.

@@ -22,9 +22,9 @@ bool below(const HullData &hull, int face, const Vec &x) {
     return true;
 }
 
-// Cosine of 2.3 degrees. About where a grain ends, six tenths of the smallest grains' size beside
-// the edges, a face that leans by more is farther off than the contact margin, a fortieth of that
-// size (CONTACT_MARGIN, src/scale.rs).
+// Cosine of 2.3 degrees. About where a grain ends, five eighths of the smallest grains' size
+// beside the edges, a face that leans by more is farther off than the contact margin, a fortieth
+// of that size (CONTACT_MARGIN, src/scale.rs).
 constexpr double FLAT = 0.9992;
 
 // The face beside an edge that looks most along an axis.

@@ -73,13 +73,14 @@ void NativeWorld::remove(btRigidBody &body) {
     if (followed_ == &body) {
         follow(nullptr);
     }
-    drives_.erase(std::remove_if(drives_.begin(), drives_.end(),
-                                 [&body](const Kinematic &next) { return next.body == &body; }),
-                  drives_.end());
+    drives_next_.erase(
+        std::remove_if(drives_next_.begin(), drives_next_.end(),
+                       [&body](const Kinematic &next) { return next.body == &body; }),
+        drives_next_.end());
 }
 
 void NativeWorld::drive(btRigidBody &body, const btTransform &end) {
-    drives_.push_back({&body, end});
+    drives_next_.push_back({&body, end});
 }
 
 void NativeWorld::press(btRigidBody &body, const Press &press) {
@@ -132,10 +133,10 @@ void NativeWorld::step(btScalar length) {
 void NativeWorld::timed_step(btScalar length) {
     const Stopwatch watch(phases_.integration);
     // A step that fails leaves none for the next.
-    kinematic_.swap(drives_);
-    drives_.clear();
-    if (followed_ == nullptr && !kinematic_.empty()) {
-        follow(kinematic_.front().body);
+    drives_now_.swap(drives_next_);
+    drives_next_.clear();
+    if (followed_ == nullptr && !drives_now_.empty()) {
+        follow(drives_now_.front().body);
     }
     solver_.sort_bodies(getCollisionObjectArray());
     begin_drives(length);
@@ -146,10 +147,10 @@ void NativeWorld::timed_step(btScalar length) {
         solver_.solve(static_cast<double>(length));
     }
     solver_.move_bodies(static_cast<double>(length));
-    for (const Kinematic &moved : kinematic_) {
+    for (const Kinematic &moved : drives_now_) {
         moved.body->setWorldTransform(moved.end);
     }
-    kinematic_.clear();
+    drives_now_.clear();
     collision_.recalled.forget();
 }
 
@@ -177,7 +178,7 @@ void NativeWorld::begin_drives(btScalar step) {
         body->setLinearVelocity(btVector3(0, 0, 0));
         body->setAngularVelocity(btVector3(0, 0, 0));
     }
-    for (const Kinematic &moved : kinematic_) {
+    for (const Kinematic &moved : drives_now_) {
         const KinematicVelocity velocity =
             kinematic_velocity(moved.body->getWorldTransform(), moved.end, step);
         moved.body->setLinearVelocity(velocity.linear);

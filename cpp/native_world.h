@@ -97,8 +97,11 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     HullSearch search_;
     ContactSolver solver_;
     PartFilter part_filter_{solver_};
-    std::vector<Kinematic> kinematic_, drives_; // in this step; in the next
-    std::vector<std::uint8_t> left_;            // by object: whether it has left its box
+    // Bodies that are driven in the step that is made, and where to; empty between steps.
+    std::vector<Kinematic> drives_now_;
+    // Those that the next step drives, as told since the last one.
+    std::vector<Kinematic> drives_next_;
+    std::vector<std::uint8_t> left_; // by object: whether it has left its box
     const btRigidBody *followed_ = nullptr;
     btVector3 start_{0, 0, 0}; // where the place would be had the body not moved from the origin
 

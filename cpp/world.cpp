@@ -166,7 +166,7 @@ void BulletWorld::drive_body(std::uint32_t id, const std::array<double, 3> &posi
 void BulletWorld::recall_drive(std::uint32_t id, rust::Slice<const BodyPose> ends) {
     btRigidBody &body = impl_->body(id);
     if (!body.isKinematicObject() || ends.size() != 3) {
-        throw std::runtime_error("a kinematic body has three poses before");
+        throw std::runtime_error("only a kinematic body is recalled, by three poses");
     }
     const auto pose = [&](std::size_t i) {
         return impl_->units.pose(ends[i].position, ends[i].rotation);
