@@ -207,16 +207,16 @@ double fallen_flat(double speed, double gap, const Law &law) {
 
 // What counts as an impact, and that nothing of the approach is left without restitution.
 void check_impacts(Checks &checks) {
-    const double speed = 0.02, step = 5e-4, way = speed * step;
+    const double speed = 0.02, step = 5e-4, displacement = speed * step;
     for (const double e : {0.0, 0.4}) {
         const Law law = compression_and_restitution(native_rule(e));
         checks.equal("a block that meets the floor", fallen_flat(1, 1e-4, law), e, 1e-7);
         checks.equal("one that bears nothing and ends 0.5 µm off is an impact",
-                     fallen_flat(speed, way + 5e-7, law), e * speed, 1e-9);
-        checks.equal("one that ends 5 µm off is none", fallen_flat(speed, way + 5e-6, law), -speed,
-                     1e-9);
-        checks.equal("one that ends beyond the closed gap", fallen_flat(speed, way + 1.2e-5, law),
+                     fallen_flat(speed, displacement + 5e-7, law), e * speed, 1e-9);
+        checks.equal("one that ends 5 µm off is none", fallen_flat(speed, displacement + 5e-6, law),
                      -speed, 1e-9);
+        checks.equal("one that ends beyond the closed gap",
+                     fallen_flat(speed, displacement + 1.2e-5, law), -speed, 1e-9);
         checks.equal("one slower than the threshold",
                      fallen_flat(0.0019, 0.0019 * step + 5e-7, law), -0.0019, 1e-9);
     }

@@ -181,13 +181,13 @@ bool Newton::step(double stiffness, double precision, Impulses &centre, Motion &
         for (std::size_t i = 0; i < f.size(); ++i) {
             rhs.segment<6>(6 * static_cast<Eigen::Index>(i)) = f[i];
         }
-        const Eigen::VectorXd way = work_->lu.solve(rhs);
+        const Eigen::VectorXd direction = work_->lu.solve(rhs);
         // The longest of the halved steps that makes the error smaller.
         bool better = false;
         for (double share = 1; share > 1e-3 && !better; share *= 0.5) {
             Motion next = added;
             for (std::size_t i = 0; i < next.size(); ++i) {
-                next[i] -= share * way.segment<6>(6 * static_cast<Eigen::Index>(i));
+                next[i] -= share * direction.segment<6>(6 * static_cast<Eigen::Index>(i));
             }
             const Motion f_next = evaluate(next);
             const double error_next = norm(f_next);

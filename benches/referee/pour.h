@@ -14,7 +14,7 @@ struct PourSettings {
     double duration = 1;
     // Residual to which each step is solved, and the work it may take.
     Limits limits{1e-4, 300, 10};
-    // Contact points yield as implicit springs with dampers: stiffness in N/m,
+    // Softness of contact points, as implicit springs with dampers: stiffness in N/m,
     // damping ratio with the bodies they stand between. Rigid points would leave
     // the impulses of a face's four corners open, and the solver to grope for them.
     double stiffness = 1e4, damping_ratio = 1;

@@ -52,7 +52,7 @@ void write_problem(const Problem &problem, std::ostream &out);
 struct Row {
     int a, b; // -1: does not move
     Mat36 ja = Mat36::Zero(), jb = Mat36::Zero();
-    Vec3 fixed = Vec3::Zero(); // speed of what does not yield, and minus the target
+    Vec3 fixed = Vec3::Zero(); // velocity of static and kinematic bodies, minus the target
     Mat3 delassus;             // own block of H M⁻¹ Hᵀ, with softness
     double friction = 0, softness = 0;
 };

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double FREE = std::numeric_limits<double>::infinity();
 
-// Sweeps over contacts whose normal impulse may not exceed `most`.
+// Iterations over contacts whose normal impulse may not exceed `most`.
 int solve_bounded(const System &system, const std::vector<double> &most, const Limits &limits,
                   Impulses &impulses, Motion &motion) {
     std::vector<double> alpha(system.rows.size(), 0);
@@ -43,7 +43,7 @@ int solve_bounded(const System &system, const std::vector<double> &most, const L
     return limits.iterations;
 }
 
-// A contact that does not yield and aims at a normal speed; walls stand still.
+// Takes a contact's softness away and sets the target of its normal speed; walls stand still.
 void set_rigid(Row &row, double target) {
     row.fixed[0] = -target;
     row.delassus(0, 0) -= row.softness;

@@ -9,7 +9,7 @@ namespace referee {
 
 namespace {
 
-// Sweeps between two looks at the residual.
+// Iterations between two looks at the residual.
 constexpr int BETWEEN = 10;
 
 // Stiffness of the proximal steps, over that of a contact by itself, and how many
@@ -17,13 +17,13 @@ constexpr int BETWEEN = 10;
 constexpr double FIRST_STIFFNESS = 1e3, LARGEST_STIFFNESS = 1e9;
 constexpr int PROXIMAL_STEPS = 20;
 
-// What a sweep keeps of a contact.
+// What iterations keep of a contact.
 struct Local {
     Mat3 inverse;
     double alpha = 0;
 };
 
-void sweep(const System &system, std::vector<Local> &locals, Impulses &impulses, Motion &motion) {
+void iterate(const System &system, std::vector<Local> &locals, Impulses &impulses, Motion &motion) {
     for (std::size_t i = 0; i < system.rows.size(); ++i) {
         const Row &row = system.rows[i];
         Vec3 &impulse = impulses[i];
@@ -56,7 +56,7 @@ Solution solve(const System &system, const Impulses &start, const Limits &limits
     }
     const auto iterations = [&](int most) {
         for (int n = 1; n <= most && s.residual > limits.tolerance; ++n) {
-            sweep(system, locals, s.impulses, s.motion);
+            iterate(system, locals, s.impulses, s.motion);
             ++s.iterations;
             if (n % BETWEEN == 0 || n == most) {
                 s.motion = system.motion(s.impulses);

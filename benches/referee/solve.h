@@ -19,7 +19,7 @@ struct Solution {
     int iterations = 0, newton_steps = 0;
 };
 
-// Sweeps of exact solutions contact by contact; if they do not get there,
+// Iterations of exact solutions contact by contact; if they do not get there,
 // Newton's method on the velocities (newton.h), in turns with more iterations.
 Solution solve(const System &system, const Impulses &start, const Limits &limits);
 
