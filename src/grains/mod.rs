@@ -58,7 +58,8 @@ use crate::units::{from_mm, to_cm3, to_mm};
 use {cell_shape::*, complex::*, fan::*, psd::*, streams::*, voronoi::*};
 
 /// Name of a grain by its number, the same in every table, scene, message and page: `grain_00012`.
-/// Where a format holds numbers alone (VTK, PLY, `specimen.json`), it is the number.
+/// Where a format holds numbers alone (VTK, PLY, `specimen.json`), it is the number. A grain read
+/// from a PLY file is named by the number there.
 pub fn grain_name(number: usize) -> String {
     format!("grain_{number:05}")
 }

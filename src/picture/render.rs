@@ -1,6 +1,6 @@
 //! Renders a scene: a ray for every sample of a pixel, shaded by what it hits.
 //!
-//! One ray a pixel finds what is seen and what light falls on it; pixels on the
+//! One ray per pixel finds what is seen and what light falls on it; pixels on the
 //! edge of a face or a body are drawn anew from nine rays. Each pixel is computed
 //! by itself, so that the number of threads changes no bit.
 

@@ -105,7 +105,7 @@ impl MeshRecord {
     }
 }
 
-/// `stones.csv`: a row a grain.
+/// `stones.csv`: one row per grain.
 ///
 /// # Errors
 /// As [`table_csv`].
