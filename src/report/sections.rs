@@ -37,7 +37,7 @@ fn verdict_badge(of: Verdict, reason: &str) -> Markup {
     }
 }
 
-/// The verdict of a row: where more runs could turn it, it is none of both.
+/// The verdict of a row; "not decided" where intervals leave it open.
 fn row_badge(row: &ScoreRow) -> Markup {
     match row.stands() {
         Some(verdict) => verdict_badge(verdict, &row.reason),

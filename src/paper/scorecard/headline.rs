@@ -5,11 +5,12 @@ use crate::paper::{StudyView, Verdict, constants::GRAIN_COUNT, text::number, unc
 use crate::record::{RunRecord, left_out_in_words};
 
 /// What moves the settlement of the plate, as far as it was measured.
-const SETTLEMENT: &str = "The table's amplitude and the plate's diameter move the settlement, and a \
-                          gradual start and stop of the table makes it smaller; friction between \
-                          grains and cell shape showed no effect beyond the wide scatter \
-                          (docs/studies.md), nor did sieve curve and funnel on the quick specimen \
-                          (docs/results/sensitivity-quick.md).";
+const SETTLEMENT: &str = "On the quick specimen the table's amplitude and the plate's diameter move \
+                          the settlement, sieve curve and funnel showed no effect beyond scatter \
+                          (docs/results/sensitivity-quick.md); at full size a gradual start and \
+                          stop of the table makes it smaller, amplitude, friction between grains \
+                          and cell shape showed no effect beyond the wide scatter \
+                          (docs/studies.md).";
 
 /// What moves its share in the first 5 s.
 const SHARE_IN_5_S: &str = "A gradual start and stop lowers the share in the first 5 s; friction, cell \
@@ -59,7 +60,7 @@ pub(super) fn paragraph(
     sentences.extend(said("Not reproduced", &missed));
     let not_decided = || rows.iter().filter(|r| r.stands().is_none());
     let open: Vec<String> = not_decided().map(undecided).collect();
-    sentences.extend(said("Not decided (more runs could turn it)", &open));
+    sentences.extend(said("Not decided (intervals leave it open)", &open));
     if !reproduced.is_empty() && missed.is_empty() && open.is_empty() {
         sentences.push("Nothing that could be compared is missed.".to_owned());
     }
@@ -149,7 +150,7 @@ fn why<'a>(counting: &StudyView, rows: impl Iterator<Item = &'a ScoreRow>) -> Ve
             "intermittent-share-in-first-period" => {
                 vec![SHARE_IN_FIRST.to_owned(), UNTESTED.to_owned()]
             }
-            ANGLE if row.beyond > 0.0 => vec![CALIBRATED.to_owned()],
+            ANGLE => vec![CALIBRATED.to_owned()],
             _ => {
                 not_investigated.push(lower(row.statement));
                 Vec::new()
@@ -183,9 +184,14 @@ fn creep(study: &StudyView, counting: &StudyView) -> String {
     format!("Numerical creep in the rest tests: {} µm/s{over}.", at_most(most))
 }
 
-/// A largest value, with two decimals.
+/// A largest value, with two decimals, rounded up: what is said holds.
 fn at_most(value: f64) -> String {
-    if value < 0.01 { "less than 0.01".to_owned() } else { format!("at most {}", number(value, 2)) }
+    if value < 0.01 {
+        return "less than 0.01".to_owned();
+    }
+    // What arithmetic leaves behind the digits is no reason for a higher last one.
+    let hundredths = (100.0 * value - 1e-9).ceil();
+    format!("at most {}", number(hundredths / 100.0, 2))
 }
 
 /// How many runs can be believed.
@@ -206,6 +212,28 @@ fn standard(study: &StudyView) -> String {
                 format!("; the first, {}: {}", run.name, run.summary.why_left_out().join("; "))
             });
             format!("{said}{first}.")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::at_most;
+
+    /// Law: the bound that is said is not below the value.
+    #[test]
+    fn a_bound_is_rounded_up() {
+        for (value, expected) in [
+            (0.0, "less than 0.01"),
+            (0.009, "less than 0.01"),
+            (0.01, "at most 0.01"),
+            (0.014, "at most 0.02"),
+            (0.29, "at most 0.29"),
+            (0.8, "at most 0.80"),
+            (1.001, "at most 1.01"),
+        ] {
+            let got = at_most(value);
+            assert_eq!(got, expected, "law: a bound of {value}: expected {expected}, got {got}");
         }
     }
 }

@@ -33,7 +33,7 @@ pub struct RowCounts {
     pub within: usize,
     /// It does not, likewise.
     pub outside: usize,
-    /// Runs speak for one of the two, and more of them could turn it.
+    /// Runs speak for one of the two, and intervals leave it open.
     pub not_decided: usize,
     /// The paper's text gives no number.
     pub not_stated: usize,
@@ -99,8 +99,7 @@ pub struct ScoreRow {
 }
 
 impl ScoreRow {
-    /// The verdict that a reader is shown; none where runs speak for one that more of them could
-    /// turn.
+    /// The verdict that a reader is shown; none where runs speak for one that intervals leave open.
     pub fn stands(&self) -> Option<Verdict> {
         (self.decided != Some(false)).then_some(self.verdict)
     }

@@ -47,6 +47,10 @@ pub(super) fn rows(all: &StudyView, study: &StudyView, claims: &[Claim]) -> Vec<
         |kind, value: fn(&Settlement) -> Option<f64>| study.values(kind, move |r| value(plate(r)?));
     let (continuous, intermittent) = (RunKind::VibrationContinuous, RunKind::VibrationIntermittent);
     let placements = placement_scatter(all, study);
+    let under_plates = |own: &[f64], name: &str| Measured {
+        stands_alone: !all.quick,
+        ..Measured::under_plates(own, &placements, name)
+    };
     let after_20_s = settled(continuous, |s| Some(s.final_mm));
     let after_5_s = settled(continuous, |s| Some(100.0 * s.share_after_5_s?));
     let of_first = |s: &Settlement| Some(100.0 * s.after_each_period.first()? / s.final_mm);
@@ -59,9 +63,9 @@ pub(super) fn rows(all: &StudyView, study: &StudyView, claims: &[Claim]) -> Vec<
             .map(|row| falls(row, study)),
         one("denser-after-vibration", "Gravel is denser after vibration").counted(),
         each("continuous-final-settlement", "Settlement of the plate after 20 s of vibration")
-            .mean(Measured::under_plates(&after_20_s, &placements, SETTLEMENT_OF_PLATE), "mm", 1),
+            .mean(under_plates(&after_20_s, SETTLEMENT_OF_PLATE), "mm", 1),
         each("continuous-share-after-5-s", "Share of it in the first 5 s").mean(
-            Measured::under_plates(&after_5_s, &placements, SHARE_AFTER_5_S),
+            under_plates(&after_5_s, SHARE_AFTER_5_S),
             "%",
             0,
         ),
@@ -99,6 +103,8 @@ struct Measured {
     one: &'static str,
     /// Runs left out, where they are others than those of the claims.
     left_out: Option<usize>,
+    /// Whether it is judged also where no run of the claims counts in means.
+    stands_alone: bool,
     note: String,
 }
 
@@ -112,6 +118,7 @@ impl Measured {
             count: values.len(),
             one: "run",
             left_out: None,
+            stands_alone: false,
             note: String::new(),
         }
     }
@@ -144,6 +151,7 @@ impl Measured {
             count,
             one: "specimen",
             left_out: Some(left_out),
+            stands_alone: false,
             note,
         }
     }
@@ -227,7 +235,11 @@ impl Row<'_> {
         row.left_out = of.left_out.unwrap_or(row.left_out);
         let Some(ours) = of.mean else { return Some(row) };
         row.add_note(&of.note);
-        let is_judged = matches!(row.verdict, Verdict::Within | Verdict::Outside);
+        let is_comparable = of.stands_alone && row.verdict == Verdict::NotComparable;
+        if is_comparable {
+            row.reason.clear();
+        }
+        let is_judged = is_comparable || matches!(row.verdict, Verdict::Within | Verdict::Outside);
         let first = self.claims.first()?;
         match (first.read_as, first.paper) {
             (Some(band), _) => {

@@ -1,7 +1,10 @@
 //! Scorecards of made-up studies whose answers are known.
 
 use super::{headline::CALIBRATED, *};
-use crate::paper::{canned, claims};
+use crate::paper::{
+    canned, claims,
+    constants::{GRAIN_COUNT, TOTAL_MASS_G},
+};
 use crate::record::{AngleOfRepose, RunKind, RunRecord};
 
 fn card(study: &StudyView) -> Scorecard {
@@ -111,6 +114,36 @@ fn placements_judge_the_settlement_where_there_are_any() {
     assert!(other.note.contains("One placement"), "law: it has no others: {other:?}");
 }
 
+/// Law: placements that count judge the row also where no run of the programme's own plate does.
+#[test]
+fn placements_judge_where_no_run_of_the_programme_counts() {
+    let mut runs = canned::valid_runs();
+    let own = runs.iter().filter(|r| r.kind == RunKind::VibrationContinuous).cloned();
+    let placed: Vec<RunRecord> = own
+        .zip([17.0, 17.1, 17.2])
+        .map(|(mut run, mm)| {
+            run.kind = RunKind::VibrationPlacement;
+            run.name = format!("{}-at-{mm}", run.name);
+            run.summary.settlement_mm.as_mut().expect("vibrated").final_mm = mm;
+            run
+        })
+        .collect();
+    for run in runs.iter_mut().filter(|r| r.kind == RunKind::VibrationContinuous) {
+        run.summary.grains.missing = Some(300);
+    }
+    let alone = card(&canned::study(&runs));
+    let settled = row(&alone, "continuous-final-settlement");
+    assert_eq!((settled.verdict, settled.ours), (Verdict::NotComparable, None), "{settled:?}");
+    runs.extend(placed);
+    let judged = card(&canned::study(&runs));
+    let settled = row(&judged, "continuous-final-settlement");
+    assert_eq!(settled.verdict, Verdict::Within, "law: 14 ≤ 17.1 ≤ 19.61: {settled:?}");
+    assert_eq!((settled.count, settled.reason.as_str()), (3, ""), "{settled:?}");
+    let quick = card(&StudyView { quick: true, grain_count: 364, ..canned::study(&runs) });
+    let settled = row(&quick, "continuous-final-settlement");
+    assert_eq!(settled.verdict, Verdict::NotComparable, "law: of full size alone: {settled:?}");
+}
+
 /// Law: the angle's row says by what it is judged, with the half width, within and outside.
 #[test]
 fn the_angle_says_that_scatter_helps_it() {
@@ -147,9 +180,11 @@ fn the_angle_says_that_scatter_helps_it() {
     assert!(angle.note.contains("±2.5°") && angle.note.contains("more easily"), "{angle:?}");
     let said = "our interval of ±2.5° holds the paper's 38.40°";
     assert!(near.paragraph.contains(said), "{}", near.paragraph);
-    let steep = of([43.0, 44.0, 45.0]);
-    assert_eq!(row(&steep, "angle-of-repose").verdict, Verdict::Outside);
-    assert!(steep.paragraph.contains(CALIBRATED), "{}", steep.paragraph);
+    for missed in [of([43.0, 44.0, 45.0]), of([33.0, 34.0, 35.0])] {
+        assert_eq!(row(&missed, "angle-of-repose").verdict, Verdict::Outside);
+        let text = &missed.paragraph;
+        assert!(text.contains(CALIBRATED), "law: why, above and below 38.40°: {text}");
+    }
 }
 
 /// Law: the friction that a pile of 38.40° needs is quoted as it was measured.
@@ -162,7 +197,19 @@ fn the_calibrated_friction_is_that_of_the_calibration() {
     let [low, high] = ["low", "high"].map(|end| number(&solution["interval_95"][end]));
     let value = number(&solution["value"]);
     assert_eq!(found["wanted"], 38.4, "law: the angle");
-    for said in [format!("of {value} "), format!("{low} to {high}"), "364 grains".to_owned()] {
+    // The pile has the same share of the paper's mass and of its grains.
+    assert_eq!(found["scenario"], "quick-repose", "law: the pile");
+    let text = include_str!("../../../scenarios/quick/repose.json");
+    let pile: serde_json::Value = serde_json::from_str(text).expect("JSON");
+    let mass_g = pile["grains"]["total_mass_g"].as_f64().expect("a mass");
+    let grains = GRAIN_COUNT as f64 * mass_g / TOTAL_MASS_G;
+    let tangent = 38.4_f64.to_radians().tan();
+    for said in [
+        format!("of {value} "),
+        format!("{low} to {high}"),
+        format!(" {grains:.0} grains"),
+        format!("angle, {tangent:.3},"),
+    ] {
         assert!(CALIBRATED.contains(&said), "law: `{said}` in {CALIBRATED}");
     }
 }
