@@ -2,7 +2,7 @@
 # Shakes specimens under what the paper's text leaves open, and asks which values meet its four
 # numbers together: joint.sh OUT TABLES BATCHES. Each batch draws eight points anew (its number
 # is the seed) and shakes each continuously and intermittently, with and without a ramp, at full
-# size; the mean of a few smaller piles, each mixed anew, gives the angle of repose. Rows go to
+# size; the mean of a few smaller piles, each another realisation, gives the angle of repose. Rows go to
 # TABLES as they are found, in one file an experiment and batch; a batch that stands there is not
 # run again. TABLES/builds.csv says which build made each file: rows of different builds are not
 # pooled.

@@ -1,4 +1,4 @@
-//! Of which build each kept result is: `docs/results/builds.csv`, a row a result, by name.
+//! Of which build each kept result is: `docs/results/builds.csv`, one row per result, by name.
 
 use std::{fs, path::Path};
 
@@ -43,7 +43,7 @@ pub fn of<'a>(builds: &'a [Build], name: &str) -> Option<&'a Build> {
     builds.iter().find(|build| build.name == name)
 }
 
-/// Puts down of which build a result is from now on.
+/// Records of which build a result is from now on.
 pub fn record(root: &Path, made: Build) -> Result<(), String> {
     let mut builds = read(root)?;
     builds.retain(|build| build.name != made.name);
@@ -74,7 +74,7 @@ pub fn faults(root: &Path) -> Result<Vec<String>, String> {
     Ok(faults)
 }
 
-/// The day, in UTC, so many seconds after 1970 began, as 2026-11-27 (`civil_from_days` of Hinnant,
+/// The day in UTC, `seconds` after the start of 1970, as 2026-11-27 (`civil_from_days` of Hinnant,
 /// *chrono-compatible low-level date algorithms*, 2021).
 pub fn day(seconds: u64) -> String {
     // Years begin in March, so that a leap day is the last.

@@ -1,5 +1,5 @@
 //! The one table of results: what is computed, by which command, into which files of
-//! `docs/results/`; by which build the kept ones were says `builds.rs`. Pages quote these files by
+//! `docs/results/`; by which build the kept ones were says `builds.csv`. Pages quote these files by
 //! the names here; to rename a file, change it here.
 
 /// A result, kept in files of `docs/results/`.

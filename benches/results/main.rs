@@ -46,10 +46,10 @@ struct Options {
     /// Call also make targets, which take long
     #[arg(long, conflicts_with = "only")]
     targets: bool,
-    /// Put down that these are of this build, with commas between, and fill the pages; compute
+    /// Record that these are of this build, with commas between, and fill the pages; compute
     /// nothing
     #[arg(long, value_delimiter = ',', value_name = "NAME,NAME",
-          conflicts_with_all = ["only", "older", "targets", "pictures"])]
+          conflicts_with_all = ["list", "only", "older", "targets", "pictures"])]
     built: Vec<String>,
     /// Draw the pictures of docs/pictures/ anew that a command of the tree makes
     #[arg(long)]
@@ -91,6 +91,7 @@ fn run(options: &Options, root: &Path) -> Result<ExitCode, String> {
     }
     make::built(root, &options.built)?;
     let mut failed = Vec::new();
+    let mut is_left = false;
     if !options.fill && options.built.is_empty() {
         let Options { only, older, targets, .. } = options;
         let asked = make::Asked { only: only.clone(), older: *older, targets: *targets };
@@ -98,6 +99,7 @@ fn run(options: &Options, root: &Path) -> Result<ExitCode, String> {
         for why in &chosen.left {
             println!("{why}");
         }
+        is_left = !only.is_empty() && !chosen.left.is_empty();
         let maker = make::Maker { root, out: &options.out, program: &options.program };
         for kept in chosen.to_make {
             // One that fails does not keep the others from being made.
@@ -119,6 +121,9 @@ fn run(options: &Options, root: &Path) -> Result<ExitCode, String> {
     }
     if !failed.is_empty() {
         return Err(format!("not made: {}", failed.join(", ")));
+    }
+    if is_left {
+        return Err("--only: not all that was asked for is made; lines above say why".to_owned());
     }
     Ok(if faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

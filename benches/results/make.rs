@@ -124,9 +124,16 @@ pub fn chosen(root: &Path, asked: &Asked) -> Result<Chosen, String> {
     Ok(chosen)
 }
 
-/// Puts down that results are of this build.
+/// Records that results are of this build; refuses those whose files are not there.
 pub fn built(root: &Path, names: &[String]) -> Result<(), String> {
     known("--built", names)?;
+    for kept in KEPT.iter().filter(|kept| names.iter().any(|name| name == kept.name)) {
+        let missing = missing(root, kept);
+        if !missing.is_empty() {
+            let files = missing.join(", ");
+            return Err(format!("--built: {}: not in {FOLDER}: {files}", kept.name));
+        }
+    }
     let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     for name in names {
         let (day, format) = (builds::day(now), STAGE_FORMAT.to_string());
@@ -146,7 +153,7 @@ pub struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    /// Runs the commands of a result, keeps its files, and puts down its build.
+    /// Runs the commands of a result, keeps its files, and records its build.
     pub fn make(&self, kept: &Kept) -> Result<(), String> {
         let name = kept.name;
         // Studies do not go on with runs of another build.
@@ -179,7 +186,7 @@ impl Maker<'_> {
             }
         }
         if !is_whole {
-            println!("{name}: once it is, put down its build by --built {name}");
+            println!("{name}: once it is, record its build by --built {name}");
             return Ok(());
         }
         built(self.root, &[name.to_owned()])?;
