@@ -14,7 +14,7 @@ PRECISIONS ?= double
 
 # Batches of `make joint`: eight points each, shaken four ways; and the folder of its tables.
 BATCHES ?= 8
-TABLES ?= docs/results/joint
+TABLES ?= $(OUT)/tables
 
 # The table that `make twins` makes.
 TABLE ?= docs/results/scale/twins.csv

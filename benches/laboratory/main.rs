@@ -141,7 +141,9 @@ fn run(options: &Options) -> Result<(), String> {
     };
     create_folder(&bench.out).map_err(|e| e.to_string())?;
     let kept = bench::root().join("docs/results");
+    let kept_file = kept.join("laboratory.json");
     let mut rows = earlier(&options.out)?;
+    let mut kept_rows = if options.keep { earlier(&kept_file)? } else { Vec::new() };
     // Nothing is judged by the beads, which are many: only who asks for them has them quick.
     let is_all = options.only.len() == Part::ALL.len();
     let is_left_out = |part: &Part| bench.is_quick() && is_all && *part == Part::Beads;
@@ -166,8 +168,10 @@ fn run(options: &Options) -> Result<(), String> {
             let told = format!("; left out of this test: {}", left_out.join(", "));
             found.rows.iter_mut().for_each(|row| row.note += &told);
         }
-        rows.retain(|row| row.test != part.name());
-        rows.extend(found.rows);
+        for all in [&mut rows, &mut kept_rows] {
+            all.retain(|row| row.test != part.name());
+            all.extend(found.rows.iter().cloned());
+        }
         relative::derive(&mut rows);
         put_in_order(&mut rows);
         write_json(&options.out, &rows).map_err(|e| e.to_string())?;
@@ -184,7 +188,9 @@ fn run(options: &Options) -> Result<(), String> {
         print!("{}", row::table(rows.iter().filter(|row| row.test == part.name())));
     }
     if options.keep {
-        write_json(&kept.join("laboratory.json"), &rows).map_err(|e| e.to_string())?;
+        relative::derive(&mut kept_rows);
+        put_in_order(&mut kept_rows);
+        write_json(&kept_file, &kept_rows).map_err(|e| e.to_string())?;
         println!("kept in docs/results/; `make results ARGS=--fill` fills the pages");
     }
     println!("all of it in {}", options.out.display());

@@ -55,7 +55,8 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     let as_it_is = Point { name: "loaded".into(), changes: changes.clone(), most: None };
     let runs = bench.run("oedometer", SCENARIO, &[as_it_is])?;
     let stiffness = runs.first().map(Run::contact_stiffness).transpose()?.unwrap_or(0.0);
-    // Whether what comes back is the springs: with contacts twice as stiff it must be half.
+    // Whether what comes back is the springs: were it springs alone, it would be half with
+    // contacts twice as stiff.
     let mut stiffer = changes;
     stiffer.push(format!("engine.native.contact_stiffness_n_per_m={}", 2.0 * stiffness));
     let most = bench.is_small().then_some(1);

@@ -100,7 +100,8 @@ impl Row {
             None => Verdict::NotJudged,
             Some(Published::Range { low, high }) => judge((low, high), self.ours, ends),
             Some(Published::Value { value }) => {
-                judge_value(value, reference.widest.unwrap_or(0.0), self.ours, ends)
+                let widest = reference.widest.expect("what is judged by a value declares a width");
+                judge_value(value, widest, self.ours, ends)
             }
         };
         self.source = reference.source;

@@ -33,7 +33,7 @@ pub fn peers(all: &Value) -> Result<String, String> {
         "pour",
         "time over Pluvia's, shaken",
         "overlap at rest, mean / p99, %",
-        "creep, µm/s",
+        "numerical creep, µm/s",
         "MiB",
     ]);
     for engine in engines {
