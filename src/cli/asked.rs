@@ -26,9 +26,13 @@ pub(super) const ANYTHING: Value = Value::Null;
 /// The part of a question that may grow: what it lists may become more, and its numbers larger.
 pub(super) const AT_LEAST: &str = "at_least";
 
+/// The part of a question that may be another once nobody is at work any more.
+pub(super) const MEANWHILE: &str = "meanwhile";
+
 /// Begins a command in a folder. `question` is what its results answer; what stands there under
-/// [`AT_LEAST`] was asked for no more than this. The command is at work there until what is given
-/// back is dropped; the same one may be, several times.
+/// [`AT_LEAST`] was asked for no more than this, and what stands under [`MEANWHILE`] may differ.
+/// The command is at work there until what is given back is dropped; the same one may be, several
+/// times, if it is asked the same.
 ///
 /// # Errors
 /// [`FileError`], refused, where the folder holds results of another command or the answer to
@@ -85,18 +89,11 @@ fn held(folder: &Path, command: &str, question: &Value, at_work: AtWork) -> Opti
             return Some(format!("it holds the results of `pluvia {of}`"));
         }
         let there = &there["question"];
-        if there.is_null() {
-            return None;
-        }
-        let ([same, more], [same_now, more_now]) = (parted(there), parted(question));
-        return match first_difference("", &same, &same_now) {
-            None => lost(&more, &more_now)
-                .map(|what| format!("it holds more results of `pluvia {command}`: {what}")),
-            Some(field) => {
-                let other = format!("it holds the results of another `pluvia {command}`");
-                Some(if field.is_empty() { other } else { format!("{other}: `{field}` differs") })
-            }
-        };
+        let held = if there.is_null() { None } else { other_answer(command, there, question) };
+        // Two that ask for different results write the same files.
+        let is_other = || first_difference("", there, question).is_some();
+        let meanwhile = || format!("another `pluvia {command}` has begun there");
+        return held.or_else(|| (at_work == AtWork::Somebody && is_other()).then(meanwhile));
     }
     // A command that was interrupted has left grains beside its stages; an export has other names.
     let is_bare = !folder.join("stages").is_dir() && command != "export";
@@ -106,10 +103,27 @@ fn held(folder: &Path, command: &str, question: &Value, at_work: AtWork) -> Opti
     found.map(|(file, of)| format!("it holds the results of `pluvia {of}` ({file})"))
 }
 
+/// Why results are no part of the answer to a question of now; none where they are.
+fn other_answer(command: &str, there: &Value, now: &Value) -> Option<String> {
+    let ([same, more], [same_now, more_now]) = (parted(there), parted(now));
+    match first_difference("", &same, &same_now) {
+        None => lost(&more, &more_now)
+            .map(|what| format!("it holds more results of `pluvia {command}`: {what}")),
+        Some(field) => {
+            let other = format!("it holds the results of another `pluvia {command}`");
+            Some(if field.is_empty() { other } else { format!("{other}: `{field}` differs") })
+        }
+    }
+}
+
 /// What must be the same of a question, and what may grow.
 fn parted(question: &Value) -> [Value; 2] {
     let mut same = question.clone();
-    let more = same.as_object_mut().and_then(|fields| fields.remove(AT_LEAST));
+    let mut more = None;
+    if let Some(fields) = same.as_object_mut() {
+        more = fields.remove(AT_LEAST);
+        fields.remove(MEANWHILE);
+    }
     [same, more.unwrap_or_default()]
 }
 
@@ -209,6 +223,27 @@ mod tests {
         assert_eq!(said(out, "calibrate", &own), "", "law: the same joins in");
         drop(kept);
         assert_eq!(said(out, "density", &ANYTHING), "", "law: nothing was left");
+    }
+
+    /// Law: a question that grows, or that may differ later, is refused while a smaller or another
+    /// one is at work.
+    #[test]
+    fn what_is_at_work_grows_later() {
+        let at_least = |n: u32| json!({ "limit": 1, (AT_LEAST): { "configurations": n } });
+        let meanwhile = |quick: bool| json!({ (MEANWHILE): { "quick": quick } });
+        for [first, second] in [[2, 5].map(at_least), [true, false].map(meanwhile)] {
+            let folder = tempfile::tempdir().expect("a folder");
+            let out = folder.path();
+            let kept = begin(out, "density", &first).expect("law: nobody is there");
+            fs::write(out.join("density.csv"), "").expect("written");
+            assert_eq!(said(out, "density", &first), "", "law: the same joins in");
+            let why = said(out, "density", &second);
+            for words in ["another `pluvia density` has begun there", "a command is at work"] {
+                assert!(why.contains(words), "law: `{words}` is said of {second}, got `{why}`");
+            }
+            drop(kept);
+            assert_eq!(said(out, "density", &second), "", "law: nobody is at work any more");
+        }
     }
 
     /// Law: an answer may grow; what was asked for stays, and a refusal names what would be

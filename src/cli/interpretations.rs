@@ -42,12 +42,20 @@ pub(super) fn interpretation(name: &str) -> Result<Interpretation, String> {
 pub(super) fn run(args: &InterpretationsArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let interpretations_asked =
         if args.only.is_empty() { Interpretation::all()? } else { args.only.clone() };
-    let _at_work = context.begin(&args.out, "interpretations", &asked::ANYTHING)?;
+    let configurations = args.configurations.unwrap_or(if args.quick { 1 } else { 3 });
+    let changes = args.changes.overrides();
+    let question = json!({ (asked::MEANWHILE): {
+        "quick": args.quick,
+        "configurations": configurations,
+        "interpretations": interpretations_asked.iter().map(|i| i.name).collect::<Vec<&str>>(),
+        "changes": changes.iter().map(Override::text).collect::<Vec<&str>>(),
+    } });
+    let _at_work = context.begin(&args.out, "interpretations", &question)?;
     let outcome = interpretations(&InterpretationsOptions {
         quick: args.quick,
-        configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),
+        configurations,
         interpretations: interpretations_asked,
-        changes: args.changes.overrides(),
+        changes,
         run: context.run_options(&args.out, args.jobs),
     })?;
     let mut text = table::of_interpretations(&outcome.columns);

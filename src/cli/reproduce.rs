@@ -46,12 +46,21 @@ pub(super) struct ReproduceArgs {
 }
 
 pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let _at_work = context.begin(&args.out, "reproduce", &asked::ANYTHING)?;
+    let configurations = args.configurations.unwrap_or(if args.quick { 1 } else { 3 });
+    let changes = args.changes.overrides();
+    let question = json!({ (asked::MEANWHILE): {
+        "quick": args.quick,
+        "configurations": configurations,
+        "placements": args.placements,
+        "interpretation": args.interpretation.as_ref().map(|i| i.name),
+        "changes": changes.iter().map(Override::text).collect::<Vec<&str>>(),
+    } });
+    let _at_work = context.begin(&args.out, "reproduce", &question)?;
     let outcome = reproduce(&ReproduceOptions {
         quick: args.quick,
-        configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),
+        configurations,
         placements: args.placements,
-        changes: args.changes.overrides(),
+        changes,
         interpretation: args.interpretation.clone(),
         run: RunOptions { frames: true, ..context.run_options(&args.out, args.jobs) },
     })?;
