@@ -64,7 +64,7 @@ pub(super) fn begin(folder: &Path, scenario: &Scenario, force: bool) -> Result<R
         match (held(folder, &own, at_work), at_work) {
             // Two runs that write over each other would leave the results of neither.
             (Some(held), AtWork::Somebody) => {
-                let why = format!("{held}, and a run is at work in it; name another folder");
+                let why = format!("{held}, and a command is at work there; name another folder");
                 return Err(error::refused(WRITE, folder, why).into());
             }
             (Some(held), _) if !force => return Err(in_the_way(folder, &held)),
@@ -128,9 +128,12 @@ fn held(folder: &Path, own: &Value, at_work: AtWork) -> Option<String> {
             )),
         };
     }
-    let there = RESULTS.iter().find(|name| folder.join(name).is_file());
-    let there = there.copied().or_else(|| asked::is_there(folder, at_work).then_some(asked::FILE))?;
-    Some(format!("it holds the results of another command ({there})"))
+    if let Some(there) = RESULTS.iter().find(|name| folder.join(name).is_file()) {
+        return Some(format!("it holds the results of another command ({there})"));
+    }
+    // A command may have begun that has left no result yet.
+    let begun = || format!("another command has begun there ({})", asked::FILE);
+    asked::is_there(folder, at_work).then(begun)
 }
 
 /// Whether a stage is stored in a folder: a run that ended before left nothing to lose.
@@ -278,6 +281,13 @@ mod tests {
             let said = said(folder.path(), &scenario("a", 480.0));
             assert!(said.contains(file), "law: `{file}` is named, got `{said}`");
         }
+        let folder = tempfile::tempdir().expect("a folder");
+        let at_work = asked::begin(folder.path(), "density", &asked::ANYTHING).expect("it begins");
+        let told = said(folder.path(), &scenario("a", 480.0));
+        for words in ["another command has begun there (command.json)", "a command is at work"] {
+            assert!(told.contains(words), "law: `{words}` is said, got `{told}`");
+        }
+        drop(at_work);
         let folder = tempfile::tempdir().expect("a folder");
         fs::write(folder.path().join(MANIFEST), "torn").expect("written");
         let said = said(folder.path(), &scenario("a", 480.0));
