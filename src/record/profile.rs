@@ -10,10 +10,10 @@ pub struct DistributionRow {
     pub of: &'static str,
     /// Middle of a class of forces over their mean; number of grains that a grain touches.
     pub value: f64,
-    /// Unit of `value`: `of_mean` of forces, `grains` of the grains touched.
-    pub unit: &'static str,
     /// Share of the contacts, or of the grains, in percent.
     pub share_percent: f64,
+    /// Unit of `value`: `of_mean` of forces, `grains` of the grains touched.
+    pub unit: &'static str,
 }
 
 /// The distributions of a summary.
@@ -24,8 +24,8 @@ pub fn distributions(summary: &Summary) -> Vec<DistributionRow> {
         force.classes_percent.iter().enumerate().map(move |(class, share)| DistributionRow {
             of: "normal_force",
             value: middle(class),
-            unit: "of_mean",
             share_percent: *share,
+            unit: "of_mean",
         })
     });
     let counts = &summary.coordination_distribution;
@@ -33,8 +33,8 @@ pub fn distributions(summary: &Summary) -> Vec<DistributionRow> {
     let coordination = counts.iter().enumerate().map(|(touched, count)| DistributionRow {
         of: "coordination",
         value: touched as f64,
-        unit: "grains",
         share_percent: 100.0 * *count as f64 / grains as f64,
+        unit: "grains",
     });
     forces.chain(coordination).collect()
 }
@@ -87,11 +87,11 @@ mod tests {
             ..Summary::default()
         };
         let table = to_csv(distributions(&summary)).expect("a table");
-        let expected = "of,value,unit,share_percent\n\
-                        normal_force,0.25,of_mean,75.0\n\
-                        normal_force,0.75,of_mean,25.0\n\
-                        coordination,0.0,grains,25.0\n\
-                        coordination,1.0,grains,75.0\n";
+        let expected = "of,value,share_percent,unit\n\
+                        normal_force,0.25,75.0,of_mean\n\
+                        normal_force,0.75,25.0,of_mean\n\
+                        coordination,0.0,25.0,grains\n\
+                        coordination,1.0,75.0,grains\n";
         assert_eq!(String::from_utf8(table).expect("UTF-8"), expected);
     }
 }
