@@ -85,9 +85,10 @@ struct Listed {
 }
 
 pub(super) fn run(args: &PlotArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let of_series = ["series", REST_TEST].contains(&args.file.as_str());
+    let file = args.file.strip_suffix(".csv").unwrap_or(&args.file);
+    let of_series = ["series", REST_TEST].contains(&file);
     let rest_test = args.stage.as_deref() == Some(REST_TEST) && of_series;
-    let name = if rest_test { REST_TEST } else { &args.file };
+    let name = if rest_test { REST_TEST } else { file };
     let path = table_path(&args.run, name)?;
     let whole = ColumnTable::read(&path, &read_file(&path)?)?;
     let stage = args.stage.as_deref().filter(|_| !rest_test);
@@ -144,7 +145,9 @@ fn table_path(folder: &Path, name: &str) -> Result<PathBuf, CliError> {
         true => "there is none (CSV) in it".to_owned(),
         false => format!("it has {}", there.join(", ")),
     };
-    let now = renamed_result(stem).map(|now| format!(" (now called `{now}`)")).unwrap_or_default();
+    // Of the results with another name one alone is a table.
+    let now = renamed_result(stem).filter(|now| now == REST_TEST);
+    let now = now.map(|now| format!(" (now called `{now}`)")).unwrap_or_default();
     let what = format!("{}: no table `{stem}`{now}; {there}", plain_path(folder));
     Err(CliError::Usage(plain_lines(&what).into_owned()))
 }
@@ -311,6 +314,19 @@ mod tests {
             (0.001_234_567, "0.0012346"),
         ] {
             assert_eq!(short(number), expected, "law: {number} to five digits");
+        }
+    }
+
+    /// Law: a table that had another name is named; another result that had one is no table.
+    #[test]
+    fn the_new_name_of_a_table_is_that_of_a_table() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (asked, expected) in [("control", true), ("guards", false)] {
+            let said = table_path(folder.path(), asked).err().map(|e| e.to_string());
+            let said = said.unwrap_or_default();
+            let named = said.contains("now called `rest_test`");
+            let no_other = said.contains("now called") == named;
+            assert!(named == expected && no_other, "law: of `{asked}`, got `{said}`");
         }
     }
 
