@@ -203,9 +203,11 @@ fn number_of(
             let mut known: Vec<&str> = names.iter().map(String::as_str).collect();
             known.extend(has_rest_test.then_some("rest_test"));
             let message = match (renamed::stage(asked), nearest(asked, known.iter().copied())) {
-                (Some(now), _) => format!("this stage is now called `{now}`"),
-                (None, Some(near)) => format!("the run has no such stage, did you mean `{near}`?"),
-                (None, None) => "the run has no such stage".to_owned(),
+                (Some(now), _) if known.contains(&now) => {
+                    format!("this stage is now called `{now}`")
+                }
+                (_, Some(near)) => format!("the run has no such stage, did you mean `{near}`?"),
+                (_, None) => "the run has no such stage".to_owned(),
             };
             Err(fault(message, format!("one of {}", known.join(", "))))
         }
