@@ -48,8 +48,8 @@ impl Summary {
                 || n + 1 == self.stages.len();
             (is_read && !settling.settled).then(|| {
                 format!(
-                    "stage {n}, {}, had not settled within {} s, and heights or settlement are \
-                     read at its end",
+                    "stage {n}, {}, had not settled within {} s, and what is read at its end \
+                     (height, settlement, angle of repose) does not count",
                     stage.stage, settling.limit_s
                 )
             })
