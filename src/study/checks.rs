@@ -135,10 +135,11 @@ pub(super) fn warnings(checks: &StageChecks) -> Vec<String> {
 }
 
 /// All checks of a run, from the records of its stages, the rest test's the last, and the number
-/// of grains that were pressed through a floor or a wall without any stage noting it.
+/// of grains gone through a floor or a wall that no stage of the run noted: pressed into it, or
+/// gone that way before the run began.
 pub(super) fn of_run<'a>(
     stages: impl Iterator<Item = &'a StageRecord> + Clone,
-    pressed: usize,
+    unnoted: usize,
 ) -> Checks {
     let unwatched: Vec<String> =
         stages.clone().filter(|s| s.checks.is_none()).map(|s| s.stage.clone()).collect();
@@ -151,7 +152,7 @@ pub(super) fn of_run<'a>(
     let residual = SolverResidual::of(residuals.iter().copied());
     let checks: u64 = each.clone().map(|g| g.checks).sum();
     let noted: u32 = each.clone().map(|g| g.through_walls).sum();
-    let through = noted.saturating_add(u32::try_from(pressed).unwrap_or(u32::MAX));
+    let through = noted.saturating_add(u32::try_from(unnoted).unwrap_or(u32::MAX));
     let mut checks = Checks {
         passed: None,
         finite: CheckSummary::none_of(
@@ -167,7 +168,7 @@ pub(super) fn of_run<'a>(
             checks,
         ),
         through_walls: CheckSummary::none_of(
-            "grains that passed through a wall or a floor, or ended a stage with their centroid in one",
+            "grains that passed through a wall or a floor, ended a stage with their centroid in one, or were gone that way before the run began",
             "grains",
             through,
             checks,
