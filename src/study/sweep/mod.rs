@@ -139,7 +139,7 @@ impl SweepStudy {
     ///
     /// # Errors
     /// [`StudyError::Scenario`] for a folder that holds another sweep, or this
-    /// one of a scenario that was edited since; nothing is written then.
+    /// one of a scenario that was edited since; no plan is written then.
     pub fn write_plan(&self) -> Result<SweepPlan, StudyError> {
         let plan = self.plan()?;
         let out = &self.options.run.out;
