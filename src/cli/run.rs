@@ -27,7 +27,8 @@ pub(super) struct RunArgs {
     /// Replace the results of another run in that folder
     #[arg(long)]
     force: bool,
-    /// Leave out pictures and figures of series and grains, which take seconds
+    /// Leave out pictures and figures of series and grains, which take seconds; figures that are
+    /// there stay as they are
     #[arg(long)]
     no_figures: bool,
     #[command(flatten)]

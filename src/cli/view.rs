@@ -27,7 +27,7 @@ pub(super) struct ViewArgs {
     #[arg(long)]
     no_browser: bool,
     /// Write the page with the run inside as one file, to hand to others, and serve nothing; an
-    /// existing file is kept
+    /// existing file is kept unless --force is given
     #[arg(long, value_name = "FILE.html", conflicts_with_all = ["port", "no_browser"])]
     pub(super) save: Option<PathBuf>,
     /// Replace the file if it exists already
