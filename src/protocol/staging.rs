@@ -24,7 +24,7 @@ pub(super) struct Ended<'a> {
 }
 
 impl<'a> Laboratory<'a> {
-    /// Carries a stage out segment by segment, from where it was interrupted or else from
+    /// Runs a stage segment by segment, from where it was interrupted or else from
     /// the specimen.
     pub(super) fn carry_out(
         &mut self,
@@ -87,8 +87,8 @@ impl<'a> Laboratory<'a> {
         StageError::OutOfOrder { stage: self.stage.name(), reason }
     }
 
-    /// Carries out a stage that lets grains go, and tells of those left; also whether all were let
-    /// go and everything settled.
+    /// Runs a stage that lets grains go, and warns of those left; also whether everything settled,
+    /// which nothing does while grains are still to come.
     pub(super) fn feed(
         &mut self,
         specimen: Specimen,
@@ -103,7 +103,7 @@ impl<'a> Laboratory<'a> {
         } else if !settled {
             stand.warn(not_settled(what, limit));
         }
-        Ok((stand.finish(), settled && waiting == 0))
+        Ok((stand.finish(), settled))
     }
 }
 
