@@ -5,8 +5,8 @@ use super::*;
 use crate::motion::PieceMotion;
 use crate::world::{Contact, World};
 
-/// Moments at which the way of a piece is looked at for its lowest place.
-const SAMPLES_OF_WAY: u32 = 64;
+/// Moments at which the path of a piece is looked at for its lowest place.
+const SAMPLES_OF_PATH: u32 = 64;
 
 /// Pieces that move as one in a stage.
 #[derive(Debug, Clone, PartialEq)]
@@ -165,8 +165,8 @@ impl Pieces {
         let reach = still.filter(|(_, (piece, _))| piece.present).map(|(n, (piece, radius))| {
             let ways = self.drive.iter().filter(|drive| drive.pieces.contains(&n));
             let ways = ways.flat_map(|drive| {
-                (0..=SAMPLES_OF_WAY).map(|k| {
-                    let time = drive.motion.duration * f64::from(k) / f64::from(SAMPLES_OF_WAY);
+                (0..=SAMPLES_OF_PATH).map(|k| {
+                    let time = drive.motion.duration * f64::from(k) / f64::from(SAMPLES_OF_PATH);
                     (drive.motion.displacement(time) * piece.pose).translation.z
                 })
             });

@@ -243,7 +243,7 @@ mod tests {
 
     /// Law: what is said of pressed grains says when they lay there.
     #[test]
-    fn pressed_grains_are_told_with_the_stage_at_whose_end_they_lay_there() {
+    fn pressed_grains_are_reported_with_the_stage_at_whose_end_they_lay_there() {
         assert_eq!(Pressed::default().warning(), None, "law: none, no warning");
         let at_ends = vec![("stage 2, press".to_owned(), 7), ("stage 3, rest".to_owned(), 1)];
         let said = Pressed { grains: 7, at_ends }.warning().expect("law: a warning");
