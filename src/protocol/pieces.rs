@@ -163,14 +163,14 @@ impl Pieces {
     pub(super) fn lowest(&self) -> f64 {
         let still = self.began.iter().zip(&self.solids.radii).enumerate();
         let reach = still.filter(|(_, (piece, _))| piece.present).map(|(n, (piece, radius))| {
-            let ways = self.drive.iter().filter(|drive| drive.pieces.contains(&n));
-            let ways = ways.flat_map(|drive| {
+            let paths = self.drive.iter().filter(|drive| drive.pieces.contains(&n));
+            let paths = paths.flat_map(|drive| {
                 (0..=SAMPLES_OF_PATH).map(|k| {
                     let time = drive.motion.duration * f64::from(k) / f64::from(SAMPLES_OF_PATH);
                     (drive.motion.displacement(time) * piece.pose).translation.z
                 })
             });
-            let low = ways.fold(piece.pose.translation.z, f64::min) - radius;
+            let low = paths.fold(piece.pose.translation.z, f64::min) - radius;
             (piece.free.is_some(), low)
         });
         lowest_of(reach)
