@@ -154,8 +154,8 @@ pub struct StageOutcome {
 /// or in a stage that pours it, piles it up or lays the plate on it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Settling {
-    /// Time in s from the end of shaking, or the beginning of another stage, to the end of the
-    /// stage: with what was held to count as settled, or the limit.
+    /// Time in s from the end of shaking, or the beginning of another stage or of its last part,
+    /// to the end of the stage: with what was held to count as settled, or the limit.
     pub time_s: f64,
     /// The limit in s.
     pub limit_s: f64,

@@ -160,7 +160,9 @@ impl Laboratory<'_> {
         let course = Course { placing: Some(placing), ..Course::until_settled(limit) };
         let Ended { stand, settled, .. } =
             self.settled(specimen, &course, "placing the top plate", limit)?;
-        Ok(came_to_rest(stand, settled, 0.0, limit))
+        // Each part may take as long as the limit.
+        let after = stand.part_began_s();
+        Ok(came_to_rest(stand, settled, after, limit))
     }
 
     fn vibrate(&mut self, specimen: Specimen) -> StageResult {

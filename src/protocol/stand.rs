@@ -366,6 +366,11 @@ impl<'a> Stand<'a> {
         }
     }
 
+    /// When the part that goes on began, in s since the stage began.
+    pub(super) fn part_began_s(&self) -> f64 {
+        self.midway.part_began as f64 * self.world.time_step()
+    }
+
     /// Keeps a finding for the reader.
     pub(super) fn warn(&mut self, warning: String) {
         self.midway.warnings.push(warning);

@@ -114,6 +114,25 @@ fn a_settled_specimen_ends_its_stage_early_and_a_restless_one_does_not() {
     assert!(outcome.warnings.iter().any(|w| w.contains("had not settled")));
 }
 
+/// Law: a plate that is seated settles three times; what is said of its settling is of the last,
+/// which the limit is of.
+#[test]
+fn a_seated_plate_settles_within_the_limit_of_its_last_part() {
+    let stage =
+        stage(json!({ "stage": "place_top_plate", "time_limit_s": 0.5, "seating_load_n": 10 }));
+    let (outcome, _) = carry_out(still(), poured(&[]), &stage);
+    let outcome = outcome.expect("settles");
+    let took = outcome.simulated;
+    assert!((0.75..0.96).contains(&took), "law: held for 0.25 s three times, got {took} s");
+    let settling = outcome.settling.expect("it is said");
+    assert!(settling.settled, "law: a still world settles: {settling:?}");
+    let time_s = settling.time_s;
+    assert!(
+        (0.25..0.32).contains(&time_s),
+        "law: of the last part, 0.25 s to 0.32 s, got {time_s} s"
+    );
+}
+
 #[test]
 fn the_table_is_moved_to_the_exact_sinusoid_at_the_end_of_each_step() {
     struct X(Vec<(f64, f64)>);
