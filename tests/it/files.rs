@@ -183,8 +183,7 @@ fn a_damaged_stage_is_told_and_done_again() {
         damage(&stage.join(name));
     }
     let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-    // The figures are there already.
-    command.arg("run").arg(&scenario).arg("--out").arg(&hurt).arg("--no-figures");
+    command.arg("run").arg(&scenario).arg("--out").arg(&hurt);
     let output = command.output().expect("it starts");
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "law: damage does not end a run, got {said}");
