@@ -322,8 +322,14 @@ fn factors_of_the_page_are_those_of_the_program() {
     ] {
         assert!(page.contains(&words), "law: the page says `{words}`");
     }
-    let factors = [scale::FASTER_UNDER_LOAD, scale::RMS_OF_PILE, scale::LARGEST_OF_PILE];
-    assert_eq!(factors, [10.0, 0.25, 0.1], "law: ten times, a quarter, a tenth");
+    for (factor, expected, words) in [
+        (scale::FASTER_UNDER_LOAD, 10.0, "ten times as much where the stiffness follows"),
+        (scale::RMS_OF_PILE, 0.25, "a quarter of the root mean square speed"),
+        (scale::LARGEST_OF_PILE, 0.1, "a tenth of the largest"),
+    ] {
+        assert_eq!(factor, expected, "law: `{words}` is the program's factor");
+        assert!(page.contains(words), "law: the page says `{words}`");
+    }
 }
 
 /// Floating-point constants of `cpp/`, each with what it is instead of a length, a speed or a time
