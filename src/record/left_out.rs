@@ -43,9 +43,8 @@ impl Summary {
             // Earlier summaries say it of vibrations alone.
             let vibration = || self.vibrations.iter().find(|v| v.stage as usize == n)?.settling;
             let settling = stage.settling.or_else(vibration)?;
-            let is_read = stage.stage == "pour"
-                || Some(n + 1) == shaken_first
-                || n + 1 == self.stages.len();
+            let is_read =
+                stage.stage == "pour" || Some(n + 1) == shaken_first || n + 1 == self.stages.len();
             (is_read && !settling.settled).then(|| {
                 format!(
                     "stage {n}, {}, had not settled within {} s, and what is read at its end \

@@ -77,10 +77,8 @@ mod tests {
         };
         let balance =
             Balance { weight_n: 0.0, carried_n: 0.0, sideways_n: 0.0, difference_percent: None };
-        let contacts = ContactsSummary {
-            normal_force: Some(forces),
-            ..ContactsSummary::of(&[], 0, balance)
-        };
+        let contacts =
+            ContactsSummary { normal_force: Some(forces), ..ContactsSummary::of(&[], 0, balance) };
         let summary = Summary {
             contacts: Some(contacts),
             coordination_distribution: vec![1, 3],
