@@ -36,7 +36,8 @@ impl Summary {
 
     /// Stages at whose end a height or a settlement is read though they had not settled when their
     /// time was over, each for a reader: a pour, the stage before the first vibration, from whose
-    /// end settlement counts, and the last one. What comes to rest later is read later.
+    /// end settlement counts, also if another run has done it, and the last one. What comes to rest
+    /// later is read later.
     pub(super) fn read_while_moving(&self) -> Vec<String> {
         let shaken_first = self.stages.iter().position(|stage| stage.stage == "vibrate");
         let of = |(n, stage): (usize, &StageSummary)| {
@@ -53,7 +54,15 @@ impl Summary {
                 )
             })
         };
-        self.stages.iter().enumerate().filter_map(of).collect()
+        let begun = self.begun_settling.filter(|of| shaken_first == Some(0) && !of.settled);
+        let begun = begun.map(|of| {
+            format!(
+                "the specimen that the run began with had not settled within {} s, and settlement \
+                 counts from there",
+                of.limit_s
+            )
+        });
+        begun.into_iter().chain(self.stages.iter().enumerate().filter_map(of)).collect()
     }
 
     /// Whether grains have run out of a laboratory until no two of them touch, so that its end has
@@ -235,6 +244,26 @@ mod tests {
         assert!(!earlier(of.clone()).judged().valid, "law: the vibration says it");
         of.extend(stages(&[("rest", None)]));
         assert!(earlier(of).judged().valid, "law: at rest since");
+    }
+
+    /// Law: settlement that counts from a begun specimen counts only if that had settled.
+    #[test]
+    fn a_begun_specimen_that_had_not_settled_gives_no_settlement() {
+        let (shaken, rested) =
+            ([("vibrate", Some(true))], [("rest", None), ("vibrate", Some(true))]);
+        for (of, settled, valid) in [
+            (&shaken[..], Some(true), true),
+            (&shaken[..], Some(false), false),
+            (&shaken[..], None, true),
+            (&rested[..], Some(false), true),
+        ] {
+            let begun = settled.map(|settled| Settling { time_s: 0.5, limit_s: 0.5, settled });
+            let got =
+                Summary { stages: stages(of), begun_settling: begun, ..run(Some(0)) }.judged();
+            let why = got.left_out_of_means.join("; ");
+            assert_eq!(got.valid, valid, "law: {of:?} begun with {begun:?}, got `{why}`");
+            assert_eq!(why.contains("began with"), !valid, "law: and says why, got `{why}`");
+        }
     }
 
     /// Law: what is not valid is left out, with its reason, whatever its grains do.

@@ -114,6 +114,10 @@ pub struct Summary {
     /// Loaded contacts; null of an engine that gives none.
     #[serde(default)]
     pub contacts: Option<ContactsSummary>,
+    /// How the stage of another run came to rest with whose specimen the run began; none where it
+    /// began with none, or that was not recorded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub begun_settling: Option<Settling>,
     /// Energy and rotation of the grains, stage by stage.
     #[serde(default)]
     pub stages: Vec<StageSummary>,

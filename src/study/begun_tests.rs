@@ -3,15 +3,19 @@
 use std::sync::Arc;
 
 use crate::geometry::Pose;
-use crate::protocol::Setup;
+use crate::protocol::{Settling, Setup};
 use crate::record::{StageChecks, StageRecord, StoredStage, Summary};
 use crate::scenario::{BeginSpec, StageSpec};
 use crate::specimen::{Fate, SpecimenState};
 use crate::study::{
+    begin::Begun,
     plan::RunNodes,
     summarise::summarise,
     tests::{planned, scenario},
 };
+
+/// A pour that ended at its limit.
+const MOVING: Settling = Settling { time_s: 4.0, limit_s: 4.0, settled: false };
 
 /// The summary of a run that begins with a poured specimen, changed, and rests.
 fn rested(change: impl Fn(&mut SpecimenState)) -> Summary {
@@ -35,10 +39,12 @@ fn rested(change: impl Fn(&mut SpecimenState)) -> Summary {
         grain.body.pose = Pose::translation(side(n % 2 == 1), side(n % 4 > 1), height);
     }
     change(&mut state);
+    let poured = StageRecord { settling: Some(MOVING), ..StageRecord::default() };
+    let begun = Begun { key: String::new(), record: poured, state: state.clone() };
     let checks = Some(StageChecks { checks: 1, ..StageChecks::default() });
     let record = StageRecord { stage: "rest".to_owned(), checks, ..StageRecord::default() };
     let done = [Arc::new(StoredStage { record, state, series: Vec::new() })];
-    let nodes = RunNodes { stages: vec![0], rest_test: None };
+    let nodes = RunNodes { stages: vec![0], rest_test: None, begun: Some(Arc::new(begun)) };
     summarise(&run, &setup, &nodes, &done).expect("measured").summary
 }
 
@@ -79,6 +85,7 @@ fn a_begun_specimen_with_a_grain_gone_through_a_wall_is_not_valid() {
     let check = summary.checks.as_ref().map(|checks| checks.through_walls.worst);
     assert_eq!(check, Some(Some(1.0)), "law: its check counts it");
     assert!(!summary.valid, "law: and the run is not valid");
+    assert_eq!(summary.begun_settling, Some(MOVING), "law: how its pour settled is kept");
     let told = summary.warnings.iter().any(|w| w.contains("before the run began"));
     assert!(told, "law: with a warning, got {:?}", summary.warnings);
 }

@@ -95,6 +95,8 @@ pub struct RunNodes {
     pub stages: Vec<usize>,
     /// The rest test after the last of them.
     pub rest_test: Option<usize>,
+    /// The specimen of another run that it begins with.
+    pub begun: Option<Arc<Begun>>,
 }
 
 /// Stages and the runs made of them.
@@ -169,7 +171,7 @@ impl Plan {
                 });
             }
             let rest_test = if has_rest_test { nodes.pop() } else { None };
-            plan.runs.push(RunNodes { stages: nodes, rest_test });
+            plan.runs.push(RunNodes { stages: nodes, rest_test, begun });
         }
         for index in (0..plan.nodes.len()).rev() {
             let remaining = plan.nodes[index].remaining;
@@ -183,12 +185,13 @@ impl Plan {
 
     /// The plan of one of its runs alone, and which of the nodes its nodes are.
     pub fn alone(&self, run: usize) -> (Self, Vec<usize>) {
-        let RunNodes { stages, rest_test } = &self.runs[run];
+        let RunNodes { stages, rest_test, begun } = &self.runs[run];
         let kept: Vec<usize> = stages.iter().chain(rest_test).copied().collect();
         let nodes = self.part(&kept);
         let runs = vec![RunNodes {
             stages: (0..stages.len()).collect(),
             rest_test: rest_test.map(|_| stages.len()),
+            begun: begun.clone(),
         }];
         (Self { nodes, runs }, kept)
     }

@@ -224,12 +224,9 @@ pub(super) fn pressed_through<'a>(
     }
 }
 
-/// Grains of a specimen that had passed through a floor or a wall before the run began with it:
-/// those gone that way at its end, without those that its own stages saw go.
-pub(super) fn passed_before(end: &SpecimenState, stages: &[&StageRecord]) -> usize {
-    let gone = end.bodies.iter().filter(|grain| grain.fate == Fate::ThroughWall).count();
-    let seen = stages.iter().filter_map(|stage| stage.checks.as_ref());
-    gone.saturating_sub(seen.map(|checks| checks.through_walls as usize).sum())
+/// Grains that had passed through a floor or a wall when a run began with their specimen.
+pub(super) fn passed_before(begun: &SpecimenState) -> usize {
+    begun.bodies.iter().filter(|grain| grain.fate == Fate::ThroughWall).count()
 }
 
 /// Thickness of walls and floors in m, as grains on their way are held to have passed them.
@@ -253,19 +250,15 @@ mod tests {
         assert_eq!(said, expected);
     }
 
-    /// Law: a grain that was gone before a run began counts; one that its own stages saw go does
-    /// not, nor does one that fell over the rim.
+    /// Law: a grain that was gone through a wall before a run began counts, not one that fell over
+    /// the rim.
     #[test]
     fn grains_that_passed_a_wall_before_the_run_began_are_known() {
-        let mut end = SpecimenState::before_everything(4);
-        end.bodies[0].fate = Fate::ThroughWall;
-        end.bodies[1].fate = Fate::ThroughWall;
-        end.bodies[2].fate = Fate::Spilled;
-        let checks = crate::record::StageChecks { through_walls: 1, ..Default::default() };
-        let seen = StageRecord { checks: Some(checks), ..StageRecord::default() };
-        assert_eq!(passed_before(&end, &[&StageRecord::default()]), 2, "law: nobody saw them");
-        assert_eq!(passed_before(&end, &[&seen]), 1, "law: one of two was seen");
-        assert_eq!(passed_before(&end, &[&seen, &seen, &seen]), 0, "law: never fewer than none");
+        let mut begun = SpecimenState::before_everything(4);
+        begun.bodies[0].fate = Fate::ThroughWall;
+        begun.bodies[1].fate = Fate::ThroughWall;
+        begun.bodies[2].fate = Fate::Spilled;
+        assert_eq!(passed_before(&begun), 2, "law: two of three that are gone");
     }
 
     /// Law: 5 of 230 grains are no specimen; half of them are.

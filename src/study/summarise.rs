@@ -116,11 +116,8 @@ pub fn summarise(
     let pressed = pressed_through(&run.grains, ends.chain(of_rest_test), setup);
     warnings.extend(pressed.warning());
     let records: Vec<&StageRecord> = all.clone().map(|s| &s.record).collect();
-    let last_state = rest_test.map_or(&specimen.state, |stage| &stage.state);
-    let before = match &scenario.begin {
-        Some(_) => passed_before(last_state, &records),
-        None => 0,
-    };
+    let begun = nodes.begun.as_ref();
+    let before = begun.map_or(0, |begun| passed_before(&begun.state));
     if before > 0 {
         warnings.push(format!(
             "grains had passed through a wall or the floor before the run began with its specimen: \
@@ -205,6 +202,7 @@ pub fn summarise(
         coordination_distribution: coordination.distribution,
         contacts: at_rest.summary(setup),
         stages: inside::stage_summaries(&stages),
+        begun_settling: begun.and_then(|begun| begun.record.settling),
         creep_um_per_s: creep,
         rest_test: rest_test_figures,
         meets_standard,
