@@ -428,6 +428,7 @@ const PILE: &str = "scenarios/paper/repose.json";
 /// Sources that pages quote by name: a file above or something worked out from such files
 /// (`derived.rs`).
 pub const SOURCES: &[(&str, &str)] = &[
+    ("builds", "builds.csv"),
     ("grains", "grains.json"),
     ("verify", "verify.csv"),
     ("joint", "joint/targets.json"),
