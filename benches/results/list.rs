@@ -25,7 +25,8 @@ pub enum Made {
     /// A make target and its variables, as a shell reads them; `$OUT` is the output folder. It is
     /// too long for `make results` to start unasked.
     Make(&'static str),
-    /// By a build that today's code cannot repeat, with the command of then.
+    /// By a build that today's code cannot repeat, or put together by hand, with the command of
+    /// then.
     Once(&'static str),
 }
 
@@ -323,9 +324,12 @@ pub const KEPT: &[Kept] = &[
     },
     Kept {
         name: "referee-pours",
-        what: "Pours of 30 grains by the native solver, rapier, stock Bullet and the referee, 40 seeds of each kind",
+        what: "Pours of 30 grains by the native solver, rapier, stock Bullet and the referee, 40 \
+               seeds of each kind",
         files: &[("referee-pours.csv", "")],
-        made: Made::Once("make referee ARGS=\"--only pours --pours 40\""),
+        made: Made::Once(
+            "parts of `make referee ARGS=\"--only pours --pours 40\"`, put together by hand",
+        ),
         takes: "a day",
     },
     Kept {

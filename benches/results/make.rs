@@ -47,7 +47,9 @@ pub fn list(root: &Path) -> Result<String, String> {
                 }
             }
             Made::Make(target) => text += &format!("    make {target}    [{}]\n", kept.takes),
-            Made::Once(command) => text += &format!("    not repeatable: {command}\n"),
+            Made::Once(command) => {
+                text += &format!("    by hand or by an earlier build: {command}\n")
+            }
         }
     }
     Ok(text)
@@ -109,7 +111,8 @@ pub fn chosen(root: &Path, asked: &Asked) -> Result<Chosen, String> {
         let Kept { name, takes, .. } = kept;
         match &kept.made {
             Made::Once(command) => {
-                let why = format!("{name}: not made: today's code cannot repeat it ({command})");
+                let why =
+                    format!("{name}: not made: it was by hand or by an earlier build ({command})");
                 chosen.left.push(why);
             }
             Made::Make(target) if asked.only.is_empty() && !asked.targets => {
@@ -170,7 +173,9 @@ impl Maker<'_> {
             }
             Made::Make(target) => self.target(target, &out)?,
             Made::Once(command) => {
-                return Err(format!("{name}: today's code cannot repeat it ({command})"));
+                return Err(format!(
+                    "{name}: it was made by hand or by an earlier build ({command})"
+                ));
             }
         }
         let mut is_whole = true;

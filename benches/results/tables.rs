@@ -410,7 +410,7 @@ fn files(builds: &[builds::Build]) -> String {
                 commands.iter().map(|c| format!("`pluvia {c}`")).collect::<Vec<_>>().join(", then ")
             }
             list::Made::Make(target) => format!("`make {target}`"),
-            list::Made::Once(command) => format!("{command}; not repeatable by today's code"),
+            list::Made::Once(command) => format!("{command}; not made by `make results`"),
         };
         let build = builds::of(builds, kept.name);
         let build = build.map(|build| format!("{}, format {}", build.day, build.format));

@@ -9,8 +9,9 @@ use crate::{
     motion::{MotionFacts, TableMotion},
     protocol::Settling,
     record::{
-        GradationSummary, GrainsSummary, Overlap, RestTest, RunKind, RunRecord, SecondarySieve,
-        SeriesRow, Settlement, SieveSummary, StandingHeight, Summary, VibrationSummary,
+        AngleOfRepose, GradationSummary, GrainsSummary, Overlap, RestTest, RunKind, RunRecord,
+        SecondarySieve, SeriesRow, Settlement, SieveSummary, StandingHeight, Summary,
+        VibrationSummary,
     },
     world::BackendInfo,
 };
@@ -129,6 +130,29 @@ fn pluviation(configuration: u32, fh: f64) -> RunRecord {
         series: (0..60).map(row).collect(),
         rest_test: at_rest(row(59), configuration),
     }
+}
+
+/// A pile, and the degrees of its angle of repose, where it has one.
+pub fn pile(configuration: u32, degrees: Option<f64>) -> RunRecord {
+    let mut run = valid_runs().remove(0);
+    run.kind = RunKind::Repose;
+    run.name = format!("repose-c{configuration}");
+    run.configuration = configuration;
+    run.summary.angle_of_repose = degrees.map(|degrees| AngleOfRepose {
+        degrees,
+        standard_deviation_degrees: 2.0,
+        confidence_low_degrees: degrees - 1.0,
+        confidence_high_degrees: degrees + 1.0,
+        by_volume_degrees: degrees - 0.5,
+        pile_height_mm: 90.0,
+        base_radius_mm: 115.0,
+        flank_radii_mm: [23.0, 92.0],
+        volume_cm3: 1500.0,
+        axis_mm: [0.0, 0.0],
+        fallen_off: 0,
+        by_azimuth: Vec::new(),
+    });
+    run
 }
 
 /// The rows of a rest test: 2 s in which the surface sinks by one and a half times the creep.

@@ -83,31 +83,11 @@ fn atan_friction(study: &StudyView) -> Claim {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::{canned, claims as all};
-    use crate::record::{AngleOfRepose, RunRecord};
-
-    /// A canned run as a pile of so many degrees.
-    fn pile(configuration: u32, degrees: Option<f64>) -> RunRecord {
-        let mut run = canned::valid_runs().remove(0);
-        run.kind = RunKind::Repose;
-        run.name = format!("repose-c{configuration}");
-        run.configuration = configuration;
-        run.summary.angle_of_repose = degrees.map(|degrees| AngleOfRepose {
-            degrees,
-            standard_deviation_degrees: 2.0,
-            confidence_low_degrees: degrees - 1.0,
-            confidence_high_degrees: degrees + 1.0,
-            by_volume_degrees: degrees - 0.5,
-            pile_height_mm: 90.0,
-            base_radius_mm: 115.0,
-            flank_radii_mm: [23.0, 92.0],
-            volume_cm3: 1500.0,
-            axis_mm: [0.0, 0.0],
-            fallen_off: 0,
-            by_azimuth: Vec::new(),
-        });
-        run
-    }
+    use crate::paper::{
+        canned::{self, pile},
+        claims as all,
+    };
+    use crate::record::RunRecord;
 
     fn claim(degrees: &[Option<f64>], id: &str) -> Option<Claim> {
         let runs: Vec<RunRecord> =

@@ -5,7 +5,7 @@ use crate::paper::{
     canned, claims,
     constants::{GRAIN_COUNT, TOTAL_MASS_G},
 };
-use crate::record::{AngleOfRepose, RunKind, RunRecord};
+use crate::record::{RunKind, RunRecord};
 
 fn card(study: &StudyView) -> Scorecard {
     scorecard(study, &claims(study))
@@ -13,6 +13,15 @@ fn card(study: &StudyView) -> Scorecard {
 
 fn row<'a>(card: &'a Scorecard, id: &str) -> &'a ScoreRow {
     card.rows.iter().find(|r| r.id == id).unwrap_or_else(|| panic!("no row `{id}`: {card:#?}"))
+}
+
+/// A run likewise, with another placement of the plate, which settles by so many mm.
+fn placed_anew(run: &RunRecord, mm: f64) -> RunRecord {
+    let mut run = run.clone();
+    run.kind = RunKind::VibrationPlacement;
+    run.name = format!("{}-at-{mm}", run.name);
+    run.summary.settlement_mm.as_mut().expect("vibrated").final_mm = mm;
+    run
 }
 
 /// Law: six to eight rows; a row's number is the mean of its runs with their interval.
@@ -90,13 +99,7 @@ fn placements_judge_the_settlement_where_there_are_any() {
     let placed = runs.iter().filter(|r| r.kind == RunKind::VibrationContinuous);
     let placed: Vec<RunRecord> = placed
         .zip([[10.0, 12.0], [16.0, 18.0], [20.0, 22.0]])
-        .flat_map(|(run, finals)| finals.map(|mm| (run.clone(), mm)))
-        .map(|(mut run, mm)| {
-            run.kind = RunKind::VibrationPlacement;
-            run.name = format!("{}-at-{mm}", run.name);
-            run.summary.settlement_mm.as_mut().expect("vibrated").final_mm = mm;
-            run
-        })
+        .flat_map(|(run, finals)| finals.map(|mm| placed_anew(run, mm)))
         .collect();
     runs.extend(placed);
     let card = card(&canned::study(&runs));
@@ -119,15 +122,8 @@ fn placements_judge_the_settlement_where_there_are_any() {
 fn placements_judge_where_no_run_of_the_programme_counts() {
     let mut runs = canned::valid_runs();
     let own = runs.iter().filter(|r| r.kind == RunKind::VibrationContinuous).cloned();
-    let placed: Vec<RunRecord> = own
-        .zip([17.0, 17.1, 17.2])
-        .map(|(mut run, mm)| {
-            run.kind = RunKind::VibrationPlacement;
-            run.name = format!("{}-at-{mm}", run.name);
-            run.summary.settlement_mm.as_mut().expect("vibrated").final_mm = mm;
-            run
-        })
-        .collect();
+    let placed: Vec<RunRecord> =
+        own.zip([17.0, 17.1, 17.2]).map(|(run, mm)| placed_anew(&run, mm)).collect();
     for run in runs.iter_mut().filter(|r| r.kind == RunKind::VibrationContinuous) {
         run.summary.grains.missing = Some(300);
     }
@@ -147,30 +143,9 @@ fn placements_judge_where_no_run_of_the_programme_counts() {
 /// Law: the angle's row says by what it is judged, with the half width, within and outside.
 #[test]
 fn the_angle_says_that_scatter_helps_it() {
-    let pile = |configuration: u32, degrees: f64| {
-        let mut run = canned::valid_runs().remove(0);
-        run.kind = RunKind::Repose;
-        run.name = format!("repose-c{configuration}");
-        run.configuration = configuration;
-        run.summary.angle_of_repose = Some(AngleOfRepose {
-            degrees,
-            standard_deviation_degrees: 2.0,
-            confidence_low_degrees: degrees - 1.0,
-            confidence_high_degrees: degrees + 1.0,
-            by_volume_degrees: degrees,
-            pile_height_mm: 90.0,
-            base_radius_mm: 115.0,
-            flank_radii_mm: [23.0, 92.0],
-            volume_cm3: 1500.0,
-            axis_mm: [0.0, 0.0],
-            fallen_off: 0,
-            by_azimuth: Vec::new(),
-        });
-        run
-    };
     let of = |degrees: [f64; 3]| {
         let mut runs = canned::valid_runs();
-        runs.extend((1..).zip(degrees).map(|(c, degrees)| pile(c, degrees)));
+        runs.extend((1..).zip(degrees).map(|(c, degrees)| canned::pile(c, Some(degrees))));
         card(&canned::study(&runs))
     };
     // 38 ± 4.30265 · 1/√3 = 38 ± 2.5.
