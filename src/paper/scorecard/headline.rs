@@ -4,33 +4,18 @@ use super::{RowCounts, ScoreRow};
 use crate::paper::{StudyView, Verdict, constants::GRAIN_COUNT, text::number, uncertainty::trend};
 use crate::record::{RunRecord, left_out_in_words};
 
-/// What moves the settlement of the plate, as far as it was measured.
-const SETTLEMENT: &str = "On the quick specimen the table's amplitude and the plate's diameter move \
-                          the settlement, sieve curve and funnel showed no effect beyond scatter \
-                          (docs/results/sensitivity-quick.md); at full size a gradual start and \
-                          stop of the table makes it smaller, amplitude, friction between grains \
-                          and cell shape showed no effect beyond the wide scatter \
-                          (docs/studies.md).";
-
-/// What moves its share in the first 5 s.
-const SHARE_IN_5_S: &str = "A gradual start and stop lowers the share in the first 5 s; friction, cell \
-                            shape, amplitude and crank over rod showed no effect on it beyond the \
-                            wide scatter (docs/studies.md).";
-
-/// What moves the share in the first period.
-const SHARE_IN_FIRST: &str = "With a gradual start and stop more specimens reach the paper's share in \
-                              the first period; friction, cell shape, amplitude and crank over rod \
-                              showed no effect on it beyond the wide scatter (docs/studies.md).";
-
-/// What was not varied for the shares.
-const UNTESTED: &str = "How the sieve curve and the funnel move shares is untested.";
+/// What moves the settlement of the plate and its shares, as far as it was measured.
+const MOVES_SETTLEMENT: &str = "Of what was varied at full size, only a gradual start and stop of the \
+                                table showed an effect beyond the wide scatter: less settlement, a \
+                                smaller share of it in the first 5 s, and more specimens with the \
+                                paper's share in the first period (docs/studies.md).";
 
 /// Why piles are steeper than the friction of their grains' surfaces: numbers of `calibrate.json`
 /// in `docs/results/calibration`.
-pub(super) const CALIBRATED: &str = "Piles of 364 grains need a friction coefficient of 0.33 (95 % \
-                                     confidence 0.31 to 0.35) for 38.40° (docs/repose.md), less than \
-                                     the tangent of that angle, 0.793, which the paper takes for the \
-                                     friction of the surfaces: angular grains interlock.";
+pub(super) const CALIBRATED: &str = "Angular grains interlock: for 38.40° piles of 364 grains need a \
+                                     friction coefficient of 0.33 (95 % confidence 0.31 to 0.35), \
+                                     not the tangent of that angle, 0.793, as in the paper \
+                                     (docs/repose.md).";
 
 /// The row of the pile.
 const ANGLE: &str = "angle-of-repose";
@@ -86,8 +71,11 @@ fn lower(statement: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
 }
 
-/// Ours; of the angle of repose also by what it is judged.
+/// Ours where it is a number; of the angle of repose also by what it is judged.
 fn reproduced(row: &ScoreRow) -> String {
+    if row.paper == "all" {
+        return lower(row.statement);
+    }
     let by = match row.interval {
         Some(i) if row.id == ANGLE => format!(
             "; our interval of ±{}° holds the paper's {}, and one that scatters more would all the \
@@ -143,22 +131,20 @@ fn why<'a>(counting: &StudyView, rows: impl Iterator<Item = &'a ScoreRow>) -> Ve
     let mut found: Vec<String> = Vec::new();
     let mut not_investigated = Vec::new();
     for row in rows {
-        let sentences = match row.id {
-            "standing-height-falls" => vec![trend(counting).verdict],
-            "continuous-final-settlement" => vec![SETTLEMENT.to_owned()],
-            "continuous-share-after-5-s" => vec![SHARE_IN_5_S.to_owned(), UNTESTED.to_owned()],
-            "intermittent-share-in-first-period" => {
-                vec![SHARE_IN_FIRST.to_owned(), UNTESTED.to_owned()]
-            }
-            ANGLE => vec![CALIBRATED.to_owned()],
+        let sentence = match row.id {
+            "standing-height-falls" => trend(counting).verdict,
+            "continuous-final-settlement"
+            | "continuous-share-after-5-s"
+            | "intermittent-share-in-first-period" => MOVES_SETTLEMENT.to_owned(),
+            ANGLE => CALIBRATED.to_owned(),
             _ => {
                 not_investigated.push(lower(row.statement));
-                Vec::new()
+                continue;
             }
         };
-        // What is unknown of both shares is said once, after them.
-        found.retain(|known| !sentences.contains(known));
-        found.extend(sentences);
+        if !found.contains(&sentence) {
+            found.push(sentence);
+        }
     }
     found.extend(said("What moves it was not investigated", &not_investigated));
     found
@@ -178,10 +164,9 @@ fn creep(study: &StudyView, counting: &StudyView) -> String {
     };
     let vibrated = runs.iter().filter(|r| r.kind.is_vibration());
     let mm = vibrated.filter_map(over_vibration).reduce(f64::max);
-    let over = mm.map_or_else(String::new, |mm| {
-        format!(", which makes {} mm in the time of the vibration", at_most(mm))
-    });
-    format!("Numerical creep in the rest tests: {} µm/s{over}.", at_most(most))
+    let over =
+        mm.map_or_else(String::new, |mm| format!(", {} mm over the vibration", at_most(mm)));
+    format!("Numerical creep at rest: {} µm/s{over}.", at_most(most))
 }
 
 /// A largest value, with two decimals, rounded up: what is said holds.
