@@ -1,7 +1,7 @@
 //! `pluvia interpretations` runs the paper's programme under several interpretations, side by side.
 
 use super::*;
-use crate::study::{InterpretationsOptions, interpretations};
+use crate::paper::{InterpretationsOptions, interpretations};
 
 /// Run the paper's programme under several interpretations of it, side by side
 #[derive(Debug, Args)]

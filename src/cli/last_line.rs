@@ -62,8 +62,7 @@ pub(super) fn of_study(left_out: usize, with_result: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::canned;
-    use crate::record::RunRecord;
+    use crate::record::{RunRecord, canned};
 
     /// Law: what is not valid warns, whatever its colour; what is valid does not.
     #[test]

@@ -63,10 +63,11 @@ use serde_json::{Value, json};
 use crate::caught::{caught, note_panics};
 use crate::export::ExportError;
 use crate::grains::load_scenario;
+use crate::paper::Interpretation;
 use crate::plain::{grams, plain, plain_lines, plain_path, three_decimals, without_zeros};
 use crate::record::{FileError, Summary, read_file, read_json, remove_abandoned, write_file};
 use crate::scenario::{Backend, Override, Scenario};
-use crate::study::{Interpretation, RunOptions, StudyError, SweepTasks, available_cores};
+use crate::study::{RunOptions, StudyError, SweepTasks, available_cores};
 use crate::world::{self, BackendInfo};
 use {
     changes::*, context::*, designed::*, field_page::*, jobs::*, overall::*, picture::*,

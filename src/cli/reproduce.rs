@@ -1,8 +1,7 @@
 //! `pluvia reproduce` runs the paper's programme and compares its statements with the results.
 
 use super::*;
-use crate::paper::Claim;
-use crate::study::{ReproduceOptions, reproduce};
+use crate::paper::{Claim, ReproduceOptions, reproduce};
 
 /// Run the whole paper and compare its claims
 #[derive(Debug, Args)]

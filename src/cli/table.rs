@@ -1,12 +1,12 @@
 //! Results as compact tables for people.
 
 use super::*;
-use crate::paper::ResultCounts;
+use crate::paper::{InterpretationColumn, ResultCounts};
 use crate::record::{
     AngleOfRepose, Balance, GrainsSummary, LaboratorySummary, Overlap, Settlement, StandingHeight,
     VibrationSummary,
 };
-use crate::report::{Calibration, InterpretationColumn, calibration_rows};
+use crate::report::{Calibration, calibration_rows};
 use crate::study::CompareRecord;
 use crate::verify::{Status, Verdict, tally};
 

@@ -15,6 +15,7 @@ mod flow;
 mod height_map;
 mod hull;
 pub mod inference;
+mod interval;
 mod inverse;
 mod loads;
 pub mod nested;
@@ -47,6 +48,7 @@ pub use estimate::{Estimate, change_for_one_unit, paired_difference};
 pub use flow::steady_rate;
 pub use height_map::{HeightMap, StandingHeight, height_cell};
 pub use hull::WorldHull;
+pub use interval::Interval;
 pub use inverse::{InversePrediction, bend_pattern, inverse_prediction};
 pub use loads::{
     FORCE_CLASS, Fabric, ForceDistribution, LoadedContact, contacts_of_grains_in, fabric,

@@ -4,7 +4,8 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
-use super::bands::{Interval, PaperValue, Stated};
+use super::bands::{PaperValue, Stated};
+use crate::measure::Interval;
 use crate::record::RunRecord;
 
 /// What a statement is: only results test the simulation.

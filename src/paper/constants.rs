@@ -30,6 +30,7 @@ pub const MONITORING_INTERVAL_S: f64 = 0.08;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report;
 
     #[test]
     fn the_numbers_agree_with_each_other() {
@@ -44,5 +45,12 @@ mod tests {
             (vibrated - continuous).abs() < 1e-9,
             "both modes shake for the same 60 cycles: got {vibrated} and {continuous}"
         );
+    }
+
+    /// Law: what a calibration quotes of the paper is what the paper gives.
+    #[test]
+    fn a_calibration_quotes_the_paper() {
+        let quoted = [report::PUBLISHED_FRICTION, report::PUBLISHED_ANGLE_OF_REPOSE_DEG];
+        assert_eq!(quoted, [FRICTION_COEFFICIENT, ANGLE_OF_REPOSE_DEG], "law: quoted, stated");
     }
 }

@@ -1,5 +1,5 @@
-//! What the paper states, with section and figure, and how each statement is
-//! compared with the runs of a study.
+//! All about one paper: what it states, with section and figure, its programme run by us, how each
+//! statement is compared with the runs, and the report that says so. No module below uses it.
 //!
 //! The paper is Izadi & Bezuijen (2014), "Simulation of granular soil behaviour using the Bullet
 //! physics library". Only its text was available to us: for what stood in its figures alone (sieve
@@ -12,15 +12,26 @@ mod claim;
 mod claims;
 pub mod constants;
 mod fluctuation;
+mod mean_settlement;
+mod programme;
+mod report;
 mod scorecard;
-pub(crate) mod text;
 pub mod uncertainty;
 mod view;
 
-pub use bands::{Interval, PaperValue, Stated};
+pub use bands::{PaperValue, Stated};
 pub use claim::{Claim, ClaimKind, NotValid, Verdict};
 pub use claims::claims;
+pub use mean_settlement::MeanSettlement;
+pub use programme::{
+    Interpretation, InterpretationsOptions, InterpretationsOutcome, ReproduceOptions,
+    ReproduceOutcome, interpretations, reproduce,
+};
+pub use report::{
+    Choice, Column, InterpretationCell, InterpretationColumn, InterpretationFailure,
+    InterpretationRow, ReportInput, choices, pile_choices, write as write_report,
+    write_interpretations,
+};
 pub use scorecard::{ResultCounts, RowCounts, ScoreRow, Scorecard, scorecard};
 pub use uncertainty::{Uncertainty, uncertainty};
 pub use view::{Intermittent, StudyView};
-pub(crate) use view::{gradation_in_words, settlement_curve};

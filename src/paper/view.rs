@@ -1,8 +1,8 @@
 //! A study as claims and report see it: plain data.
 
-use super::text::number;
 use crate::grains::GrainShape;
 use crate::record::{GradationSummary, RunKind, RunRecord, SeriesRow, Settlement};
+use crate::report::settlement::settlement_curve;
 
 /// What a study found, and what it set out to do.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,20 +37,6 @@ pub struct StudyView<'a> {
     pub pile_friction: f64,
     /// Whether this is the small, quick study, whose specimen is not the paper's.
     pub quick: bool,
-}
-
-/// Class, sizes and coefficients of a grain size distribution in a line.
-pub(crate) fn gradation_in_words(of: &GradationSummary) -> String {
-    format!(
-        "{}, D10 {} mm, D30 {} mm, D50 {} mm, D60 {} mm, Cu {}, Cc {}",
-        of.uscs,
-        number(of.d10_mm, 2),
-        number(of.d30_mm, 2),
-        number(of.d50_mm, 2),
-        number(of.d60_mm, 2),
-        number(of.coefficient_of_uniformity, 2),
-        number(of.coefficient_of_curvature, 2),
-    )
 }
 
 /// How the intermittent vibration was run.
@@ -171,25 +157,8 @@ pub(super) fn surface(run: &RunRecord) -> Option<&Settlement> {
     run.summary.surface_settlement_mm.as_ref()
 }
 
-/// Settlement of the plate (or of the surface) over the time since vibration
-/// began: (s, mm), of the rows that have it, through all later stages.
-pub(crate) fn settlement_curve(
-    run: &RunRecord,
-    settlement_mm: impl Fn(&SeriesRow) -> Option<f64>,
-) -> Vec<(f64, f64)> {
-    let vibrating = |r: &&SeriesRow| r.settlement_mm.is_some() || r.surface_settlement_mm.is_some();
-    let Some(start) = run.series.iter().find(vibrating).map(|r| r.time_s) else {
-        return Vec::new();
-    };
-    run.series
-        .iter()
-        .filter(vibrating)
-        .filter_map(|r| Some((r.time_s - start, settlement_mm(r)?)))
-        .filter(|(t, s)| t.is_finite() && s.is_finite())
-        .collect()
-}
-
-/// The same up to the end of the last period: while the table shakes, and rests between periods.
+/// Settlement over the time since vibration began up to the end of the last period: while the table
+/// shakes, and rests between periods.
 pub(crate) fn shaken_curve(
     run: &RunRecord,
     settlement_mm: impl Fn(&SeriesRow) -> Option<f64>,

@@ -1,4 +1,4 @@
-//! The paper's pictures: its Figures 4, 5, 6 and 8, made from a run.
+//! Pictures of a run: its grains, the apparatus, the filled funnel, the specimen and its vibration.
 
 use std::path::Path;
 
@@ -22,26 +22,11 @@ const LIFTED: f64 = 0.05;
 const MADE: &str = "Cast ray by ray from the simulated shapes in their simulated places; walls are \
                     drawn thinner than simulated, their inner faces where they are.";
 
-/// The paper's Figures 4, 5, 6 and 8 from the folder of a run that fills the
-/// funnel and vibrates; those that its stages do not give are left out.
-///
-/// # Errors
-/// When the run cannot be read or a picture cannot be drawn.
-pub fn of_programme(folder: &Path) -> Result<Vec<Picture>, PictureError> {
-    let run = read_playback_ends(folder)?;
-    let mut pictures =
-        vec![grains(&run, "figure-04-grains", "Figure 4: generated grains")?, apparatus(&run)?];
-    pictures.extend(funnel(&run, "figure-06-funnel", "Figure 6: grains in the funnel")?);
-    let title = "Figure 8: before and after vibration";
-    pictures.extend(vibration(&run, "figure-08-vibration", title)?);
-    Ok(pictures)
-}
-
 /// The grains, the filled funnel and the specimen at its end, before and after
 /// vibration where there was one, from the folder of any run.
 ///
 /// # Errors
-/// As [`of_programme`].
+/// When the run cannot be read or a picture cannot be drawn.
 pub fn of_run(folder: &Path) -> Result<Vec<Picture>, PictureError> {
     let run = read_playback_ends(folder)?;
     let mut pictures = vec![grains(&run, "picture-grains", "Grains")?];
@@ -63,7 +48,8 @@ fn finished(
     Ok(Picture { stem: stem.to_owned(), title: title.to_owned(), caption, png })
 }
 
-fn grains(run: &Playback, stem: &str, title: &str) -> Result<Picture, PictureError> {
+/// Grains of each sieve fraction.
+pub(crate) fn grains(run: &Playback, stem: &str, title: &str) -> Result<Picture, PictureError> {
     let shot = Shot { width: WIDTH, height: 760, view: loose::VIEW, ..Shot::default() };
     let image = loose_grains(&run.grains, &shot)?;
     let caption = format!(
@@ -76,7 +62,7 @@ fn grains(run: &Playback, stem: &str, title: &str) -> Result<Picture, PictureErr
 }
 
 /// The pieces alone: cylinder, and above it funnel and lid.
-fn apparatus(run: &Playback) -> Result<Picture, PictureError> {
+pub(crate) fn apparatus(run: &Playback, stem: &str, title: &str) -> Result<Picture, PictureError> {
     let poured = run.stages.iter().flat_map(|s| &s.frames).filter(|f| f.cylinder);
     let hung = poured.filter_map(|f| f.funnel).map(|f| f.opening_height).next();
     let opening_height = hung.unwrap_or(run.setup.cylinder.height + LIFTED);
@@ -110,7 +96,7 @@ fn apparatus(run: &Playback) -> Result<Picture, PictureError> {
         number(funnel.opening_diameter_mm),
         number(to_mm(opening_height)),
     );
-    finished("figure-05-apparatus", "Figure 5: funnel, lid and cylinder", caption, &image)
+    finished(stem, title, caption, &image)
 }
 
 /// One of two panels side by side.
@@ -161,7 +147,12 @@ fn end_of(run: &Playback, stage: &str) -> Option<At> {
     at(run, Some(stage), None).ok()
 }
 
-fn funnel(run: &Playback, stem: &str, title: &str) -> Result<Option<Picture>, PictureError> {
+/// The filled funnel; none where the run fills none.
+pub(crate) fn funnel(
+    run: &Playback,
+    stem: &str,
+    title: &str,
+) -> Result<Option<Picture>, PictureError> {
     let Some(filled) = end_of(run, "fill_funnel") else { return Ok(None) };
     let shown =
         [(filled, Walls::Transparent, "(a) as glass"), (filled, Walls::Cut, "(b) cut away")];
@@ -170,7 +161,12 @@ fn funnel(run: &Playback, stem: &str, title: &str) -> Result<Option<Picture>, Pi
     of_moments(run, stem, title, &shown, what).map(Some)
 }
 
-fn vibration(run: &Playback, stem: &str, title: &str) -> Result<Option<Picture>, PictureError> {
+/// The specimen before and after vibration; none where the run has none.
+pub(crate) fn vibration(
+    run: &Playback,
+    stem: &str,
+    title: &str,
+) -> Result<Option<Picture>, PictureError> {
     let Some(after) = end_of(run, "vibrate") else { return Ok(None) };
     let before = after.stage.checked_sub(1).and_then(|n| end_of(run, &n.to_string()));
     let Some(before) = before else { return Ok(None) };
@@ -223,7 +219,7 @@ mod tests {
 
     #[test]
     fn the_apparatus_says_how_large_it_is() {
-        let picture = apparatus(&canned()).expect("a picture");
+        let picture = apparatus(&canned(), "apparatus", "").expect("a picture");
         for word in ["115 mm wide", "200 mm high", "250 mm above"] {
             assert!(picture.caption.contains(word), "`{word}` is missing in {}", picture.caption);
         }

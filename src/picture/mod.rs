@@ -8,7 +8,7 @@
 mod animation;
 mod camera;
 mod colour;
-mod figures;
+pub(crate) mod figures;
 mod image;
 mod light;
 mod loose;
@@ -23,7 +23,7 @@ mod solid;
 
 pub use animation::{Animated, Animation, animate};
 pub use camera::View;
-pub use figures::{of_programme, of_run};
+pub use figures::of_run;
 pub use image::{Background, Image};
 pub use loose::{VIEW as LOOSE_VIEW, loose_grains};
 pub use moment::{At, at};

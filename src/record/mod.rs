@@ -2,6 +2,8 @@
 
 mod at_work;
 mod atomic;
+#[cfg(test)]
+pub(crate) mod canned;
 mod checkpoint;
 mod checks;
 mod contacts;

@@ -1,6 +1,6 @@
 //! One axis: its range, its ticks, and where a value falls on it.
 
-use crate::paper::Interval;
+use crate::measure::Interval;
 
 /// An axis of a plot: it reaches to all that is drawn, unless it is divided already.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -1,24 +1,15 @@
-//! What a calibration found: the value of an unknown at which a result is as
-//! wanted, with everything that was tried, as tables and a figure.
-
-use std::path::Path;
+//! What a calibration found: the value of an unknown at which a result is as wanted, with everything
+//! that was tried.
 
 use serde::Serialize;
 
-use super::{
-    Figure, ReportError,
-    figures::{self, capital},
-    page::{Block, Page},
-    table::{Cell, Table, besides, dash, from_to, missing, plus_minus, table},
-};
-use crate::{
-    paper::{
-        Interval,
-        constants::ANGLE_OF_REPOSE_DEG,
-        text::{compact, number},
-    },
-    record::{FileError, to_csv, write_csv, write_json},
-};
+use crate::measure::Interval;
+
+/// Friction coefficient between grains that Izadi & Bezuijen (2014, section 3) took from an angle of
+/// repose, as its tangent.
+pub const PUBLISHED_FRICTION: f64 = 0.793;
+/// That angle in degrees.
+pub const PUBLISHED_ANGLE_OF_REPOSE_DEG: f64 = 38.40;
 
 /// One run of a calibration.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -219,139 +210,4 @@ pub fn with_unit(number: &str, unit: &str) -> String {
         "°" => format!("{number}°"),
         unit => format!("{number} {unit}"),
     }
-}
-
-/// Writes `evaluations.csv`: one row a run.
-///
-/// # Errors
-/// When it cannot be written.
-pub fn write_calibration_runs(out: &Path, runs: &[CalibrationRun]) -> Result<(), FileError> {
-    write_csv(&out.join("evaluations.csv"), to_csv(runs))
-}
-
-/// Writes `calibrate.json`, `calibrate.md`, `report.html`, `evaluations.csv`
-/// and the figure.
-///
-/// # Errors
-/// [`ReportError`] naming the file or the figure.
-pub fn write_calibration(out: &Path, of: &Calibration) -> Result<(), ReportError> {
-    write_calibration_runs(out, &of.runs)?;
-    write_json(&out.join("calibrate.json"), of)?;
-    page(of, figures::of_calibration(of)?).write(out, &["calibrate.md", "report.html"])
-}
-
-const HOW_TO_READ: &str = "Every value is run in the same configurations, each a new random \
-     arrangement of the same grains. A line is fitted to each configuration's results near the \
-     solution; the configurations' lines are a sample, and the interval holds all values at which \
-     Student's t-test does not reject that their mean is the wanted result (Fieller 1954). Runs \
-     that are not valid, or of which too many grains are missing, are left out as runs that failed \
-     are (docs/accuracy.md). The interval covers random arrangement only, not the effects of a \
-     time step, an engine or a model.";
-
-fn page(of: &Calibration, figure: Figure) -> Page {
-    let title =
-        format!("Calibration: {} by {}", target_in_words(&of.target), of.unknown_in_words());
-    let lead = format!("{}.", capital(&of.statement));
-    let found = found(of).into_iter().map(|(name, value)| (capital(&name), value));
-    let notes = of.notes.iter().map(|note| format!("{}.", capital(note))).collect();
-    Page::new(title, [Block::lead(lead, of.ending == CalibrationEnding::Found)])
-        .section("found", "What was found", [Block::Table(Table::of_pairs(found))])
-        .section("notes", "Notes", [Block::List(notes)])
-        .figures("figure", "Figure", [figure])
-        .section("values", "Values tried", [Block::Table(values(of))])
-        .section("reading", "How to read it", [Block::Text(HOW_TO_READ.to_owned())])
-}
-
-/// Name and value of what was found.
-pub fn found(of: &Calibration) -> Vec<(String, String)> {
-    let unit = |v: f64| with_unit(&compact(v), &of.unit);
-    let mut rows = vec![
-        (format!("{} wanted", target_in_words(&of.target)), unit(of.wanted)),
-        (
-            "searched".to_owned(),
-            format!("{} from {} to {}", of.unknown_in_words(), of.between.low, of.between.high),
-        ),
-    ];
-    let mut row = |name: &str, value: String| rows.push((name.to_owned(), value));
-    if let Some(s) = of.solution {
-        row(&format!("{} needed", of.unknown_in_words()), compact(s.value));
-        let none = || "none: the slope does not differ significantly from zero".to_owned();
-        let interval = s.interval_95.map_or_else(none, |i| from_to(i.low, i.high));
-        row("its 95 % confidence interval", interval);
-        let known_to = |mean, off| with_unit(&plus_minus(mean, Some(off), compact), &of.unit);
-        let there = known_to(of.wanted, s.result_half_width_95);
-        row(&format!("{} there", target_in_words(&of.target)), there);
-        let per_unit = known_to(s.slope, s.slope_half_width_95);
-        row("change for one unit", format!("{per_unit}, {} configurations", s.configurations));
-    }
-    if let Some(scatter) = of.scatter {
-        row("scatter of a single run (standard deviation)", unit(scatter));
-    }
-    if let Some(tolerance) = of.tolerance {
-        let whence = if of.tolerance_given { "given" } else { "that of a single run" };
-        row("tolerance", format!("{} ({whence})", unit(tolerance)));
-    }
-    let left_out = besides(of.runs.iter().filter(|r| r.is_left_out()).count(), "left out");
-    row("runs", format!("{} of at most {}{left_out}", of.runs.len(), of.most_runs));
-    if let Some(identity) = &of.identity {
-        identity_rows(of, identity, &mut row);
-    }
-    rows
-}
-
-/// The assumption of the paper, beside what was found.
-fn identity_rows(of: &Calibration, of_it: &FrictionIdentity, row: &mut impl FnMut(&str, String)) {
-    row(
-        "friction in the paper",
-        format!("{} for {ANGLE_OF_REPOSE_DEG}° (section 3)", compact(of_it.paper_friction)),
-    );
-    row(
-        "friction if angle of repose = atan μ",
-        format!("{} (Lambe & Whitman 1979)", compact(of_it.friction)),
-    );
-    if let Some(angle) = of_it.friction_angle_found_degrees {
-        row("angle of friction of what was found", format!("{}°", number(angle, 1)));
-    }
-    if let (Some(there), Some(difference), Some(half), Some(p)) =
-        (of_it.degrees_there, of_it.difference_degrees, of_it.difference_half_width_95, of_it.p)
-    {
-        let verdict = match (p < 0.05, difference > 0.0) {
-            (true, true) => "steeper than the assumption has it",
-            (true, false) => "flatter than the assumption has it",
-            (false, _) => "the assumption cannot be refused",
-        };
-        let p = if p < 0.001 { "p < 0.001".to_owned() } else { format!("p {}", number(p, 3)) };
-        row(
-            &format!("angle of repose at {}", compact(of_it.tried)),
-            format!(
-                "{}°, less its angle of friction {} ± {}° ({p}): {verdict}",
-                number(there, 1),
-                number(difference, 1),
-                number(half, 1)
-            ),
-        );
-    }
-    if let Some(inside) = of_it.inside_interval {
-        let does = if inside { "holds" } else { "does not hold" };
-        row("the interval found", format!("{does} tan {}°", compact(of.wanted)));
-    }
-}
-
-fn values(of: &Calibration) -> Table {
-    let shown = |value: Option<f64>| value.map(|v| with_unit(&compact(v), &of.unit));
-    let or_dash = |value| Cell::number(shown(value).unwrap_or_else(dash));
-    let has_no_valid_run = |v: &CalibrationValue| v.left_out > 0 && v.left_out + v.failed == v.runs;
-    let runs = |v: &CalibrationValue| {
-        let (failed, left_out) =
-            (besides(v.failed, "without result"), besides(v.left_out, "left out"));
-        format!("{}{failed}{left_out}", v.runs)
-    };
-    table!(&of.values, |v| {
-        "Value" => v.value,
-        "Runs" => runs(v),
-        "Mean" => Cell::number(shown(v.mean).unwrap_or_else(|| missing(has_no_valid_run(v)))),
-        "± 95 %" => or_dash(v.half_width_95),
-        "Standard deviation" => or_dash(v.standard_deviation),
-        "In the line" => if v.in_fit { "yes" } else { "" },
-    })
 }

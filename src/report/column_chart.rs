@@ -4,8 +4,8 @@
 use super::{
     axis::Axis,
     columns::quantity_and_unit,
-    figures::capital,
     plot::{Look, Plot, Series, stacked},
+    text::capital,
 };
 
 /// A column: its name and its numbers, row by row.

@@ -11,9 +11,9 @@ use super::{
     plot::{Look, Plot},
     style,
     table::{Cell, Table, dash, row},
+    text::{compact, number},
 };
 use crate::{
-    paper::text::{compact, number},
     plain::plain,
     record::{SeriesRow, Summary, write_json},
     world::BackendInfo,

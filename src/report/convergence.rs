@@ -9,10 +9,10 @@ use super::{
     Figure, ReportError, Standard, figures,
     page::{Block, Page},
     table::{Cell, Record, Table, besides, dash, missing, plus_minus, table},
+    text::{compact, number},
 };
 use crate::{
     measure::Estimate,
-    paper::text::{compact, number},
     record::{VariationRow, left_out_in_words, write_json},
 };
 

@@ -12,11 +12,9 @@ use super::{
     plot::{Look, Plot},
     style,
     table::{Cell, Table, dash, row, table},
-};
-use crate::paper::{
-    Interval,
     text::{compact, listed},
 };
+use crate::measure::Interval;
 
 /// A benchmark with what each engine made of it.
 #[derive(Debug, Clone, PartialEq)]

@@ -13,7 +13,7 @@ use crate::{plain::plain, record::write_file};
 
 /// A part of a page.
 #[derive(Debug, Clone)]
-pub(super) enum Block {
+pub(crate) enum Block {
     /// What it comes to, where there is nothing to warn of.
     Lead(String),
     /// What a reader must not miss.
@@ -35,7 +35,7 @@ pub(super) enum Block {
 
 impl Block {
     /// The lead, as a banner unless all is well.
-    pub(super) fn lead(text: String, is_well: bool) -> Self {
+    pub(crate) fn lead(text: String, is_well: bool) -> Self {
         if is_well { Self::Lead(text) } else { Self::Banner(text) }
     }
 
@@ -93,7 +93,7 @@ struct Section {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Page {
+pub(crate) struct Page {
     title: String,
     head: Vec<Block>,
     sections: Vec<Section>,
@@ -101,13 +101,13 @@ pub(super) struct Page {
 }
 
 impl Page {
-    pub(super) fn new(title: impl Into<String>, head: impl IntoIterator<Item = Block>) -> Self {
+    pub(crate) fn new(title: impl Into<String>, head: impl IntoIterator<Item = Block>) -> Self {
         let head = without_empty(head);
         Self { title: title.into(), head, sections: Vec::new(), has_contents: false }
     }
 
     /// The page with another section; without it where nothing is in it.
-    pub(super) fn section(
+    pub(crate) fn section(
         mut self,
         id: &str,
         title: &str,
@@ -121,7 +121,7 @@ impl Page {
     }
 
     /// The page with a section of figures.
-    pub(super) fn figures(
+    pub(crate) fn figures(
         self,
         id: &str,
         title: &str,
@@ -131,11 +131,11 @@ impl Page {
     }
 
     /// The page with links to its sections after the first.
-    pub(super) fn with_contents(self) -> Self {
+    pub(crate) fn with_contents(self) -> Self {
         Self { has_contents: true, ..self }
     }
 
-    pub(super) fn markdown(&self) -> String {
+    pub(crate) fn markdown(&self) -> String {
         let mut parts = vec![format!("# {}", in_markdown(&self.title))];
         parts.extend(self.head.iter().map(Block::markdown));
         for Section { title, blocks, .. } in &self.sections {
@@ -147,7 +147,7 @@ impl Page {
     }
 
     /// As HTML that needs nothing else.
-    pub(super) fn html(&self) -> String {
+    pub(crate) fn html(&self) -> String {
         let contents = || {
             html! {
                 nav aria-label="Contents" { ul { @for section in &self.sections {
@@ -173,7 +173,7 @@ impl Page {
 
     /// Writes its figures into `figures/` of a folder, and the page itself under each name, in
     /// the form that the name's ending asks for.
-    pub(super) fn write(&self, out: &Path, names: &[&str]) -> Result<(), ReportError> {
+    pub(crate) fn write(&self, out: &Path, names: &[&str]) -> Result<(), ReportError> {
         for block in self.sections.iter().flat_map(|section| &section.blocks) {
             if let Block::Figure(figure) = block {
                 figure.write(&out.join("figures"))?;

@@ -17,16 +17,16 @@ pub struct Standard {
 
 /// What does not count of the runs behind a number.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct LeftOut {
+pub(crate) struct LeftOut {
     /// How many runs do not count.
-    pub(super) runs: usize,
+    pub(crate) runs: usize,
     /// Whether none counts, so that the number is theirs.
-    pub(super) all: bool,
+    pub(crate) all: bool,
 }
 
 /// Of runs those that count in means; where none does, all of them, which are then to be
 /// marked: valid runs and others never stand in one mean.
-pub(super) fn never_mixed<'a>(
+pub(crate) fn never_mixed<'a>(
     runs: impl Iterator<Item = &'a RunRecord>,
 ) -> (Vec<&'a RunRecord>, LeftOut) {
     let (counting, others): (Vec<_>, Vec<_>) = runs.partition(|r| r.counts_in_means());
@@ -36,7 +36,7 @@ pub(super) fn never_mixed<'a>(
 
 /// What was found of the runs that count, followed by how many runs do not count and are left out
 /// of means and of `these`; where nothing was found, why.
-pub(super) fn found_in(
+pub(crate) fn found_in(
     runs: &[&RunRecord],
     found: Option<String>,
     these: &str,
@@ -52,6 +52,6 @@ pub(super) fn found_in(
 }
 
 /// That runs are left out of means, as another sentence with how it ends; nothing where none is.
-pub(super) fn sentence_of_left_out(left_out: usize, of: usize, end: &str) -> String {
+pub(crate) fn sentence_of_left_out(left_out: usize, of: usize, end: &str) -> String {
     left_out_in_words(left_out, of).map_or(String::new(), |said| format!(" {said}{end}."))
 }

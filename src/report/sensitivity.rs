@@ -12,10 +12,10 @@ use super::{
     figures,
     page::{Block, Page},
     table::{Cell, Record, Table, counted, dash, from_to, missing, plus_minus, table},
+    text::{compact, number},
 };
 use crate::{
     measure::Estimate,
-    paper::text::{compact, number},
     record::{VariationRow, write_json},
 };
 

@@ -1,13 +1,62 @@
-//! The page of a sweep, as Markdown and as HTML.
+//! The files of a sweep: tables, and the page as Markdown and as HTML.
+
+use std::path::Path;
 
 use super::{
-    Figure, Sweep, SweepEffect, SweepEstimate, SweepPoint, SweepRun,
+    Figure, ReportError, Sweep, SweepEffect, SweepEstimate, SweepPoint, SweepRun, figures,
     page::{Block, Page},
     sweep::shown,
-    sweep_outcomes::{in_words, main_outcomes},
+    sweep_outcomes::{all_outcomes, in_words, main_outcomes},
     table::{Cell, Table, besides, counted, dash, missing, plus_minus, row, table},
+    text::compact,
 };
-use crate::{paper::text::compact, plain::plain, record::left_out_in_words};
+use crate::{
+    plain::plain,
+    record::{left_out_in_words, write_json},
+};
+
+/// The one result that is another each time, and has a table of its own.
+const WALL_TIME: &str = "wall_s";
+
+/// Writes `sweep.csv`, `sweep-times.csv`, `sweep.json`, `sweep.md`, `report.html` and `figures/`.
+///
+/// # Errors
+/// [`ReportError`] naming the file or the figure.
+pub fn write_sweep(out: &Path, of: &Sweep) -> Result<(), ReportError> {
+    table(of).write(&out.join("sweep.csv"))?;
+    times(of).write(&out.join("sweep-times.csv"))?;
+    write_json(&out.join("sweep.json"), of)?;
+    page(of, figures::of_sweep(of)?).write(out, &["sweep.md", "report.html"])
+}
+
+/// `sweep.csv`: one row a run, one column a factor and result. The same sweep
+/// gives the same bytes, wherever and in whatever order it was run.
+fn table(of: &Sweep) -> Table {
+    let all = all_outcomes(&of.runs);
+    let results = || all.iter().copied().filter(|path| *path != WALL_TIME);
+    let factors = of.factors.iter().map(|f| f.path.as_str());
+    let header = ["run", "point", "configuration"].into_iter().chain(factors).chain(results());
+    let mut table =
+        Table::new(header.chain(["meets_standard", "valid", "left_out_of_means", "failure"]));
+    for run in &of.runs {
+        let mut cells = row![&run.run, &run.point, run.configuration];
+        cells.extend(run.values.iter().map(|value| Cell::from(shown(value))));
+        cells.extend(results().map(|path| run.outcomes.get(path).copied().into()));
+        let why = [&run.left_out_of_means, &run.failure].map(Clone::clone);
+        cells.extend(row![run.meets_standard, run.valid]);
+        cells.extend(why.map(Cell::from));
+        table.row(cells);
+    }
+    table
+}
+
+/// Wall times, which no two machines have alike, by themselves.
+fn times(of: &Sweep) -> Table {
+    table!(&of.runs, |run| {
+        "run" => &run.run,
+        WALL_TIME => run.outcomes.get(WALL_TIME).copied(),
+    })
+}
 
 const HOW_TO_READ: &str = "Every point is run in the same configurations, each a new random \
      arrangement of the same grains. Intervals are 95 % confidence intervals of the mean over \
@@ -21,7 +70,7 @@ const HOW_TO_READ: &str = "Every point is run in the same configurations, each a
      Configurations needed: the number that would show a slope of this size among this scatter with \
      a probability of 80 %.";
 
-pub(super) fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
+fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
     let failed = of.failed().count();
     let done = of.runs.len() - failed;
     // What has run out of a laboratory is valid without an end to judge.
@@ -136,4 +185,139 @@ fn reasons<'a>(
         "values" => values(r),
         "why" => why(r),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use serde_json::Value;
+
+    use super::*;
+    use crate::{record::LaboratoryNames, report::SweepFactor};
+
+    /// A sweep of one point in four configurations: valid, below the standard,
+    /// with a check that found something, and failed.
+    fn sweep() -> Sweep {
+        let states = [Some((true, true)), Some((false, false)), Some((true, false)), None];
+        let run = |(n, state): (u32, Option<(bool, bool)>)| SweepRun {
+            run: format!("point-0001-c{n}"),
+            point: "point-0001".into(),
+            configuration: n,
+            values: vec![1.into()],
+            outcomes: BTreeMap::new(),
+            meets_standard: state.map(|s| s.0),
+            valid: state.map(|s| s.1),
+            left_out_of_means: state.filter(|s| !s.1).map(|_| "not valid".to_owned()),
+            failure: state.is_none().then(|| "it blew up".to_owned()),
+        };
+        Sweep {
+            scenario: "s".into(),
+            design: "grid",
+            factors: vec![SweepFactor {
+                path: "seed".into(),
+                values: vec![1.into()],
+                sampled: false,
+                numeric: true,
+            }],
+            configurations: 4,
+            planned: 4,
+            runs: (1..).zip(states).map(run).collect(),
+            points: vec![SweepPoint {
+                point: "point-0001".into(),
+                values: vec![1.into()],
+                runs: 3,
+                valid: 1,
+                left_out: 2,
+                failed: 1,
+                outcomes: BTreeMap::new(),
+            }],
+            effects: Vec::new(),
+            names: LaboratoryNames::default(),
+        }
+    }
+
+    #[test]
+    fn the_table_says_of_every_run_whether_it_is_valid() {
+        let written = table(&sweep()).csv().expect("written");
+        let mut reader = csv::Reader::from_reader(&written[..]);
+        let names = reader.headers().expect("names").clone();
+        let place = |name: &str| names.iter().position(|n| n == name).expect(name);
+        assert_eq!(place("valid"), place("meets_standard") + 1, "law: one beside the other");
+        let got: Vec<(String, String)> = reader
+            .records()
+            .map(|r| r.expect("a row"))
+            .map(|r| (r[place("meets_standard")].to_owned(), r[place("valid")].to_owned()))
+            .collect();
+        let expected = [("true", "true"), ("false", "false"), ("true", "false"), ("", "")];
+        let expected = expected.map(|(met, valid)| (met.to_owned(), valid.to_owned()));
+        assert_eq!(got, expected, "law: as each run has it; nothing of one without result");
+        let json = serde_json::to_value(sweep()).expect("JSON");
+        assert_eq!(json["runs"][2]["valid"], Value::Bool(false), "law: sweep.json says so, too");
+    }
+
+    #[test]
+    fn the_page_counts_runs_below_the_standard_and_those_whose_checks_found_something() {
+        let of = sweep();
+        let page = page(&of, vec![]);
+        let text = page.markdown();
+        for said in [
+            "; 1 does not meet the accuracy standard for overlap and numerical creep; in 1 that does a \
+             run-time check found something; not valid: 2 of 3; 2 of 3 runs with a result are left out of means.",
+            "| point | seed | runs | valid | left out |",
+            "| point-0001 | 1 | 3, 1 failed | 1 | 2 |",
+            "| point-0001-c2 | seed=1 | not valid |",
+        ] {
+            assert!(text.contains(said), "law: `{said}`, got:\n{text}");
+        }
+        let valid = Sweep {
+            runs: vec![of.runs[0].clone()],
+            points: vec![SweepPoint { runs: 1, left_out: 0, failed: 0, ..of.points[0].clone() }],
+            planned: 1,
+            ..of
+        };
+        let page = super::page(&valid, vec![]);
+        let lead = page.markdown().lines().nth(2).unwrap_or_default().to_owned();
+        assert!(lead.ends_with("1 of 1 runs have results."), "law: nothing to warn of, got {lead}");
+        assert!(page.html().contains("p class=\"lead\""), "law: no banner");
+    }
+
+    /// Law: a mean or slope of which every run is left out is no dash, and no number.
+    #[test]
+    fn where_no_run_is_valid_the_page_says_so() {
+        let mut of = sweep();
+        for run in &mut of.runs {
+            run.outcomes.insert("void_ratio".into(), 0.9);
+        }
+        let effect = |slope: Option<f64>, runs, left_out| SweepEffect {
+            factor: "seed".into(),
+            outcome: "void_ratio".into(),
+            runs,
+            left_out,
+            slope,
+            ..SweepEffect::default()
+        };
+        let line = |of: &Sweep, start: &str| {
+            let page = page(of, vec![]).markdown();
+            page.lines().find(|l| l.starts_with(start)).unwrap_or_default().to_owned()
+        };
+        of.points[0].valid = 0;
+        of.points[0].left_out = 3;
+        for (slope, runs, left_out, said) in [
+            (Some(2.0), 3, 0, "| 2 |"),
+            (Some(2.0), 2, 1, "| 2 (left out: 1) |"),
+            (None, 0, 3, "| no valid run |"),
+            (None, 1, 2, "| too few valid runs |"),
+            (None, 1, 0, "| – |"),
+        ] {
+            of.effects = vec![effect(slope, runs, left_out)];
+            let got = line(&of, "| seed |");
+            assert!(got.contains(said), "law: `{said}`, got `{got}`");
+        }
+        let got = line(&of, "| point-0001 |");
+        assert!(
+            got.ends_with("| 3, 1 failed | 0 | 3 | no valid run |"),
+            "law: no dash, got `{got}`"
+        );
+    }
 }

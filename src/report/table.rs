@@ -5,17 +5,19 @@ use std::{fmt::Write as _, path::Path};
 
 use maud::{Markup, PreEscaped, Render, html};
 
-use super::html::glue;
+use super::{
+    html::glue,
+    text::{compact, number},
+};
 use crate::{
     measure::Estimate,
-    paper::text::{compact, number},
     plain::plain,
     record::{FileError, NO_VALID_RUN, write_csv},
 };
 
 /// A cell: its text, and what a page shows in its place where it can show more than text.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(super) struct Cell {
+pub(crate) struct Cell {
     pub text: String,
     on_page: Option<String>,
     is_number: bool,
@@ -23,27 +25,27 @@ pub(super) struct Cell {
 
 impl Cell {
     /// A number in words, aligned as numbers are.
-    pub(super) fn number(text: impl Into<String>) -> Self {
+    pub(crate) fn number(text: impl Into<String>) -> Self {
         Self { text: text.into(), is_number: true, ..Self::default() }
     }
 
     /// With so many decimals; a dash where there is none.
-    pub(super) fn fixed(value: impl Into<Option<f64>>, decimals: usize) -> Self {
+    pub(crate) fn fixed(value: impl Into<Option<f64>>, decimals: usize) -> Self {
         Self::number(value.into().map_or_else(dash, |v| number(v, decimals)))
     }
 
     /// With the digits that count; a dash where there is none.
-    pub(super) fn compact(value: impl Into<Option<f64>>) -> Self {
+    pub(crate) fn compact(value: impl Into<Option<f64>>) -> Self {
         Self::number(value.into().map_or_else(dash, compact))
     }
 
     /// The same cell, shown as this on a page.
-    pub(super) fn on_page(self, shown: &Markup) -> Self {
+    pub(crate) fn on_page(self, shown: &Markup) -> Self {
         Self { on_page: Some(shown.0.clone()), ..self }
     }
 
     /// A verdict in words, which a page shows as a badge of a class of the style sheet.
-    pub(super) fn badge(class: &str, text: impl Into<String>) -> Self {
+    pub(crate) fn badge(class: &str, text: impl Into<String>) -> Self {
         let text = text.into();
         let shown = html! { span.verdict.(class) { (text) } };
         Self { text, ..Self::default() }.on_page(&shown)
@@ -51,17 +53,17 @@ impl Cell {
 }
 
 /// What stands where there is no value.
-pub(super) fn dash() -> String {
+pub(crate) fn dash() -> String {
     "–".to_owned()
 }
 
 /// The same, or that no run is valid, where that is why.
-pub(super) fn missing(no_run_is_valid: bool) -> String {
+pub(crate) fn missing(no_run_is_valid: bool) -> String {
     if no_run_is_valid { NO_VALID_RUN.to_owned() } else { dash() }
 }
 
 /// A mean and, where it is known, how far it may be off.
-pub(super) fn plus_minus(mean: f64, off: Option<f64>, shown: impl Fn(f64) -> String) -> String {
+pub(crate) fn plus_minus(mean: f64, off: Option<f64>, shown: impl Fn(f64) -> String) -> String {
     match off {
         Some(off) => format!("{} ± {}", shown(mean), shown(off)),
         None => shown(mean),
@@ -69,17 +71,17 @@ pub(super) fn plus_minus(mean: f64, off: Option<f64>, shown: impl Fn(f64) -> Str
 }
 
 /// From one value to another.
-pub(super) fn from_to(low: f64, high: f64) -> String {
+pub(crate) fn from_to(low: f64, high: f64) -> String {
     format!("{} to {}", compact(low), compact(high))
 }
 
 /// How many of something there are.
-pub(super) fn counted(count: usize, one: &str) -> String {
+pub(crate) fn counted(count: usize, one: &str) -> String {
     if count == 1 { format!("1 {one}") } else { format!("{count} {one}s") }
 }
 
 /// How many of something there are besides; nothing where there are none.
-pub(super) fn besides(count: usize, what: &str) -> String {
+pub(crate) fn besides(count: usize, what: &str) -> String {
     if count > 0 { format!(", {count} {what}") } else { String::new() }
 }
 
@@ -157,19 +159,19 @@ macro_rules! table {
     }};
 }
 
-pub(super) use {row, table};
+pub(crate) use {row, table};
 
 /// The cells of one row, each with the name of its column.
 #[derive(Debug, Default)]
-pub(super) struct Record(Vec<(String, Cell)>);
+pub(crate) struct Record(Vec<(String, Cell)>);
 
 impl Record {
-    pub(super) fn add(&mut self, name: impl Into<String>, cell: impl Into<Cell>) {
+    pub(crate) fn add(&mut self, name: impl Into<String>, cell: impl Into<Cell>) {
         self.0.push((name.into(), cell.into()));
     }
 
     /// Adds a mean and its standard error.
-    pub(super) fn add_estimate(&mut self, name: &str, of: Option<Estimate>) {
+    pub(crate) fn add_estimate(&mut self, name: &str, of: Option<Estimate>) {
         self.add(name, of.map(|e| e.mean));
         self.add(format!("{name}_standard_error"), of.and_then(|e| e.standard_error));
     }
@@ -183,19 +185,19 @@ enum Row {
 }
 
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(super) struct Table {
+pub(crate) struct Table {
     header: Vec<Cell>,
     rows: Vec<Row>,
     class: &'static str,
 }
 
 impl Table {
-    pub(super) fn new<T: Into<Cell>>(header: impl IntoIterator<Item = T>) -> Self {
+    pub(crate) fn new<T: Into<Cell>>(header: impl IntoIterator<Item = T>) -> Self {
         Self { header: header.into_iter().map(Into::into).collect(), ..Self::default() }
     }
 
     /// Of records that have the same columns.
-    pub(super) fn of_records(records: impl IntoIterator<Item = Record>) -> Self {
+    pub(crate) fn of_records(records: impl IntoIterator<Item = Record>) -> Self {
         let mut table = Self::default();
         for Record(cells) in records {
             let (names, cells): (Vec<String>, Vec<Cell>) = cells.into_iter().unzip();
@@ -206,31 +208,31 @@ impl Table {
     }
 
     /// Names and values, without a header.
-    pub(super) fn of_pairs(pairs: impl IntoIterator<Item = (String, String)>) -> Self {
+    pub(crate) fn of_pairs(pairs: impl IntoIterator<Item = (String, String)>) -> Self {
         table!(pairs, |(name, value)| { "" => name, "" => value })
     }
 
     /// Its classes in the style sheet; of class `cards` it is shown as a card a row where a
     /// page is narrow.
-    pub(super) fn class(self, class: &'static str) -> Self {
+    pub(crate) fn class(self, class: &'static str) -> Self {
         Self { class, ..self }
     }
 
-    pub(super) fn row(&mut self, cells: Vec<Cell>) {
+    pub(crate) fn row(&mut self, cells: Vec<Cell>) {
         self.rows.push(Row::Cells(cells));
     }
 
     /// A line above rows that belong together.
-    pub(super) fn part(&mut self, title: &str) {
+    pub(crate) fn part(&mut self, title: &str) {
         self.rows.push(Row::Part(title.to_owned()));
     }
 
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
     /// As CSV, where every row has as many cells as the header.
-    pub(super) fn csv(&self) -> Result<Vec<u8>, csv::Error> {
+    pub(crate) fn csv(&self) -> Result<Vec<u8>, csv::Error> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(self.header.iter().map(|cell| &cell.text))?;
         for row in &self.rows {
@@ -242,7 +244,7 @@ impl Table {
     }
 
     /// Writes a CSV file.
-    pub(super) fn write(&self, path: &Path) -> Result<(), FileError> {
+    pub(crate) fn write(&self, path: &Path) -> Result<(), FileError> {
         write_csv(path, self.csv())
     }
 
@@ -255,7 +257,7 @@ impl Table {
         first.is_some_and(|cell| cell.is_number)
     }
 
-    pub(super) fn markdown(&self) -> String {
+    pub(crate) fn markdown(&self) -> String {
         let line = |cells: &[Cell]| {
             let cells: Vec<String> =
                 cells.iter().map(|c| in_markdown(&c.text).replace('|', "\\|")).collect();
@@ -279,7 +281,7 @@ impl Table {
     }
 
     /// As a part of a page.
-    pub(super) fn html(&self) -> Markup {
+    pub(crate) fn html(&self) -> Markup {
         let is_cards = self.class.contains("cards");
         let class = |cell: &Cell| cell.is_number.then_some("n");
         let has_header = self.header.iter().any(|cell| !cell.text.is_empty());
@@ -317,7 +319,7 @@ impl Table {
 
 /// A text in Markdown: characters that mislead by their code points, and nothing
 /// that begins like a tag, so that a name cannot bring one in.
-pub(super) fn in_markdown(text: &str) -> String {
+pub(crate) fn in_markdown(text: &str) -> String {
     let text = plain(text);
     let mut shown = String::with_capacity(text.len());
     let mut rest = text.chars().peekable();

@@ -9,9 +9,9 @@ use super::{
     ReportError,
     page::{Block, Page},
     table::{Cell, Table, from_to, plus_minus, row, table},
+    text::compact,
 };
 use crate::measure::{inference::wilson_interval, regression::LinearFit};
-use crate::paper::text::compact;
 use crate::record::write_json;
 
 /// A result and the range in which it is wanted.

@@ -216,7 +216,7 @@ fn quantities(runs: &[CompareRun]) -> Vec<ComparedQuantity> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::canned;
+    use crate::record::canned;
 
     /// Two engines' own runs, and one from the first's specimen.
     fn three() -> Vec<CompareRun> {

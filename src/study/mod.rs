@@ -1,10 +1,9 @@
 //! Runs scenarios stage by stage, with a store of finished stages, and the studies of many runs:
-//! reproduction, sweeps, calibration, convergence and sensitivity.
+//! sweeps, calibration, convergence, sensitivity and comparison.
 
 mod accuracy;
 mod begin;
 mod believed;
-mod beside;
 mod calibrate;
 mod checks;
 mod compare;
@@ -14,16 +13,13 @@ mod described;
 mod design;
 mod execute;
 mod inside;
-mod interpretations;
 mod laboratory;
 mod plan;
 mod presets;
 mod realisations;
 mod recorder;
-mod reproduce;
 mod run;
 mod sensitivity;
-mod side_by_side;
 mod slurm;
 mod stage_key;
 mod standing;
@@ -47,13 +43,10 @@ pub use converge::{
 pub use density::{DensityOptions, DensityStudy, IndexDensities, IndexState, OfStates};
 pub use design::SpecimenDesign;
 pub use execute::{RunOptions, available_cores};
-pub use interpretations::Interpretation;
 pub use presets::preset;
 pub use recorder::container;
-pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
 pub use run::{ReadyRun, grain_files, make_grains};
 pub use sensitivity::{Parameter, ParameterDesign, SensitivityDesign, SensitivityStudy};
-pub use side_by_side::{InterpretationsOptions, InterpretationsOutcome, interpretations};
 pub use slurm::{SlurmJob, SlurmRequest, quoted, submit as submit_to_slurm, this_program};
 pub use stage_key::FORMAT as STAGE_FORMAT;
 pub use sweep::{
@@ -88,7 +81,6 @@ use crate::measure::{
     void_ratio_in,
 };
 use crate::motion::MotionFacts;
-use crate::paper;
 use crate::protocol::{Midway, Progress, Setup, WorldMaker, plausible};
 use crate::record::{
     AskedStage, Beside, Checkpoints, EnergyRow, FabricSummary, FileError, FrameWriter,
@@ -97,7 +89,7 @@ use crate::record::{
     VariationRow, Withheld, create_folder, hash_json, keep_beside, read_json, to_csv, write_file,
     write_json,
 };
-use crate::report::{self, Column, ReportError, Sensitivity, Standard};
+use crate::report::{self, ReportError, Sensitivity, Standard};
 use crate::scale::{self, Scale};
 use crate::scenario::{
     Backend, EngineSettings, Fault, GrainsSpec, Override, Scenario, ScenarioErrors, StageSpec,
@@ -108,16 +100,19 @@ use crate::units::{from_mm, to_cm3, to_g, to_mm};
 use crate::world::EffectiveSettings;
 use {
     believed::held,
-    described::described,
     design::{Chosen, Faults, range, yes},
     execute::Shop,
-    plan::{Node, Plan, PlannedRun, RunNodes},
+    plan::{Node, RunNodes},
     presets::DesignFile,
     realisations::{CONFIGURATIONS, refuse_repeats},
-    run::{carry_out, carry_out_each, folder_of, write_grains},
     sensitivity::End,
     told::of_grains,
     variations::conclude_so_far,
+};
+pub(crate) use {
+    described::described,
+    plan::{Plan, PlannedRun},
+    run::{carry_out, carry_out_each, folder_of, write_grains},
 };
 
 /// Why a study did not finish.
@@ -181,7 +176,7 @@ fn each_once<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T> {
 }
 
 /// Refuses what a study is asked for, and says why.
-fn refused<T>(why: String) -> Result<T, StudyError> {
+pub(crate) fn refused<T>(why: String) -> Result<T, StudyError> {
     Err(StudyError::Scenario(why))
 }
 
@@ -198,7 +193,7 @@ impl StudyError {
         Self::Scenario(error.to_string())
     }
 
-    fn grains(error: GrainsError) -> Self {
+    pub(crate) fn grains(error: GrainsError) -> Self {
         Self::Scenario(error.to_string())
     }
 

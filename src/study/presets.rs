@@ -1,5 +1,4 @@
-//! The paper's scenarios and the designs of studies, built into the program so
-//! that it needs no other file.
+//! Scenarios and designs of studies that are built into the program, so that it needs no other file.
 
 use tempfile::TempDir;
 
@@ -11,9 +10,8 @@ macro_rules! files {
     };
 }
 
-/// The files under `scenarios/` that `reproduce` and the studies use; interpretations in the order
-/// in which they are shown.
-pub(super) const FILES: [(&str, &str); 24] = files![
+/// The files under `scenarios/` that `reproduce` and the studies use.
+const FILES: [(&str, &str); 9] = files![
     "paper/pluviation.json",
     "paper/vibration-continuous.json",
     "paper/vibration-intermittent.json",
@@ -23,21 +21,6 @@ pub(super) const FILES: [(&str, &str); 24] = files![
     "quick/repose.json",
     "studies/convergence.json",
     "studies/sensitivity.json",
-    "interpretations/converged.json",
-    "interpretations/half_stroke.json",
-    "interpretations/full_stroke.json",
-    "interpretations/per_body.json",
-    "interpretations/bullet_stock.json",
-    "interpretations/blender_2014_m.json",
-    "interpretations/blender_2014_dm.json",
-    "interpretations/blender_2014_cm.json",
-    "interpretations/blender_2014_mm.json",
-    "interpretations/blender_2014_cm_awake.json",
-    "interpretations/blender_2014_m_frames.json",
-    "interpretations/blender_2014_dm_frames.json",
-    "interpretations/blender_2014_cm_frames.json",
-    "interpretations/blender_2014_mm_frames.json",
-    "interpretations/blender_2014_cm_awake_frames.json",
 ];
 
 /// Loads one of the built-in scenarios, by its path under `scenarios/`.

@@ -70,7 +70,7 @@ impl ReadyRun {
 /// Runs the runs of a plan, taking from the store in the output folder what is there,
 /// and writes each run's files into its folder. Gives the records in the order of the runs, and the
 /// engine's settings as read back in the first stage.
-pub(super) fn carry_out(
+pub(crate) fn carry_out(
     plan: &Plan,
     runs: &[PlannedRun],
     options: &RunOptions,
@@ -93,7 +93,7 @@ pub(super) fn carry_out(
 ///
 /// # Errors
 /// [`StudyError`] where the fault is not a run's own.
-pub(super) fn carry_out_each(
+pub(crate) fn carry_out_each(
     make_world: WorldMaker,
     plan: &Plan,
     runs: &[PlannedRun],
@@ -142,7 +142,7 @@ fn is_of_the_run(error: &StudyError) -> bool {
 }
 
 /// Folder of a run in the output folder, by its name.
-pub(super) fn folder_of(out: &Path, run: &str) -> PathBuf {
+pub(crate) fn folder_of(out: &Path, run: &str) -> PathBuf {
     out.join("runs").join(run)
 }
 

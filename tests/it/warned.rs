@@ -10,12 +10,12 @@ use std::{
 
 use pluvia::{
     grains::load_scenario,
+    paper::{Interpretation, InterpretationsOptions, ReproduceOptions, interpretations, reproduce},
     protocol::Progress,
     scenario::{Backend, Override, warnings},
     study::{
-        CalibrationOptions, CalibrationStudy, ConvergenceStudy, Design, Interpretation,
-        InterpretationsOptions, ReproduceOptions, RunOptions, SensitivityStudy, StudyError,
-        StudyOptions, SweepOptions, SweepStudy, compare, interpretations, reproduce,
+        CalibrationOptions, CalibrationStudy, ConvergenceStudy, Design, RunOptions,
+        SensitivityStudy, StudyError, StudyOptions, SweepOptions, SweepStudy, compare,
     },
 };
 use serde_json::{Value, json};

@@ -1,9 +1,8 @@
 //! Claims on the grains: sections 2 and 3, Figure 1.
 
-use crate::paper::{
-    Claim, StudyView, Verdict, claim::Draft, constants, gradation_in_words, text::number,
-};
+use crate::paper::{Claim, StudyView, Verdict, claim::Draft, constants};
 use crate::record::{RunRecord, UNCHANGED};
+use crate::report::text::{gradation_in_words, number};
 
 pub(super) fn claims(study: &StudyView) -> Vec<Claim> {
     let count = study.grain_count as f64;

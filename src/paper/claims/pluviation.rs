@@ -1,12 +1,15 @@
 //! Claims on pluviation: section 4, Figure 7.
 
-use crate::measure::statistics::{least_squares_slope, mean};
-use crate::paper::text::{listed, number};
+use crate::measure::{
+    Interval,
+    statistics::{least_squares_slope, mean},
+};
 use crate::paper::{
-    Claim, Interval, Stated, StudyView, claim::Draft, claims::list, constants::FALLING_HEIGHTS_MM,
+    Claim, Stated, StudyView, claim::Draft, claims::list, constants::FALLING_HEIGHTS_MM,
     uncertainty::trend, view::height_mm,
 };
 use crate::record::{RunKind, RunRecord};
+use crate::report::text::{listed, number};
 
 pub(super) fn claims(study: &StudyView) -> Vec<Claim> {
     vec![falls(study), monotone(study), slope(study), within_laboratory(study), reproducible(study)]

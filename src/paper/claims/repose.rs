@@ -5,12 +5,13 @@
 //! over the configurations holds it, as a measured mean and a number are
 //! compared. One configuration has no such interval, and cannot be compared.
 
-use crate::measure::inference::MeanTest;
+use crate::measure::{Interval, inference::MeanTest};
 use crate::paper::{
-    Claim, ClaimKind, Interval, PaperValue, StudyView, Verdict, claim::Draft, constants,
-    text::number, view::angle_of_repose,
+    Claim, ClaimKind, PaperValue, StudyView, Verdict, claim::Draft, constants,
+    view::angle_of_repose,
 };
 use crate::record::RunKind;
+use crate::report::text::number;
 
 const CONFIDENCE: f64 = 0.95;
 

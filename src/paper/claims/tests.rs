@@ -1,7 +1,8 @@
 //! Claims on made-up runs whose answers are known.
 
 use super::*;
-use crate::paper::{ClaimKind, Interval, Verdict, canned};
+use crate::measure::Interval;
+use crate::paper::{ClaimKind, Verdict, canned};
 use crate::record::SecondarySieve;
 
 fn claim(study: &StudyView, id: &str) -> Claim {

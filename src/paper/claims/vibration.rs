@@ -1,9 +1,8 @@
 //! Claims on vibration: section 4, Figures 8, 9 and 10.
 
-use crate::measure::statistics::mean;
-use crate::paper::text::{listed, number};
+use crate::measure::{Interval, statistics::mean};
 use crate::paper::{
-    Claim, Interval, Stated, StudyView,
+    Claim, Stated, StudyView,
     bands::FINAL_SETTLEMENT_MM,
     claim::Draft,
     claims::list,
@@ -12,6 +11,7 @@ use crate::paper::{
     view::{plate, shaken_curve, shaken_periods, surface},
 };
 use crate::record::{RunKind, RunRecord};
+use crate::report::text::{listed, number};
 
 /// Time in s after a period's start and before its end that counts as "right
 /// at the end and at the beginning". Ours: one and a half cycles.

@@ -1,8 +1,9 @@
 //! What is reproduced, what is not and why, in one paragraph made from the rows and the runs.
 
 use super::{RowCounts, ScoreRow};
-use crate::paper::{StudyView, Verdict, constants::GRAIN_COUNT, text::number, uncertainty::trend};
+use crate::paper::{StudyView, Verdict, constants::GRAIN_COUNT, uncertainty::trend};
 use crate::record::{RunRecord, left_out_in_words};
+use crate::report::text::number;
 
 /// What moves the settlement of the plate and its shares, as far as it was measured.
 const MOVES_SETTLEMENT: &str = "Of what was varied at full size, only a gradual start and stop of the \

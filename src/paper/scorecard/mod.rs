@@ -9,7 +9,8 @@ mod tests;
 
 use serde::Serialize;
 
-use super::{Claim, ClaimKind, Interval, StudyView, Verdict};
+use super::{Claim, ClaimKind, StudyView, Verdict};
+use crate::measure::Interval;
 
 /// `scorecard.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -2,17 +2,17 @@
 
 use super::ScoreRow;
 use crate::{
-    measure::{inference::MeanTest, statistics::mean},
+    measure::{Interval, inference::MeanTest, statistics::mean},
     paper::{
-        Claim, Interval, PaperValue, StudyView, Verdict,
+        Claim, PaperValue, StudyView, Verdict,
         claims::edge_ratio,
-        text::{compact, number},
         uncertainty::{
             PlacementScatter, SETTLEMENT_OF_PLATE, SHARE_AFTER_5_S, placement_scatter, trend,
         },
         view::{angle_of_repose, plate},
     },
     record::{RunKind, Settlement},
+    report::text::{compact, number},
 };
 
 /// Confidence of the rows' intervals.

@@ -11,15 +11,16 @@ pub(super) use placements::{SETTLEMENT_OF_PLATE, SHARE_AFTER_5_S, scatter as pla
 use serde::Serialize;
 
 use super::{
-    Interval, StudyView, bands,
-    text::number,
+    StudyView, bands,
     view::{height_mm, is_poured_from, plate, surface},
 };
 use crate::measure::{
+    Interval,
     inference::{MeanTest, page_test, values_needed},
     statistics::{least_squares_slope, mean},
 };
 use crate::record::{RunKind, RunRecord, Settlement};
+use crate::report::text::number;
 
 /// Confidence of every interval and test.
 pub const CONFIDENCE: f64 = 0.95;

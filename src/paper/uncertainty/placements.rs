@@ -3,14 +3,17 @@
 
 use serde::Serialize;
 
-use super::{CONFIDENCE, Interval};
-use crate::measure::nested::{Bounded, Nested};
+use super::CONFIDENCE;
+use crate::measure::{
+    Interval,
+    nested::{Bounded, Nested},
+};
 use crate::paper::{
     StudyView,
-    text::number,
     view::{plate, surface},
 };
 use crate::record::{RunKind, RunRecord};
+use crate::report::text::number;
 
 /// Name of the quantity that the paper gives a range of.
 pub(in crate::paper) const SETTLEMENT_OF_PLATE: &str = "settlement of the plate, final";

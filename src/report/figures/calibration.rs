@@ -2,7 +2,7 @@
 
 use super::Figure;
 use crate::{
-    paper::{Interval, text::compact},
+    measure::Interval,
     report::{
         Calibration, ReportError,
         axis::Axis,
@@ -10,6 +10,7 @@ use crate::{
         plot::{Look, Plot},
         style::Marker,
         table::table,
+        text::{capital, compact},
     },
 };
 
@@ -91,15 +92,5 @@ fn name_of_result(of: &Calibration) -> String {
         (true, _) | (_, "") => capital(words),
         (false, "°") => format!("{} (degrees)", capital(words)),
         (false, unit) => format!("{} ({unit})", capital(words)),
-    }
-}
-
-/// A sentence's first letter; names of fields stay as they are.
-pub(in crate::report) fn capital(text: &str) -> String {
-    let field = text.split(' ').next().is_some_and(|word| word.contains(['.', '_']));
-    let mut letters = text.chars();
-    match letters.next() {
-        Some(first) if !field => first.to_uppercase().chain(letters).collect(),
-        _ => text.to_owned(),
     }
 }

@@ -1,16 +1,16 @@
-//! The grains: Figure 1, their grain size distribution, and how elongation, flatness and sphericity
-//! are spread.
+//! The grains: their grain size distribution, and how elongation, flatness and sphericity are spread.
 
 use super::Figure;
 use crate::{
     grains::{GrainShape, ShapeRatio},
-    paper::{Interval, StudyView, gradation_in_words, text::number},
+    measure::Interval,
     report::{
         ReportError,
         axis::{Axis, Scale},
         plot::{Look, Plot},
         style,
         table::{Table, row},
+        text::number,
     },
 };
 
@@ -41,27 +41,8 @@ fn size_axis(sizes: impl Iterator<Item = f64>) -> Axis {
     }
 }
 
-/// The paper's Figure 1, of a study.
-pub(super) fn sizes(study: &StudyView) -> Result<Figure, ReportError> {
-    let made = study.generated.as_ref().map_or_else(String::new, |made| {
-        format!(
-            " The grains generated from it, each through the virtual sieve (the smallest square \
-             opening that it passes in any orientation): {}.",
-            gradation_in_words(made)
-        )
-    });
-    let caption = format!(
-        "Grain size distribution of the simulated gravel, as specified: {}.{made} The paper's \
-         curve was not available to us (only its text was); the specified one is ours, chosen so that the numbers of the text (1456 \
-         grains of 2343 g, 55 to 65 in 100 g, poorly graded) come out.",
-        gradation_in_words(&study.gradation),
-    );
-    let (stem, title) = ("figure-01-grain-size-distribution", "Figure 1. Grain size distribution");
-    curves(stem, title, caption, [&study.sieve, &study.sieved_grains])
-}
-
 /// Specified against generated.
-fn curves(
+pub(crate) fn curves(
     stem: &str,
     title: &str,
     caption: String,
@@ -102,7 +83,7 @@ fn named(ratio: ShapeRatio) -> (&'static str, &'static str) {
 }
 
 /// Distribution of the three numbers over the grains, each counted once.
-pub(in crate::report) fn of_shapes(shapes: &[GrainShape]) -> Result<Figure, ReportError> {
+pub(crate) fn of_shapes(shapes: &[GrainShape]) -> Result<Figure, ReportError> {
     let x = Axis::linear("Ratio (–)").holding([0.0, 1.0]);
     let y = Axis::with_ticks("Grains with less (%)", &[0.0, 20.0, 40.0, 60.0, 80.0, 100.0]);
     let mut plot = Plot::new(x, y);

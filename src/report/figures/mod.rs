@@ -1,39 +1,29 @@
-//! The figures: the paper's, drawn from our runs, and those that show how far
-//! the runs can be trusted.
+//! The figures: what they are, and those of runs and studies.
 
 mod calibration;
 mod convergence;
-mod grains;
-mod headline;
-mod heights;
-mod interpretations;
+pub(crate) mod grains;
 mod of_run;
 mod pile;
-mod quality;
 mod sensitivity;
-mod settlement;
+pub(crate) mod settlement;
 mod sweep;
 
 use std::path::Path;
 
 use super::{
-    ReportError, Standard,
+    ReportError,
     plot::{Plot, stacked},
     png,
     table::{Table, row},
 };
-use crate::{
-    paper::StudyView,
-    record::{AngleOfRepose, RunKind, create_folder, write_file},
-};
+use crate::record::{create_folder, write_file};
 
-pub(super) use calibration::{capital, of_calibration};
+pub(super) use calibration::of_calibration;
 pub(super) use convergence::of_convergence;
 pub(super) use grains::{of_grains, of_shapes};
-pub(super) use headline::figure as headline;
-pub(super) use interpretations::of_interpretations;
-pub(super) use of_run::of_run;
-pub(super) use pile::by_azimuth;
+pub(crate) use of_run::of_run;
+pub(crate) use pile::by_azimuth;
 pub use pile::side_view;
 pub(super) use sensitivity::of_sensitivity;
 pub(super) use sweep::of_sweep;
@@ -55,7 +45,7 @@ pub struct Figure {
 
 impl Figure {
     /// A figure of plots below each other.
-    pub(super) fn new(
+    pub(crate) fn new(
         stem: &str,
         title: &str,
         caption: impl Into<String>,
@@ -67,7 +57,7 @@ impl Figure {
 
     /// A figure of plots below each other, and the table of their points: the curve, its value on
     /// the horizontal axis, and a column for each plot.
-    pub(super) fn of_curves(
+    pub(crate) fn of_curves(
         stem: &str,
         title: &str,
         caption: impl Into<String>,
@@ -120,26 +110,4 @@ impl Figure {
         }
         Ok(())
     }
-}
-
-/// The figures of a study, in the order of the paper.
-pub(super) fn of_study(study: &StudyView, standard: &Standard) -> Result<Vec<Figure>, ReportError> {
-    let mut figures = vec![
-        grains::sizes(study)?,
-        of_shapes(&study.shapes)?,
-        heights::over_falling_height(study)?,
-        heights::with_confidence(study)?,
-        settlement::continuous(study)?,
-        settlement::intermittent(study)?,
-        quality::creep(study, standard)?,
-        quality::overlap(study, standard)?,
-    ];
-    let piles = study.of_kind(RunKind::Repose);
-    let piles: Vec<(&str, &AngleOfRepose)> = piles
-        .filter_map(|r| Some((r.name.as_str(), r.summary.angle_of_repose.as_ref()?)))
-        .collect();
-    if !piles.is_empty() {
-        figures.push(by_azimuth(&piles)?);
-    }
-    Ok(figures)
 }

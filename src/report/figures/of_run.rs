@@ -12,7 +12,7 @@ use crate::{
 };
 
 /// `heights`, `energy` and, where the run was vibrated, `settlement`.
-pub(in crate::report) fn of_run(run: &RunRecord) -> Result<Vec<Figure>, ReportError> {
+pub(crate) fn of_run(run: &RunRecord) -> Result<Vec<Figure>, ReportError> {
     let mut figures = vec![heights(run)?, energy(run)?];
     figures.extend(settlement::of_run(run)?);
     Ok(figures)

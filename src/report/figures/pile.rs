@@ -205,9 +205,7 @@ impl<'a> Picture<'a> {
 
 /// The slope of each sector of piles, by name; one pile shows its mean and its
 /// confidence interval, too.
-pub(in crate::report) fn by_azimuth(
-    piles: &[(&str, &AngleOfRepose)],
-) -> Result<Figure, ReportError> {
+pub(crate) fn by_azimuth(piles: &[(&str, &AngleOfRepose)]) -> Result<Figure, ReportError> {
     let x = Axis::with_ticks(
         "Azimuth about the axis (°)",
         &[0.0, 60.0, 120.0, 180.0, 240.0, 300.0, 360.0],

@@ -3,7 +3,6 @@
 use super::Figure;
 use crate::{
     measure::Estimate,
-    paper::text::compact,
     report::{
         Effect, ParameterRow, ReportError, Sensitivity,
         axis::Axis,
@@ -12,6 +11,7 @@ use crate::{
         sensitivity::{OUTCOMES, ranked},
         style,
         table::{Table, row},
+        text::compact,
     },
 };
 

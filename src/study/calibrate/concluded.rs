@@ -6,10 +6,11 @@ use super::{
     line::in_result,
     search::Answer,
 };
-use crate::paper::{Interval, constants::FRICTION_COEFFICIENT};
+use crate::measure::Interval;
 use crate::record::left_out_in_words;
 use crate::report::{
-    CalibrationSolution, FrictionIdentity, target_in_words, unknown_in_words, with_unit,
+    CalibrationSolution, FrictionIdentity, PUBLISHED_FRICTION, target_in_words, text,
+    unknown_in_words, with_unit,
 };
 
 pub(super) fn conclude(
@@ -67,7 +68,7 @@ pub(super) fn conclude(
 fn with_half_width(mean: f64, half: Option<f64>, unit: &str) -> String {
     let decimals =
         half.filter(|h| *h > 0.0).map_or(2, |h| (1.0 - h.log10().floor()).clamp(0.0, 6.0) as usize);
-    let number = |v: f64| crate::paper::text::number(v, decimals);
+    let number = |v: f64| text::number(v, decimals);
     match half {
         Some(half) => with_unit(&format!("{} ± {}", number(mean), number(half)), unit),
         None => with_unit(&compact(mean), unit),
@@ -273,7 +274,7 @@ fn identity(
         inside_interval: solution
             .and_then(|s| s.interval_95)
             .map(|i| i.low <= friction && friction <= i.high),
-        paper_friction: FRICTION_COEFFICIENT,
+        paper_friction: PUBLISHED_FRICTION,
     })
 }
 

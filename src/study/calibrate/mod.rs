@@ -14,8 +14,9 @@ pub use question::{CalibrationRange, CalibrationTarget, GRAIN_FRICTION};
 use super::*;
 use super::{realisations::REALISATIONS, variations::carry_out_in};
 use crate::measure::{InversePrediction, inference::t_quantile};
-use crate::paper::text::compact;
-use crate::report::{Calibration, CalibrationEnding as Ending, CalibrationRun, CalibrationValue};
+use crate::report::{
+    Calibration, CalibrationEnding as Ending, CalibrationRun, CalibrationValue, text::compact,
+};
 use question::{ANGLE_OF_REPOSE, Reading};
 use search::{Question, search};
 

@@ -1,17 +1,14 @@
 //! What falls short, said from the data.
 
-use super::{
-    ReportInput, Standard,
-    table::{counted, from_to},
-};
+use super::ReportInput;
 use crate::{
-    paper::{
-        StudyView, Verdict,
-        constants::FALLING_HEIGHTS_MM,
-        text::{compact, number},
-        uncertainty::settlements,
-    },
+    paper::{StudyView, Verdict, constants::FALLING_HEIGHTS_MM, uncertainty::settlements},
     record::{RunKind, RunRecord, left_out_in_words},
+    report::{
+        Standard,
+        table::{counted, from_to},
+        text::{compact, number},
+    },
 };
 
 /// One sentence or two a shortfall; never empty, for the paper's figures are

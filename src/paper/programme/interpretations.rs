@@ -1,8 +1,11 @@
 //! Interpretations of the paper: what its authors may have meant or typed, each as
 //! changes to the programme, built into the program.
 
-use super::presets::FILES;
-use super::*;
+use serde::Deserialize;
+use serde_json::{Map, Value};
+
+use crate::scenario::{Override, StageSpec};
+use crate::study::{StudyError, preset};
 
 /// An interpretation of the paper: its name, and its file under `scenarios/interpretations/`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -28,12 +31,30 @@ pub struct Interpretation {
     vibration: Map<String, Value>,
 }
 
-/// Name and text of each file, in the order in which they are shown.
-fn files() -> impl Iterator<Item = (&'static str, &'static str)> {
-    FILES.into_iter().filter_map(|(path, text)| {
-        Some((path.strip_prefix("interpretations/")?.strip_suffix(".json")?, text))
-    })
+macro_rules! files {
+    ($($name:literal),* $(,)?) => {
+        [$(($name, include_str!(concat!("../../../scenarios/interpretations/", $name, ".json")))),*]
+    };
 }
+
+/// Name and text of each file, in the order in which they are shown.
+const FILES: [(&str, &str); 15] = files![
+    "converged",
+    "half_stroke",
+    "full_stroke",
+    "per_body",
+    "bullet_stock",
+    "blender_2014_m",
+    "blender_2014_dm",
+    "blender_2014_cm",
+    "blender_2014_mm",
+    "blender_2014_cm_awake",
+    "blender_2014_m_frames",
+    "blender_2014_dm_frames",
+    "blender_2014_cm_frames",
+    "blender_2014_mm_frames",
+    "blender_2014_cm_awake_frames",
+];
 
 impl Interpretation {
     fn parse(name: &'static str, text: &str) -> Result<Self, StudyError> {
@@ -47,7 +68,7 @@ impl Interpretation {
     /// # Errors
     /// When a built-in file has a fault.
     pub fn all() -> Result<Vec<Self>, StudyError> {
-        files().map(|(name, text)| Self::parse(name, text)).collect()
+        FILES.into_iter().map(|(name, text)| Self::parse(name, text)).collect()
     }
 
     /// The interpretation of a name.
@@ -55,7 +76,7 @@ impl Interpretation {
     /// # Errors
     /// [`StudyError::Scenario`] listing the names, for one that is not there.
     pub fn named(name: &str) -> Result<Self, StudyError> {
-        let known = files().find(|(known, _)| *known == name);
+        let known = FILES.into_iter().find(|(known, _)| *known == name);
         let (name, text) = known.ok_or_else(|| {
             let names: Vec<&str> = Self::names().collect();
             StudyError::Scenario(format!(
@@ -68,7 +89,7 @@ impl Interpretation {
 
     /// The names, in order.
     pub fn names() -> impl Iterator<Item = &'static str> {
-        files().map(|(name, _)| name)
+        FILES.into_iter().map(|(name, _)| name)
     }
 
     /// The interpretation's changes of a built-in scenario.
@@ -123,7 +144,7 @@ mod tests {
     #[test]
     fn every_interpretation_makes_valid_scenarios_and_says_what_it_is() {
         let interpretations = Interpretation::all().expect("they can be read");
-        assert_eq!(interpretations.len(), files().count());
+        assert_eq!(interpretations.len(), FILES.len());
         for interpretation in &interpretations {
             for text in [&interpretation.title, &interpretation.meaning, &interpretation.source] {
                 assert!(text.len() > 10, "{}: a text is missing", interpretation.name);

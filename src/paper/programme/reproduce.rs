@@ -1,13 +1,29 @@
 //! The paper's whole programme: every configuration poured from every falling
 //! height, and the specimens poured from 5 cm shaken in both modes.
 
-use super::*;
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use super::{beside, interpretations::Interpretation, pictures::of_programme};
+use crate::grains::{GrainSet, ParticleSizeDistribution};
 use crate::paper::{
-    Claim, Intermittent, Scorecard, StudyView,
+    self, Claim, Column, Intermittent, MeanSettlement, ReportInput, Scorecard, StudyView,
     constants::{FALLING_HEIGHTS_MM, VIBRATED_FALLING_HEIGHT_MM},
 };
-use crate::picture;
-use crate::report::{Figure, MeanSettlement, Picture, ReportInput};
+use crate::record::{RunKind, RunRecord, read_json, write_json};
+use crate::report::{self, Figure, Picture};
+use crate::scale::Scale;
+use crate::scenario::{EngineSettings, GrainsSpec, Override, Scenario, StageSpec};
+use crate::specimen::Specimen;
+use crate::study::{
+    Plan, PlannedRun, RunOptions, StudyError, carry_out, described, folder_of, make_grains, preset,
+    refused, standard, tell_warnings, write_grains,
+};
+use crate::units::{to_cm3, to_g, to_mm};
+use crate::world::EffectiveSettings;
 
 /// What to reproduce, and where.
 pub struct ReproduceOptions {
@@ -240,10 +256,10 @@ fn finish(
         options.run.progress.as_ref(),
     )?;
     // The shaken scenario has every choice of the poured one, and more.
-    let mut choices = report::choices(&scenarios.intermittent);
-    choices.extend(scenarios.repose.iter().flat_map(report::pile_choices));
+    let mut choices = paper::choices(&scenarios.intermittent);
+    choices.extend(scenarios.repose.iter().flat_map(paper::pile_choices));
     let (pictures, warnings) = pictures(options, scenarios);
-    report::write(
+    paper::write_report(
         &options.run.out,
         &ReportInput {
             study,
@@ -285,7 +301,7 @@ fn pile_pictures(
 fn pictures(options: &ReproduceOptions, scenarios: &Scenarios) -> (Vec<Picture>, Vec<String>) {
     let run = format!("vibration-continuous-c1{}", scenarios.suffix);
     options.run.progress.message("making the pictures");
-    match picture::of_programme(&folder_of(&options.run.out, &run)) {
+    match of_programme(&folder_of(&options.run.out, &run)) {
         Ok(pictures) => (pictures, Vec::new()),
         Err(error) => (Vec::new(), vec![format!("There are no pictures of {run}: {error}")]),
     }

@@ -1,10 +1,16 @@
 //! What other engines and settings made of the same programme: kept in the
 //! output folder, so that the report of one shows the others.
 
-use serde::de::DeserializeOwned;
+use std::path::Path;
 
-use super::*;
-use crate::scenario::ContactSolver;
+use serde::{Serialize, de::DeserializeOwned};
+use serde_json::Value;
+
+use crate::paper::Column;
+use crate::protocol::Progress;
+use crate::record::{Beside, hash_json, keep_beside};
+use crate::scenario::{Backend, ContactSolver, EngineSettings, Scenario};
+use crate::study::StudyError;
 
 /// Folder of the columns in the output folder.
 const FOLDER: &str = "beside";
@@ -173,7 +179,7 @@ mod tests {
 
     #[test]
     fn the_hash_is_of_everything_but_the_engine() {
-        let scenario = super::super::preset("quick/pluviation.json", &[]).expect("a scenario");
+        let scenario = crate::study::preset("quick/pluviation.json", &[]).expect("a scenario");
         let mut engine = scenario.clone();
         engine.engine.rate_hz = 960.0;
         let mut seed = scenario.clone();

@@ -4,7 +4,7 @@ use maud::html;
 
 use super::{InterpretationCell, InterpretationColumn, InterpretationRow, table::decimals};
 use crate::{
-    paper::{Verdict, text::number},
+    paper::Verdict,
     record::RunRecord,
     report::{
         Figure, Standard,
@@ -12,6 +12,7 @@ use crate::{
         page::{Block, Page},
         quality::sentence_of_left_out,
         table::{Cell, Table, counted, row},
+        text::number,
     },
 };
 

@@ -1,17 +1,17 @@
 //! Curves of several interpretations of the paper in one frame.
 
-use super::Figure;
 use crate::{
     measure::statistics::mean,
-    paper::{bands, constants, settlement_curve, text::listed},
+    paper::{InterpretationColumn, bands, constants, mean_settlement::mean_curve},
     record::{RunKind, RunRecord},
     report::{
-        InterpretationColumn, ReportError,
-        mean_settlement::mean_curve,
+        Figure, ReportError,
         plot::{Look, Plot},
         quality::never_mixed,
+        settlement::settlement_curve,
         style,
         table::{Table, row},
+        text::listed,
     },
 };
 
@@ -23,7 +23,7 @@ const MIND: &str =
 const DISTINCT: usize = 6;
 
 /// Figure 7 and the settlements, a line an interpretation.
-pub(in crate::report) fn of_interpretations(
+pub(in crate::paper::report) fn of_interpretations(
     columns: &[InterpretationColumn],
 ) -> Result<Vec<Figure>, ReportError> {
     Ok(vec![

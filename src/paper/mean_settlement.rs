@@ -3,20 +3,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::quality::never_mixed;
+use super::{StudyView, constants::VIBRATED_FALLING_HEIGHT_MM};
 use crate::{
-    paper::{StudyView, constants::VIBRATED_FALLING_HEIGHT_MM, settlement_curve},
-    record::{RunKind, RunRecord, SeriesRow, Settlement},
+    record::{RunKind, RunRecord, SeriesRow},
+    report::{quality::never_mixed, settlement::settlement_curve},
 };
-
-/// What settles: its name, and its settlement in a run.
-type Settles = (&'static str, fn(&RunRecord) -> Option<&Settlement>);
-
-/// The plate, and the mean surface of the grains.
-pub(super) const SETTLEMENTS: [Settles; 2] = [
-    ("plate", |r| r.summary.settlement_mm.as_ref()),
-    ("mean surface", |r| r.summary.surface_settlement_mm.as_ref()),
-];
 
 /// A curve: time in s, settlement in mm.
 type Curve = Vec<(f64, f64)>;

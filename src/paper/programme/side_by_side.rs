@@ -1,8 +1,19 @@
 //! The programme under several interpretations of the paper, side by side.
 
-use super::reproduce::{Scenarios, programme, study_view};
-use super::*;
-use crate::report::{InterpretationColumn, InterpretationFailure, write_interpretations};
+use std::{collections::BTreeSet, path::PathBuf, sync::Arc};
+
+use super::{
+    beside,
+    interpretations::Interpretation,
+    reproduce::{Scenarios, programme, study_view},
+};
+use crate::paper::{self, InterpretationColumn, InterpretationFailure, write_interpretations};
+use crate::record::{RunRecord, StageStore, create_folder};
+use crate::scale::Scale;
+use crate::scenario::{Override, warnings};
+use crate::study::{
+    Plan, RunOptions, StudyError, carry_out_each, make_grains, standard, tell_warnings,
+};
 
 /// Folder of the columns in the output folder.
 const FOLDER: &str = "interpretations";

@@ -2,17 +2,18 @@
 
 use maud::html;
 
-use super::{
-    page::Block,
-    table::{Cell, Table, dash, table},
-};
 use crate::{
+    measure::Interval,
     paper::{
-        Interval, Uncertainty,
-        text::number,
+        Uncertainty,
         uncertainty::{LaboratoryScatter, PlacementScatter, Quantity, SettledRun, Trend, p_value},
     },
     record::NO_VALID_RUN,
+    report::{
+        page::Block,
+        table::{Cell, Table, dash, table},
+        text::number,
+    },
 };
 
 /// Interval, tests, numerical creep and the laboratory's scatter.

@@ -1,15 +1,16 @@
 //! Standing height over falling height: every run, and means with their confidence.
 
-use super::Figure;
 use crate::{
-    paper::{Interval, StudyView, text::number, uncertainty},
+    measure::Interval,
+    paper::{StudyView, uncertainty},
     record::{RunKind, RunRecord},
     report::{
-        ReportError,
+        Figure, ReportError,
         plot::{Look, Plot},
         quality::found_in,
         style::{self, Marker},
         table::table,
+        text::number,
     },
 };
 

@@ -1,14 +1,14 @@
 //! Numerical creep and overlap of every run beside the accuracy standard.
 
-use super::Figure;
 use crate::{
-    paper::{Interval, StudyView, text::number},
+    measure::Interval,
+    paper::StudyView,
     record::RunRecord,
     report::{
-        ReportError, Standard,
-        axis::Axis,
+        Axis, Figure, ReportError, Standard,
         plot::{Look, Plot},
         table::table,
+        text::number,
     },
 };
 

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::{
     motion::MotionFacts,
-    paper::text::compact,
+    report::text::compact,
     scenario::{
         Backend, BaseKind, ContactSolver, GrainsSpec, Scenario, StageSpec, StockSettings,
         StrokeKind,
@@ -244,7 +244,7 @@ pub(super) mod tests {
     /// Law: the friction that a pile of 38.40° needs is quoted as it was measured.
     #[test]
     fn the_calibrated_friction_is_that_of_the_calibration() {
-        let text = include_str!("../../docs/results/calibration/calibrate.json");
+        let text = include_str!("../../../docs/results/calibration/calibrate.json");
         let found: Value = serde_json::from_str(text).expect("JSON");
         let number = |at: &str| {
             let number = found.pointer(at).and_then(Value::as_f64);

@@ -1,6 +1,6 @@
-//! Numbers for readers.
+//! Numbers and words for readers.
 
-use crate::plain::without_zeros;
+use crate::{plain::without_zeros, record::GradationSummary};
 
 /// A number with a fixed count of decimals; a dash for what is none.
 pub(crate) fn number(value: f64, decimals: usize) -> String {
@@ -32,6 +32,30 @@ pub(crate) fn compact(value: f64) -> String {
     }
     let decimals = (if magnitude >= 3.0 { 4.0 } else { 3.0 } - magnitude).clamp(0.0, 8.0) as usize;
     without_zeros(&number(value, decimals)).to_owned()
+}
+
+/// A text with a capital letter at its beginning; names of fields stay as they are.
+pub(crate) fn capital(text: &str) -> String {
+    let field = text.split(' ').next().is_some_and(|word| word.contains(['.', '_']));
+    let mut letters = text.chars();
+    match letters.next() {
+        Some(first) if !field => first.to_uppercase().chain(letters).collect(),
+        _ => text.to_owned(),
+    }
+}
+
+/// Class, sizes and coefficients of a grain size distribution in a line.
+pub(crate) fn gradation_in_words(of: &GradationSummary) -> String {
+    format!(
+        "{}, D10 {} mm, D30 {} mm, D50 {} mm, D60 {} mm, Cu {}, Cc {}",
+        of.uscs,
+        number(of.d10_mm, 2),
+        number(of.d30_mm, 2),
+        number(of.d50_mm, 2),
+        number(of.d60_mm, 2),
+        number(of.coefficient_of_uniformity, 2),
+        number(of.coefficient_of_curvature, 2),
+    )
 }
 
 #[cfg(test)]

@@ -9,10 +9,11 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::{ReportError, Standard, figures};
+use super::figures;
 use crate::{
     paper::Claim,
     record::{RunKind, RunRecord, write_json},
+    report::{ReportError, Standard},
 };
 
 pub use table::{InterpretationCell, InterpretationRow};

@@ -4,13 +4,14 @@ use serde::Serialize;
 
 use super::InterpretationColumn;
 use crate::{
-    measure::statistics::mean,
-    paper::{
-        Claim, Interval, ResultCounts, Verdict, constants,
+    measure::{Interval, statistics::mean},
+    paper::{Claim, ResultCounts, Verdict, constants, report::sections::paper_value},
+    record::{NO_VALID_RUN, RunKind, RunRecord, Settlement},
+    report::{
+        quality::never_mixed,
+        settlement::SETTLEMENTS,
         text::{compact, number},
     },
-    record::{NO_VALID_RUN, RunKind, RunRecord, Settlement},
-    report::{mean_settlement::SETTLEMENTS, quality::never_mixed, sections::paper_value},
 };
 
 /// A row of the table.

@@ -2,18 +2,14 @@
 //! stock Bullet, with the laboratory's range where it was read; beside it how the surface of the
 //! same specimens sinks in the rest test, unshaken and without a plate.
 
-use super::Figure;
 use crate::{
-    paper::{
-        StudyView, bands,
-        constants::CONTINUOUS_S,
-        text::{compact, number},
-    },
+    paper::{Column, MeanSettlement, StudyView, bands, constants::CONTINUOUS_S},
     report::{
-        Column, MeanSettlement, ReportError,
+        Figure, ReportError,
         plot::{Envelope, Look, Plot},
         style::{self, Dash},
         table::{Table, counted, row},
+        text::{compact, number},
     },
 };
 
@@ -21,7 +17,7 @@ use crate::{
 const STROKE_S: f64 = 0.35;
 
 /// The figure of a study, beside what other engines made of the same programme.
-pub(in crate::report) fn figure(
+pub(in crate::paper::report) fn figure(
     study: &StudyView,
     beside: &[Column],
 ) -> Result<Figure, ReportError> {

@@ -1,8 +1,7 @@
 //! The table of made-up interpretations.
 
 use super::*;
-use crate::paper::{canned, claims};
-use crate::report::tests::STANDARD;
+use crate::paper::{canned, claims, report::tests::STANDARD};
 
 /// An interpretation of canned runs, changed.
 pub(super) fn column(name: &str, change: impl Fn(&mut Vec<RunRecord>)) -> InterpretationColumn {

@@ -2,18 +2,17 @@
 
 use maud::{Markup, html};
 
-use super::{
-    Choice, Column, ReportInput,
-    html::{glue, name},
-    page::Block,
-    table::{Cell, Table, dash, from_to, row, table},
-};
+use super::{Choice, Column, ReportInput};
 use crate::{
-    paper::{
-        Claim, ClaimKind, Interval, NotValid, PaperValue, ScoreRow, Scorecard, StudyView, Verdict,
+    measure::Interval,
+    paper::{Claim, ClaimKind, NotValid, PaperValue, ScoreRow, Scorecard, StudyView, Verdict},
+    record::{NO_VALID_RUN, RunKind, RunRecord, left_out_in_words},
+    report::{
+        html::{glue, name},
+        page::Block,
+        table::{Cell, Table, dash, from_to, row, table},
         text::{compact, number},
     },
-    record::{NO_VALID_RUN, RunKind, RunRecord, left_out_in_words},
 };
 
 fn verdict(verdict: Verdict) -> (&'static str, &'static str) {

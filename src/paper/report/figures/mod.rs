@@ -1,0 +1,42 @@
+//! The paper's figures, drawn from our runs, and those that show how far the runs can be trusted.
+
+mod headline;
+mod heights;
+mod interpretations;
+mod quality;
+mod settlement;
+mod sizes;
+
+use crate::{
+    paper::StudyView,
+    record::{AngleOfRepose, RunKind},
+    report::{
+        Figure, ReportError, Standard,
+        figures::{by_azimuth, grains::of_shapes},
+    },
+};
+
+pub(super) use headline::figure as headline;
+pub(super) use interpretations::of_interpretations;
+
+/// The figures of a study, in the order of the paper.
+pub(super) fn of_study(study: &StudyView, standard: &Standard) -> Result<Vec<Figure>, ReportError> {
+    let mut figures = vec![
+        sizes::figure(study)?,
+        of_shapes(&study.shapes)?,
+        heights::over_falling_height(study)?,
+        heights::with_confidence(study)?,
+        settlement::continuous(study)?,
+        settlement::intermittent(study)?,
+        quality::creep(study, standard)?,
+        quality::overlap(study, standard)?,
+    ];
+    let piles = study.of_kind(RunKind::Repose);
+    let piles: Vec<(&str, &AngleOfRepose)> = piles
+        .filter_map(|r| Some((r.name.as_str(), r.summary.angle_of_repose.as_ref()?)))
+        .collect();
+    if !piles.is_empty() {
+        figures.push(by_azimuth(&piles)?);
+    }
+    Ok(figures)
+}

@@ -1,0 +1,44 @@
+//! `report.html`: one page that needs nothing else.
+
+use super::{ReportInput, sections, shortfalls, uncertainty};
+use crate::report::{
+    Figure,
+    html::picture_block,
+    page::{Block, Page},
+};
+
+/// The page: the paragraph, the scorecard and one figure; then everything else.
+pub(super) fn page(input: &ReportInput, headline: Figure, figures: Vec<Figure>) -> Page {
+    let title = if input.study.quick {
+        "Gravel poured and vibrated: quick study"
+    } else {
+        "Gravel poured and vibrated: the paper's programme simulated"
+    };
+    let source = "Compared with Izadi & Bezuijen (2014), “Simulation of granular soil behaviour using \
+                  the Bullet physics library”. Its figures were not available to us (only its text \
+                  was).";
+    let mut scorecard = sections::scorecard(input.scorecard);
+    scorecard.push(Block::Figure(headline));
+    let pictures = input.pictures.iter().map(|picture| Block::Html(picture_block(picture)));
+    let head = [Block::Soft(source.to_owned()), Block::Lead(input.scorecard.paragraph.clone())];
+    let said = "What the paper states, and what was found";
+    Page::new(title, head)
+        .section("scorecard", "Scorecard", scorecard)
+        .figures("figures", "Figures", figures)
+        .section("pictures", "Pictures", pictures)
+        .section("claims", said, sections::claims(input.claims, input.beside))
+        .section(
+            "uncertainty",
+            "How sure the numbers are",
+            uncertainty::section(&crate::paper::uncertainty(&input.study)),
+        )
+        .section("runs", "Runs", sections::runs(&input.study))
+        .section("shortfalls", "What falls short", [Block::List(shortfalls::list(input))])
+        .section(
+            "choices",
+            "Parameters the paper does not give",
+            [sections::choices(input.choices)],
+        )
+        .section("provenance", "Provenance", sections::provenance(input))
+        .with_contents()
+}

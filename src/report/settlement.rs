@@ -1,0 +1,30 @@
+//! Settlement of a run, over time and at its end.
+
+use crate::record::{RunRecord, SeriesRow, Settlement};
+
+/// What settles: its name, and its settlement in a run.
+type Settles = (&'static str, fn(&RunRecord) -> Option<&Settlement>);
+
+/// The plate, and the mean surface of the grains.
+pub(crate) const SETTLEMENTS: [Settles; 2] = [
+    ("plate", |r| r.summary.settlement_mm.as_ref()),
+    ("mean surface", |r| r.summary.surface_settlement_mm.as_ref()),
+];
+
+/// Settlement of the plate (or of the surface) over the time since vibration
+/// began: (s, mm), of the rows that have it, through all later stages.
+pub(crate) fn settlement_curve(
+    run: &RunRecord,
+    settlement_mm: impl Fn(&SeriesRow) -> Option<f64>,
+) -> Vec<(f64, f64)> {
+    let vibrating = |r: &&SeriesRow| r.settlement_mm.is_some() || r.surface_settlement_mm.is_some();
+    let Some(start) = run.series.iter().find(vibrating).map(|r| r.time_s) else {
+        return Vec::new();
+    };
+    run.series
+        .iter()
+        .filter(vibrating)
+        .filter_map(|r| Some((r.time_s - start, settlement_mm(r)?)))
+        .filter(|(t, s)| t.is_finite() && s.is_finite())
+        .collect()
+}
