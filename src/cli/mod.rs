@@ -22,6 +22,7 @@ mod jobs;
 mod last_line;
 mod lines;
 mod man;
+mod messages;
 mod output_folder;
 mod overall;
 mod paint;
@@ -70,8 +71,8 @@ use crate::scenario::{Backend, Override, Scenario};
 use crate::study::{RunOptions, StudyError, SweepTasks, available_cores};
 use crate::world::{self, BackendInfo};
 use {
-    changes::*, context::*, designed::*, field_page::*, jobs::*, overall::*, picture::*,
-    progress::*,
+    changes::*, context::*, designed::*, field_page::*, jobs::*, messages::*, overall::*,
+    picture::*, progress::*,
 };
 
 const EXIT_CODES: &str = "\
@@ -175,7 +176,7 @@ pub fn main() -> ExitCode {
         Ok(status) => status.into(),
         Err(error) => {
             let what = error.to_string();
-            context::say(&format!("{}: {}", paint::bad("error"), plain_lines(&what)));
+            say(&format!("{}: {}", paint::bad("error"), plain_lines(&what)));
             error.exit_code().into()
         }
     }
