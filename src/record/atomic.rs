@@ -1,83 +1,10 @@
 //! Writing files so that a reader never sees half of one.
 
-use std::fmt::Display;
 use std::io::Write;
 
 use serde::de::DeserializeOwned;
 
 use super::*;
-use crate::input::{self, Refusal};
-use crate::plain::{plain, plain_path};
-
-/// A file or folder that could not be read or written.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot {action} {}: {}", plain_path(path), plain(reason))]
-pub struct FileError {
-    /// `read`, `write`, `create`, ...
-    pub action: &'static str,
-    /// The file or folder.
-    pub path: PathBuf,
-    /// What the system or the parser said.
-    pub reason: String,
-    /// Whether the file is refused because of what it is or holds; else the system does not let it
-    /// be read or written.
-    pub refused: bool,
-}
-
-impl FileError {
-    /// An error of the operating system about a path.
-    pub fn new(action: &'static str, path: &Path, reason: impl ToString) -> Self {
-        Self { action, path: path.to_owned(), reason: reason.to_string(), refused: false }
-    }
-
-    /// A file that holds what cannot be used.
-    pub fn unfit(path: &Path, reason: impl ToString) -> Self {
-        Self { refused: true, ..Self::new("use", path, reason) }
-    }
-
-    /// A file that was not read.
-    pub fn unread(path: &Path, error: &io::Error) -> Self {
-        let refused = Refusal::within(error).is_some();
-        Self { refused, ..Self::new("read", path, error) }
-    }
-
-    /// A file whose content is not what is read there, as its parser says.
-    pub fn malformed(path: &Path, why: impl Display) -> Self {
-        let reason = format!("{why}; only a file as Pluvia writes it is read");
-        Self { refused: true, ..Self::new("read", path, reason) }
-    }
-
-    /// A file that has another content than it was given.
-    pub(super) fn changed(path: &Path) -> Self {
-        Self::unfit(path, "its content is not what was written, and nothing else is used")
-    }
-}
-
-/// Creates a folder and those above it, and has their names brought to the disk.
-///
-/// # Errors
-/// [`FileError`] naming the folder.
-pub fn create_folder(path: &Path) -> Result<(), FileError> {
-    let refused = |e: io::Error| FileError::new("create the folder", path, e);
-    let missing = path.ancestors().take_while(|p| !p.as_os_str().is_empty() && !p.exists());
-    let mut missing: Vec<&Path> = missing.collect();
-    // The name of a new folder is in the one above it, which goes to the disk before anything is
-    // put into the new one.
-    while let Some(folder) = missing.pop() {
-        match fs::create_dir(folder) {
-            Err(e) if e.kind() == io::ErrorKind::AlreadyExists && folder.is_dir() => {}
-            made => made.map_err(refused)?,
-        }
-        sync_folder(above(folder)).map_err(refused)?;
-    }
-    // Of one that is there already, or something else that is in the way.
-    fs::create_dir_all(path).map_err(refused)
-}
-
-/// The folder that holds a name.
-pub(super) fn above(path: &Path) -> &Path {
-    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
-}
 
 /// Writes a file whole or not at all: into a temporary file beside it, to the
 /// disk, then renamed into place.
@@ -93,23 +20,6 @@ pub fn write_file(path: &Path, content: &[u8]) -> Result<(), FileError> {
     make_readable(temporary.as_file()).map_err(fail)?;
     temporary.persist(path).map_err(|e| fail(e.error))?;
     sync_folder(folder).map_err(fail)
-}
-
-/// Has the names in a folder written to the disk: without that, a file renamed
-/// into it may be gone after the power fails, whole as it is.
-pub(super) fn sync_folder(folder: &Path) -> io::Result<()> {
-    if !cfg!(unix) {
-        return Ok(());
-    }
-    match File::open(folder).and_then(|folder| folder.sync_all()) {
-        // Some file systems have no such call for folders.
-        Err(e) if matches!(e.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => {
-            Ok(())
-        }
-        // One that may be written into but not read cannot be opened.
-        Err(e) if e.kind() == io::ErrorKind::PermissionDenied => Ok(()),
-        done => done,
-    }
 }
 
 /// Exchanges two files or folders at once, so that there is always one of each name; whether the

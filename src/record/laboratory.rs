@@ -106,19 +106,6 @@ pub struct GroupSummary {
     pub at_mm: Option<[f64; 3]>,
 }
 
-/// Whether forces are complete: at rest the pieces carry the weight of the grains.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Balance {
-    /// Weight of the grains that are present, and of a plate on them, in N.
-    pub weight_n: f64,
-    /// Downward force on all pieces together, in N.
-    pub carried_n: f64,
-    /// Horizontal force on all pieces together, in N: 0 at rest.
-    pub sideways_n: f64,
-    /// Carried over weight less 1, in percent; null without grains.
-    pub difference_percent: Option<f64>,
-}
-
 /// Flow through an opening.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OpeningSummary {

@@ -1,5 +1,6 @@
 //! What a run leaves on disk.
 
+mod asked_stage;
 mod at_work;
 mod atomic;
 #[cfg(test)]
@@ -8,7 +9,10 @@ mod checkpoint;
 mod checks;
 mod contacts;
 mod energy;
+mod file_error;
+mod folders;
 mod frames;
+mod grain_table;
 mod hash;
 mod identity;
 mod laboratory;
@@ -17,6 +21,7 @@ mod lock;
 mod profile;
 mod run;
 mod sealed;
+mod series;
 mod sieve;
 mod stage;
 mod store;
@@ -26,30 +31,34 @@ mod tables;
 mod unfinished;
 mod variations;
 
+pub use asked_stage::AskedStage;
 pub use at_work::RunLock;
 pub use atomic::{
-    FileError, create_folder, json_text, read_file, read_json, read_unchanged, write_csv,
-    write_file, write_json,
+    json_text, read_file, read_json, read_unchanged, write_csv, write_file, write_json,
 };
 pub use checkpoint::{Checkpoints, Observed, Reference, Resumed};
 pub use checks::{CheckSummary, Checks, OverlapWatch, StageChecks};
 pub use contacts::*;
 pub use energy::*;
+pub use file_error::FileError;
+pub use folders::create_folder;
 pub use frames::{FRAMES_FILE, Frame, FrameWriter};
+pub use grain_table::grains_csv;
 pub use hash::{hash_bytes, hash_json};
-pub use identity::{AskedStage, StageEnd, StageIdentity};
+pub use identity::{StageEnd, StageIdentity};
 pub use laboratory::*;
 pub use left_out::{MOST_MISSING, NO_VALID_RUN, left_out_in_words};
 pub use lock::AtWork;
 pub use profile::{DistributionRow, ProfileRow, distributions};
 pub use run::{RunKind, RunRecord, run_file};
 pub use sealed::{Beside, keep_beside};
+pub use series::{SeriesRow, series_csv, series_from_csv};
 pub use sieve::*;
 pub use stage::{StageRecord, StoredStage};
 pub use store::StageStore;
 pub use store_check::{StoreReport, StoredItem, StoredState, check_store};
 pub use summary::*;
-pub use tables::{grains_csv, series_csv, series_from_csv, to_csv};
+pub use tables::to_csv;
 pub use unfinished::{begin_file, remove_abandoned, remove_abandoned_beside};
 pub use variations::{RunRow, VariationRow, variations_csv};
 
@@ -68,6 +77,6 @@ use crate::protocol::{Settling, UntilFound};
 use crate::specimen::{Fate, SpecimenState};
 use crate::units::{from_mm, to_mm};
 use {
-    atomic::*, frames::*, hash::*, identity::*, lock::*, stage::*, store::*, tables::*,
+    atomic::*, folders::*, frames::*, hash::*, identity::*, lock::*, stage::*, store::*, tables::*,
     unfinished::*,
 };

@@ -1,49 +1,8 @@
-//! `summary.json` and the rows of `series.csv`.
+//! `summary.json`: the figures of a run.
 
 use super::*;
 use crate::motion::MotionFacts;
 use crate::world::BackendInfo;
-
-/// One row of `series.csv`: the state of the experiment at one moment.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct SeriesRow {
-    /// Simulated time since the beginning of the run's first stage, in s.
-    pub time_s: f64,
-    /// Which stage of the run it belongs to, counted from 0.
-    pub stage: u32,
-    /// Height of the centre of the top plate's lower face above the floor in mm; empty without a plate.
-    pub plate_height_mm: Option<f64>,
-    /// Drop of the plate's centre since the first vibration began (positive
-    /// downwards) in mm, through all later stages; empty before.
-    pub settlement_mm: Option<f64>,
-    /// Drop of the mean surface since then in mm; empty before.
-    pub surface_settlement_mm: Option<f64>,
-    /// Kinetic energy of grains and plate relative to the table, in J.
-    pub kinetic_energy_j: f64,
-    /// Displacement of the table in mm.
-    pub table_x_mm: f64,
-    /// Height of the mean surface above the floor in mm (height map); empty in a laboratory of
-    /// pieces, which has no floor of its own.
-    pub mean_surface_mm: Option<f64>,
-    /// Mean height of the centroids of the grains in the cylinder in mm.
-    pub mean_grain_height_mm: f64,
-    /// Grains with their centroid inside the cylinder.
-    pub grains_in_cylinder: u32,
-    /// Tilt of the plate from the horizontal in degrees; empty without a plate.
-    pub plate_tilt_deg: Option<f64>,
-    /// Largest speed of any grain in m/s.
-    pub largest_speed_m_per_s: f64,
-    /// Height of a pile above its base in mm, to the highest grain that does
-    /// not move just then; empty without a base.
-    #[serde(default)]
-    pub pile_height_mm: Option<f64>,
-    /// Displacement of the table along y in mm; no column where it never has any.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub table_y_mm: Option<f64>,
-    /// The same along z.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub table_z_mm: Option<f64>,
-}
 
 /// `summary.json`: the figures of one run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -75,7 +75,7 @@ pub(super) fn remove_abandoned_in(folder: &Path) {
 
 /// Removes what writers that are gone left beside a file.
 pub fn remove_abandoned_beside(file: &Path) {
-    remove_abandoned_in(super::atomic::above(file));
+    remove_abandoned_in(above(file));
 }
 
 /// Removes what writers that are gone left in the output folder of a command:

@@ -41,11 +41,7 @@ const SAME_ROW: [(&str, &str); 9] = [
 /// Uses that close a cycle among the files of a module, as (user, used): what is taken should
 /// stand in a file below both. None may be added, and one that is gone leaves this list. A new
 /// cycle through a listed use is not seen.
-const CYCLES: [(&str, &str); 14] = [
-    ("record/atomic", "record/unfinished"),
-    ("record/contacts", "record/laboratory"),
-    ("record/identity", "record/stage"),
-    ("record/tables", "record/summary"),
+const CYCLES: [(&str, &str); 10] = [
     ("scenario/accessors", "scenario/automatic"),
     ("scenario/automatic", "scenario/by_load"),
     ("scenario/automatic", "scenario/validate/time_step"),

@@ -318,7 +318,7 @@ fn options_of_pictures_are_explained_with_their_defaults() {
 #[test]
 fn fields_of_results_are_explained() {
     let page = read("docs/files.md");
-    let source = read("src/record/summary.rs");
+    let source = read("src/record/summary.rs") + &read("src/record/series.rs");
     let mut count = 0;
     let mut renamed = None;
     for line in source.lines().map(str::trim) {
