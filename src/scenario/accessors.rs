@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use nalgebra::Unit;
-use serde::de::DeserializeOwned;
 
 use super::*;
 use crate::geometry::Point;
@@ -305,16 +304,6 @@ impl Scenario {
     pub fn longest(&self) -> f64 {
         self.stages.iter().map(StageSpec::longest).sum::<f64>() + self.rest_test_s
     }
-}
-
-/// What a part of a scenario's JSON says; none where it cannot be read, which the schema reports.
-pub(super) fn read<T: DeserializeOwned>(value: &Value) -> Option<T> {
-    T::deserialize(value).ok()
-}
-
-/// A field of an object, `null` where it is missing.
-pub(super) fn field<'a>(value: &'a Value, pointer: &str) -> &'a Value {
-    value.pointer(pointer).unwrap_or(&Value::Null)
 }
 
 #[cfg(test)]

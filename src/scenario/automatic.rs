@@ -7,74 +7,11 @@
 
 use serde_json::Number;
 
-use super::accessors::field;
-use super::validate::least_rate_hz;
 use super::*;
-use crate::scale::{GrainSizes, LARGEST_OF_PILE, OPENING_OF_CYLINDER, RMS_OF_PILE, SieveMass};
-
-/// What of the grains the values follow from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Grading {
-    /// Sizes by sieves.
-    pub sizes: GrainSizes,
-    /// Density of the solids in kg/m³.
-    pub density: f64,
-    /// Volume of the solids in m³.
-    pub solids: f64,
-    /// How many grains there are, or will be made.
-    pub count: f64,
-}
-
-/// The step rate in Hz is a multiple of this, so that a cycle of 1, 2, 3, 4, 6 or 12 Hz takes a
-/// whole number of steps and the table stops in its middle.
-const CYCLES: f64 = 12.0;
-
-/// Weaker gravity, in m/s², counts as this where values are filled in.
-const WEAKEST: f64 = 0.01;
+use crate::scale::OPENING_OF_CYLINDER;
 
 /// Strongest gravity that is allowed, in m/s².
 const STRONGEST: f64 = 100.0;
-
-impl Grading {
-    /// Of grains by a sieve table; `None` where the table has no sizes.
-    pub fn of_table(sieved: &SievedGrains) -> Option<Self> {
-        let solids = from_g(sieved.total_mass_g) / sieved.density_kg_per_m3;
-        let sound = sieved.density_kg_per_m3 > 0.0 && solids > 0.0 && solids.is_finite();
-        let sizes = sizes_of(&sieved.sieve_table).filter(|_| sound)?;
-        let (mass, density) = (sieved.total_mass_g, sieved.density_kg_per_m3);
-        let count = sieved.sieve_table.iter().map(|f| f.grain_count(mass, density)).sum();
-        Some(Self { sizes, density, solids, count })
-    }
-
-    /// Of the `grains` of a scenario's JSON that has a sieve table.
-    pub(super) fn of_json(grains: &Value) -> Option<Self> {
-        Self::of_table(&sieved(grains)?)
-    }
-
-    fn scale(&self, gravity: f64) -> Scale {
-        Scale { sizes: self.sizes, density: self.density, gravity }
-    }
-
-    /// The scale that automatic values follow from, under a gravity in m/s².
-    pub(super) fn scale_for_filling(&self, gravity: f64) -> Scale {
-        self.scale(gravity.max(WEAKEST))
-    }
-}
-
-/// Sizes by a sieve table; `None` where it has none.
-pub(super) fn sizes_of(table: &[SieveFraction]) -> Option<GrainSizes> {
-    let fractions = table.iter().map(|f| SieveMass {
-        passing: from_mm(f.passing_mm),
-        retained: from_mm(f.retained_mm),
-        mass: f.mass_percent,
-    });
-    GrainSizes::of(&fractions.collect::<Vec<_>>())
-}
-
-/// Grains by sieve fractions, also of meshes that are drawn by a sieve table.
-pub(super) fn sieved(grains: &Value) -> Option<SievedGrains> {
-    read(grains).or_else(|| read::<MeshGrains>(grains)?.as_sieved())
-}
 
 /// Fills in what is left out of a scenario's JSON and follows from its grains.
 pub(super) fn fill(value: &mut Value, grading: &Grading) {
@@ -104,61 +41,25 @@ pub(super) fn fill(value: &mut Value, grading: &Grading) {
     }
 }
 
-/// Step rate in Hz: that of the law, or more where something moves by more than a grain in a step.
-pub(super) fn rate(value: &Value, grading: &Grading, scale: &Scale) -> f64 {
-    let rate = EngineSettings::default().rate_hz * Law::Rate.factor(scale);
-    let rate = least_rate_hz(value, Some(grading)).map_or(rate, |least| rate.max(least.ceil()));
-    (rate / CYCLES - 1e-9).ceil() * CYCLES
+/// The value of a field that follows from the motions or loads of a scenario as well as from its
+/// grains; `None` for every other field.
+pub(super) fn by_scenario(
+    path: &str,
+    value: &Value,
+    grading: &Grading,
+    scale: &Scale,
+) -> Option<f64> {
+    let asked = match path {
+        RATE => rate,
+        STIFFNESS => stiffness,
+        DEPENETRATION => depenetration,
+        SUBSTEPS => substep_rate,
+        RMS_SPEED => rms_speed,
+        LARGEST_SPEED => largest_speed,
+        _ => return None,
+    };
+    Some(asked(value, grading, scale))
 }
-
-fn settling_speed(value: &Value, scale: &Scale, default: f64, of_pile: f64) -> f64 {
-    let mut stages = value["stages"].as_array().into_iter().flatten();
-    let is_pile = stages.any(|stage| stage["stage"] == "slow_pluviation");
-    default * Law::Speed.factor(scale) * if is_pile { of_pile } else { 1.0 }
-}
-
-/// Root mean square speed in mm/s with which a specimen counts as settled.
-pub(super) fn rms_speed(value: &Value, _: &Grading, scale: &Scale) -> f64 {
-    settling_speed(value, scale, SettleSpec::default().rms_speed_mm_per_s, RMS_OF_PILE)
-}
-
-/// Largest speed in mm/s with which a specimen counts as settled.
-pub(super) fn largest_speed(value: &Value, _: &Grading, scale: &Scale) -> f64 {
-    settling_speed(value, scale, SettleSpec::default().largest_speed_mm_per_s, LARGEST_OF_PILE)
-}
-
-/// What is allowed of a field, by its unit: from, to.
-pub(super) fn allowed(path: &str) -> (f64, f64) {
-    let ends = |unit: &str| path.ends_with(unit);
-    match () {
-        () if ends("length_scale") => (1.0, 1e4),
-        () if ends("_n_per_m") => (1e-3, 1e9),
-        () if ends("_mm_per_s") => (1e-9, 1e6),
-        () if ends("_m_per_s") => (1e-12, 100.0),
-        () if ends("_per_s") => (1e-6, 1e4),
-        () if ends("engine_unit_mm") => (0.01, 1e5),
-        () if ends("_mm") => (1e-3, 1e4),
-        () if ends("rapier.contact_frequency_hz") => (1e-3, 1e6),
-        () if ends("_hz") => (30.0, 1e5),
-        () if ends("_g") => (1e-3, 1e9),
-        () if ends("hold_s") => (0.0, 60.0),
-        () if ends("time_limit_s") || ends("settle_limit_s") => (0.0, 600.0),
-        () => (f64::NEG_INFINITY, f64::INFINITY),
-    }
-}
-
-/// The nearest value to one that is allowed of a field.
-pub(super) fn within(path: &str, value: f64) -> f64 {
-    let (low, high) = allowed(path);
-    value.clamp(low, high)
-}
-
-// Paths of fields that follow from the motions and loads of a scenario, too.
-pub(super) const RATE: &str = "engine.rate_hz";
-pub(super) const STIFFNESS: &str = "engine.native.contact_stiffness_n_per_m";
-pub(super) const DEPENETRATION: &str = "engine.native.max_depenetration_velocity_m_per_s";
-pub(super) const RMS_SPEED: &str = "settle.rms_speed_mm_per_s";
-pub(super) const LARGEST_SPEED: &str = "settle.largest_speed_mm_per_s";
 
 /// Sizes of the apparatus that are automatic where they are left out.
 const OF_APPARATUS: [&str; 9] = [
@@ -264,32 +165,13 @@ fn put(value: &mut Value, path: &str, default: f64, factor: f64) {
     }
 }
 
-pub(super) fn number_at(value: &Value, path: &str) -> Option<f64> {
-    field(value, &format!("/{}", path.replace('.', "/"))).as_f64()
-}
-
-/// A number to so many significant digits.
-pub(super) fn rounded(value: f64, digits: usize) -> f64 {
-    if !(value > 0.0 && value.is_finite()) {
-        return value;
-    }
-    // Through its decimal notation, whose last bit is right.
-    format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
-}
-
-/// Grains three times as large as the paper's.
-#[cfg(test)]
-pub(super) fn larger() -> Grading {
-    let sizes = GrainSizes::PAPER.times(3.0);
-    Grading { sizes, density: 2000.0, solids: 0.035, count: 2000.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use serde_json::json;
 
-    use super::super::schema;
+    use super::super::{grading::larger, schema};
     use super::*;
+    use crate::scale::GrainSizes;
 
     fn stages() -> Value {
         json!([{ "stage": "slow_pluviation", "base_diameter_mm": 500 }])
@@ -351,7 +233,7 @@ mod tests {
             }
             fill(&mut value, &larger());
             let got = number_at(&value["stages"][0], field).unwrap_or(f64::NAN);
-            let expected = default * law.factor(&larger().scale(super::super::default_gravity()));
+            let expected = default * law.factor(&larger().scale_for_filling(9.81));
             let differs = (got / expected - 1.0).abs();
             assert!(differs < 1e-12, "law: {field} of {stage}: expected {expected}, got {got}");
             let variants = schema["$defs"]["StageSpec"]["oneOf"].as_array().expect("stages");

@@ -13,12 +13,12 @@ pub struct BeginSpec {
     /// Folder of a run, as `pluvia run` leaves it, or the `specimen.json` in it, or that of one of
     /// its stored stages; relative to the scenario file that names it, once loaded to the working
     /// directory.
-    pub specimen: String, schema(length(min = 1));
+    pub specimen: String, schemars(length(min = 1));
     /// The stage at whose end the specimen is taken: its number from 0 as a text (`"0"`), its name,
     /// or `rest_test`; left out, the last one of the scenario.
-    pub stage: Option<String>, skip "Option::is_none", schema(length(min = 1));
+    pub stage: Option<String>, skip "Option::is_none", schemars(length(min = 1));
     /// Stages that the specimen has been through, in order. Filled in when the scenario is loaded.
-    pub after: Vec<String>, skip "Vec::is_empty", schema(length(max = 200));
+    pub after: Vec<String>, skip "Vec::is_empty", schemars(length(max = 200));
     /// Key of the last of them in the run's store. Filled in when the scenario is loaded; where it
     /// is given, no other stage is taken.
     pub key: Option<String>, skip "Option::is_none";
@@ -26,7 +26,7 @@ pub struct BeginSpec {
     pub specimen_sha256: Option<String>, skip "Option::is_none";
     /// Paths of contact settings that are as in the run, or, where they were automatic there,
     /// larger if the scenario's own loads ask for that. Filled in when the scenario is loaded.
-    pub taken_over: Vec<String>, skip "Vec::is_empty", schema(length(max = 10));
+    pub taken_over: Vec<String>, skip "Vec::is_empty", schemars(length(max = 10));
 }
 }
 

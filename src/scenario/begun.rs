@@ -1,7 +1,6 @@
 //! What a scenario that begins with a specimen may not say otherwise than the run that made it,
 //! and which automatic values it takes over.
 
-use super::automatic::{self, Grading, number_at};
 use super::*;
 
 /// The faults of what contradicts the specimen: its grains are what they are, and its pieces stand
@@ -175,13 +174,13 @@ mod tests {
                 "stages": [stage]
             })
         };
-        let own = automatic_value(&of(1.0, &rest), automatic::STIFFNESS, &grading);
+        let own = automatic_value(&of(1.0, &rest), STIFFNESS, &grading);
         let stiffness = |there: f64, stage: &Value| {
             let run = of(there, &rest);
             let mut value = of(there, stage);
-            value["begin"] = json!({ "specimen": "run", "taken_over": [automatic::STIFFNESS] });
+            value["begin"] = json!({ "specimen": "run", "taken_over": [STIFFNESS] });
             stiffen(&mut value, run.as_object().expect("an object"), &grading);
-            number_at(&value, automatic::STIFFNESS).expect("a stiffness")
+            number_at(&value, STIFFNESS).expect("a stiffness")
         };
         assert_eq!(stiffness(own, &rest), own, "law: a rest asks for no more");
         let load = json!({ "piece": "lid", "stress_kpa": 100 });

@@ -1,34 +1,11 @@
 //! Settings of the contact solver that follow from the largest stress of a scenario, as well as from
 //! its grains.
 
-use super::automatic::{Grading, largest_speed, rms_speed, rounded};
 use super::*;
 use crate::scale::{FASTER_UNDER_LOAD, STRESS_OF_DEFAULT, SUBSTEP_OF_INERTIAL_TIME};
 
-pub(super) const SUBSTEPS: &str = "engine.native.substep_rate_hz";
-
 /// Fields that follow from the largest stress as well as from the grains.
 pub(super) const BY_LOAD: [&str; 3] = [STIFFNESS, DEPENETRATION, SUBSTEPS];
-
-/// The value of a field that follows from the motions or loads of a scenario as well as from its
-/// grains; `None` for every other field.
-pub(super) fn by_scenario(
-    path: &str,
-    value: &Value,
-    grading: &Grading,
-    scale: &Scale,
-) -> Option<f64> {
-    let asked = match path {
-        RATE => rate,
-        STIFFNESS => stiffness,
-        DEPENETRATION => depenetration,
-        SUBSTEPS => substep_rate,
-        RMS_SPEED => rms_speed,
-        LARGEST_SPEED => largest_speed,
-        _ => return None,
-    };
-    Some(asked(value, grading, scale))
-}
 
 /// Stiffness of a contact point in N/m, to two digits: that of the law, and so much more as
 /// the largest stress exceeds what the default is for.
@@ -63,7 +40,7 @@ fn heavier(value: &Value, grading: &Grading, scale: &Scale) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::automatic::larger;
+    use super::super::grading::larger;
     use super::*;
 
     #[test]

@@ -38,7 +38,7 @@ pub struct EngineSettings {
     /// follow: gaps, clearances and margins (`docs/scale.md`). Left out, it is that of
     /// the grains. Smaller: contacts are found later and more boxes are renewed; larger:
     /// gaps that a grain notices.
-    pub grain_size_mm: f64 = 8.0, schema(extend("exclusiveMinimum" = 0.0), range(max = 10000.0));
+    pub grain_size_mm: f64 = 8.0, schemars(extend("exclusiveMinimum" = 0.0), range(max = 10000.0));
     /// Steps per second of simulated time. Lower: grains sink into each
     /// other; higher: slower.
     pub rate_hz: f64 = 480.0, from 30.0 to 100000.0;
@@ -51,7 +51,7 @@ pub struct EngineSettings {
     /// the contact plane, 1 (Bullet's default) only along the sliding direction.
     pub friction_directions: u32 = 2, from 1 to 2;
     /// Distance up to which a contact is kept, in mm.
-    pub contact_threshold_mm: f64 = 1.0, schema(extend("exclusiveMinimum" = 0.0));
+    pub contact_threshold_mm: f64 = 1.0, schemars(extend("exclusiveMinimum" = 0.0));
     /// Share of the overlap removed per step (Bullet's `m_erp2`).
     pub erp: f64 = 0.2, from 0.0 to 1.0;
     /// Share of the last step's normal impulses with which the solver starts.

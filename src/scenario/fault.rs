@@ -72,6 +72,15 @@ impl fmt::Display for Fault {
     }
 }
 
+/// A value that its type does not take, though it fits the schema.
+pub(super) fn unusable(
+    error: &serde_path_to_error::Error<serde_json::Error>,
+    allowed: impl Into<String>,
+) -> Fault {
+    let message = format!("the value cannot be used: {}", error.inner());
+    Fault::new(message, "", allowed).at(error.path().to_string())
+}
+
 /// Notes the faults of a part of a scenario, each below the place of that part; the file is not
 /// known there.
 pub(super) struct Faults<'a> {

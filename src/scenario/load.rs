@@ -202,15 +202,6 @@ fn check_value(
     Err(faults)
 }
 
-/// A value that its type does not take, though it fits the schema.
-pub(super) fn unusable(
-    error: &serde_path_to_error::Error<serde_json::Error>,
-    allowed: impl Into<String>,
-) -> Fault {
-    let message = format!("the value cannot be used: {}", error.inner());
-    Fault::new(message, "", allowed).at(error.path().to_string())
-}
-
 /// What automatic values follow from, where it is known.
 fn grading_of(document: &Document, of_others: GradingOf) -> Option<Grading> {
     let grains = document.value.get("grains")?;

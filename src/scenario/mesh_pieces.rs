@@ -8,7 +8,7 @@ parts! {
 pub struct MeshPieceSpec {
     /// Path of an OBJ, STL or PLY file, relative to the scenario file that names it. Each closed
     /// surface in it is a part, and has to be convex. Once loaded, the parts stand in `parts`.
-    pub file: Option<String>, skip "Option::is_none", schema(length(min = 1));
+    pub file: Option<String>, skip "Option::is_none", schemars(length(min = 1));
     /// Millimetres per unit of length of the file, as 1000 for metres; left out, 1.
     pub scale_to_mm: Option<f64>, skip "Option::is_none", above 0.0 to 1e6;
     /// The parts, in place of a file.

@@ -23,7 +23,7 @@ macro_rules! defaults {
 /// - `above a to b`: a number greater than a and at most b;
 /// - `from a to b`: a number of at least a and at most b;
 /// - `length a to b`: of a text or a list;
-/// - `schema(...)`: other limits, as schemars has them.
+/// - `schemars(...)`: other limits, as schemars has them.
 macro_rules! parts {
     ($(
         $(#[$of:meta])*
@@ -37,7 +37,7 @@ macro_rules! parts {
                 $(, above $over:tt to $top:tt)?
                 $(, from $low:tt to $high:tt)?
                 $(, length $short:tt to $long:tt)?
-                $(, schema($($limits:tt)*))?;
+                $(, schemars($($limits:tt)*))?;
         )*}
     )*) => {$(
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -70,7 +70,7 @@ macro_rules! parts {
                     $(, above $over:tt to $top:tt)?
                     $(, from $low:tt to $high:tt)?
                     $(, length $short:tt to $long:tt)?
-                    $(, schema($($limits:tt)*))?;
+                    $(, schemars($($limits:tt)*))?;
             )*}
         )*}
     ) => {
@@ -109,10 +109,14 @@ mod automatic;
 mod begin;
 mod begun;
 mod by_load;
+mod by_motion;
 mod cells;
 mod engine;
 mod fault;
 mod faulty_grains;
+mod fields;
+mod filled_numbers;
+mod grading;
 mod index_densities;
 mod load;
 mod meant;
@@ -136,11 +140,11 @@ mod until;
 mod unusual;
 mod validate;
 
-pub use automatic::Grading;
 pub use begin::BeginSpec;
 pub use cells::{CellShape, LEAST_ROUNDING, SievedShape};
 pub use engine::{Backend, ContactSolver, EngineSettings};
 pub use fault::{Fault, ScenarioErrors, nearest};
+pub use grading::Grading;
 pub use index_densities::IndexDensitiesSpec;
 pub use load::{GradingOf, Loaded, Readers, check, gathered, load_grains_with, load_with};
 pub use meant::MeantStage;
@@ -170,9 +174,11 @@ use crate::input;
 use crate::motion::{Interpolation, RecordedMotion};
 use crate::scale::{Law, Scale};
 use crate::units::{from_g, from_mm, to_mm};
-use accessors::read;
-use load::unusable;
-use {automatic::*, by_load::*, fault::*, sized::*, source::*, stress::*};
+use fields::{field, field_path, number_at, read};
+use {
+    automatic::*, by_load::*, by_motion::*, fault::*, filled_numbers::*, grading::*, sized::*,
+    source::*, stress::*,
+};
 
 parts! {
 /// One laboratory procedure: grains, apparatus, contact properties, engine
@@ -192,7 +198,7 @@ pub struct Scenario {
     /// Funnel, cylinder, top plate.
     pub apparatus: ApparatusSpec, or default;
     /// Pieces of a user-defined apparatus, in place of funnel, cylinder and top plate.
-    pub pieces: Vec<PieceSpec>, skip "Vec::is_empty", schema(length(max = 100));
+    pub pieces: Vec<PieceSpec>, skip "Vec::is_empty", schemars(length(max = 100));
     /// What is measured of such an apparatus beside the forces on its pieces.
     pub measures: MeasuresSpec, skip "MeasuresSpec::is_empty";
     /// Loosest and densest state of the grains; with them the summary gives relative densities.
@@ -206,7 +212,7 @@ pub struct Scenario {
     /// Gravitational acceleration in m/s², acting along -z.
     pub gravity_m_per_s2: f64, else "default_gravity", above 0.0 to 100.0;
     /// Seed of every random stream (grain shapes, arrangement).
-    pub seed: u64, else "default_seed", schema(extend("maximum" = u64::MAX));
+    pub seed: u64, else "default_seed", schemars(extend("maximum" = u64::MAX));
     /// Which random arrangement of the grains is used, counted from 1: another
     /// number gives another order and other orientations (paper, section 3:
     /// "three different initial configurations ... obtained by additional mixing").
@@ -275,7 +281,7 @@ pub struct SieveFraction {
 pub struct GrainsFile {
     /// Path of a `grains.json`, relative to the scenario file that names it;
     /// once loaded, relative to the working directory.
-    pub file: String, schema(length(min = 1));
+    pub file: String, schemars(length(min = 1));
 }
 
 /// The apparatus. Everything the paper gives is in the defaults; the rest is ours.

@@ -34,7 +34,7 @@ pub struct NativeSettings {
     /// contact, too, to this speed times stiffness and sub-step, plus the damper's part.
     /// Lower: overlaps last, and grains give way under a load; higher: overlaps burst.
     pub max_depenetration_velocity_m_per_s: f64 = 0.3,
-        schema(extend("exclusiveMinimum" = 0.0), range(max = 100.0));
+        schemars(extend("exclusiveMinimum" = 0.0), range(max = 100.0));
     /// Threads that compute one world: they find its contacts, solve them and move its bodies.
     /// Left out, they are the cores that other stages of the same command leave free
     /// (`--jobs`), as far as the grains keep them busy. They change no bit of the result: of what
@@ -52,7 +52,7 @@ pub struct NativeSettings {
     pub portable: bool = false;
     /// Contacts solved at once: 8, in single precision, or 1, in double,
     /// which is slower and there to compare with.
-    pub contacts_at_once: u32 = 8, schema(extend("enum" = [1, 8]));
+    pub contacts_at_once: u32 = 8, schemars(extend("enum" = [1, 8]));
     /// Simulated time in s after which a stage is stored on its way, read back
     /// and carried on in a world built anew, so that an interrupted run goes on
     /// from there. Left out, it is what a core does in about a minute, by the

@@ -80,11 +80,11 @@ pub struct ShapeSpec {
 /// A container of flat walls.
 pub struct BoxSpec {
     /// Inner sizes along x, y and z in mm.
-    pub inner_mm: [f64; 3], schema(inner(range(min = 0.001, max = 10000.0)));
+    pub inner_mm: [f64; 3], schemars(inner(range(min = 0.001, max = 10000.0)));
     /// Thickness of the walls in mm; they lie outside of the inner sizes.
     pub wall_mm: f64, else "wall", from 0.001 to 10000.0;
     /// Sides that are missing.
-    pub open: Vec<BoxSide>, else "open_above", schema(length(max = 6));
+    pub open: Vec<BoxSide>, else "open_above", schemars(length(max = 6));
 }
 
 /// A round container.
@@ -106,7 +106,7 @@ pub struct CylinderPieceSpec {
 /// A solid plate or block.
 pub struct PlateSpec {
     /// Sizes along x, y and z in mm.
-    pub size_mm: [f64; 3], schema(inner(range(min = 0.001, max = 10000.0)));
+    pub size_mm: [f64; 3], schemars(inner(range(min = 0.001, max = 10000.0)));
 }
 
 /// A solid round plate or rod.
@@ -138,7 +138,7 @@ pub struct HopperSpec {
 /// A solid ramp.
 pub struct WedgeSpec {
     /// Length along x, width along y and height in mm at its high end.
-    pub size_mm: [f64; 3], schema(inner(range(min = 0.001, max = 10000.0)));
+    pub size_mm: [f64; 3], schemars(inner(range(min = 0.001, max = 10000.0)));
 }
 
 /// A closed drum.
@@ -152,7 +152,7 @@ pub struct DrumSpec {
     /// Number of flat parts of the round wall.
     pub sides: u32, else "sides", from 8 to 256;
     /// Number of bars along the inside of the wall; each is as thick as it is high.
-    pub lifters: u32, or default, schema(range(max = 64));
+    pub lifters: u32, or default, schemars(range(max = 64));
     /// Height of these bars in mm.
     pub lifter_mm: f64, else "wall", above 0.0 to 1000.0;
 }
@@ -177,14 +177,14 @@ pub struct RotationSpec {
     /// A point of the axis in mm.
     pub about_mm: [f64; 3], or default;
     /// Speed in degrees per second, right-handed about the axis.
-    pub deg_per_s: f64, schema(range(min = -36000.0, max = 36000.0));
+    pub deg_per_s: f64, schemars(range(min = -36000.0, max = 36000.0));
 }
 
 /// A sinusoidal displacement, A sin(2πft).
 #[derive(Copy)]
 pub struct SineSpec {
     /// Amplitude along x, y and z in mm.
-    pub amplitude_mm: [f64; 3], schema(inner(range(min = -1000.0, max = 1000.0)));
+    pub amplitude_mm: [f64; 3], schemars(inner(range(min = -1000.0, max = 1000.0)));
     /// Frequency in Hz.
     pub frequency_hz: f64, above 0.0 to 1000.0;
 }
@@ -230,11 +230,11 @@ pub struct KeepMeanStressSpec {
 #[serde(default)]
 pub struct MeasuresSpec {
     /// Boxes in which void ratio, stress and fabric are measured.
-    pub regions: Vec<RegionSpec>, schema(length(max = 20));
+    pub regions: Vec<RegionSpec>, schemars(length(max = 20));
     /// Openings through which mass flow is measured.
-    pub openings: Vec<OpeningSpec>, schema(length(max = 20));
+    pub openings: Vec<OpeningSpec>, schemars(length(max = 20));
     /// Pieces whose forces are also reported together.
-    pub groups: Vec<GroupSpec>, skip "Vec::is_empty", schema(length(max = 20));
+    pub groups: Vec<GroupSpec>, skip "Vec::is_empty", schemars(length(max = 20));
 }
 
 /// Pieces that are taken together.

@@ -48,7 +48,7 @@ pub struct RapierSettings {
     /// are two and a half times those at 500); higher than about a quarter of
     /// the rate of the sub-steps: the packing jitters and sinks.
     pub contact_frequency_hz: f64 = 500.0,
-        schema(extend("exclusiveMinimum" = 0.0), range(max = 1e6));
+        schemars(extend("exclusiveMinimum" = 0.0), range(max = 1e6));
     /// Damping ratio of that spring; 1 is critical. Lower: overlaps are pushed
     /// apart with speed left over; higher: they take longer to go. Between 1
     /// and 2 nothing measured differs.
@@ -56,7 +56,7 @@ pub struct RapierSettings {
     /// The natural frequency where one of the bodies is fixed for ever, in Hz:
     /// the funnel. (Cylinder and floor are kinematic, also where they rest.)
     pub wall_contact_frequency_hz: f64 = 500.0,
-        schema(extend("exclusiveMinimum" = 0.0), range(max = 1e6));
+        schemars(extend("exclusiveMinimum" = 0.0), range(max = 1e6));
     /// The damping ratio there.
     pub wall_contact_damping_ratio: f64 = 1.0, from 0.0 to 1000.0;
     /// Share of the last step's impulses, of friction too, with which the
@@ -71,11 +71,11 @@ pub struct RapierSettings {
     /// Gap in mm up to which contacts are prepared in advance. Smaller: grains
     /// sink in before they are met; larger: contacts that bear nothing, which
     /// at 1 mm cost half as much again.
-    pub prediction_mm: f64 = 0.3, schema(extend("exclusiveMinimum" = 0.0), range(max = 1000.0));
+    pub prediction_mm: f64 = 0.3, schemars(extend("exclusiveMinimum" = 0.0), range(max = 1000.0));
     /// Largest speed in m/s at which an overlap is pushed apart. Lower:
     /// overlaps made by impacts last; higher: they burst.
     pub corrective_speed_m_per_s: f64 = 3.0,
-        schema(extend("exclusiveMinimum" = 0.0), range(max = 1000.0));
+        schemars(extend("exclusiveMinimum" = 0.0), range(max = 1000.0));
     /// How sliding is resisted. Both models solve the two directions of the
     /// contact plane together and then cut the impulse to its limit
     /// (`ContactConstraintTangentPart::solve`, 0.36), which turns it towards
@@ -99,6 +99,6 @@ pub struct RapierSettings {
     /// Relative movement in mm up to which they are kept. Smaller: more
     /// jitter, and slower; larger: contact normals are stale.
     pub recycling_distance_mm: f64 = 0.2,
-        schema(extend("exclusiveMinimum" = 0.0), range(max = 1000.0));
+        schemars(extend("exclusiveMinimum" = 0.0), range(max = 1000.0));
 }
 }

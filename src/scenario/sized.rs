@@ -118,6 +118,14 @@ by_size! {
         high "contact normals are out of date";
 }
 
+// Paths of fields that follow from the motions and loads of a scenario, too.
+pub(super) const RATE: &str = "engine.rate_hz";
+pub(super) const STIFFNESS: &str = "engine.native.contact_stiffness_n_per_m";
+pub(super) const DEPENETRATION: &str = "engine.native.max_depenetration_velocity_m_per_s";
+pub(super) const RMS_SPEED: &str = "settle.rms_speed_mm_per_s";
+pub(super) const LARGEST_SPEED: &str = "settle.largest_speed_mm_per_s";
+pub(super) const SUBSTEPS: &str = "engine.native.substep_rate_hz";
+
 impl Of {
     /// Whether a scenario's contacts are among them.
     pub fn holds(self, engine: &EngineSettings) -> bool {

@@ -75,11 +75,6 @@ impl Document {
     }
 }
 
-/// Path of a field of the value at a path.
-pub(super) fn field_path(path: &str, field: &str) -> String {
-    if path.is_empty() { field.to_owned() } else { format!("{path}.{field}") }
-}
-
 /// Puts the name of a file into a folder; what is no name stays.
 pub(super) fn place(name: Option<&mut Value>, folder: &Path) {
     if let Some(Value::String(name)) = name {

@@ -49,7 +49,7 @@ pub struct VerticalSpec {
     /// whole number of its cycles.
     pub frequency_hz: Option<f64>, skip "Option::is_none", above 0.0 to 1000.0;
     /// Phase φ in degrees.
-    pub phase_deg: f64, or default, schema(range(min = -360.0, max = 360.0));
+    pub phase_deg: f64, or default, schemars(range(min = -360.0, max = 360.0));
 }
 
 /// A table that is set from pose to pose, each in one engine step, in which it has the speed
@@ -121,7 +121,7 @@ pub enum StageSpec {
         /// Which placement of the plate: 0 lays it on the axis, unturned; every other number
         /// draws a horizontal offset and a rotation about the vertical of its own, from a random
         /// stream of the seed, the configuration and this number.
-        placement: u32, or default, schema(range(max = 1_000_000));
+        placement: u32, or default, schemars(range(max = 1_000_000));
         /// Largest offset in mm that is drawn, uniformly on a disc; left out, 0.8 of the
         /// clearance between plate and cylinder. Not with placement 0.
         offset_mm: Option<f64>, skip "Option::is_none", from 0.0 to 10000.0;
@@ -160,7 +160,7 @@ pub enum StageSpec {
         /// columns `time_s`, `x_mm` and optionally `y_mm` and `z_mm`, of at most 100 000 rows.
         /// Displacement and time are counted from the first row; the last must be where the
         /// first is. Once loaded, its rows stand in `motion_rows`.
-        motion_file: Option<String>, skip "Option::is_none", schema(length(min = 1));
+        motion_file: Option<String>, skip "Option::is_none", schemars(length(min = 1));
         /// Rows of a recorded motion, in place of a file: time in s, x, y and z in mm.
         motion_rows: Option<Vec<[f64; 4]>>, skip "Option::is_none", length 2 to 100_000;
         /// How a recorded displacement goes between two rows; left out, `cubic`.
@@ -209,7 +209,7 @@ pub enum StageSpec {
         sine: Option<SineSpec>, skip "Option::is_none";
         /// Path of a recorded motion, in place of a velocity: a CSV as that of a vibration, whose
         /// last row may be anywhere. Once loaded, its rows stand in `motion_rows`.
-        motion_file: Option<String>, skip "Option::is_none", schema(length(min = 1));
+        motion_file: Option<String>, skip "Option::is_none", schemars(length(min = 1));
         /// Rows of a recorded motion, in place of a file: time in s, x, y and z in mm.
         motion_rows: Option<Vec<[f64; 4]>>, skip "Option::is_none", length 2 to 100_000;
         /// How a recorded displacement goes between two rows; left out, `cubic`.

@@ -2,7 +2,6 @@
 
 use nalgebra::UnitQuaternion;
 
-use super::accessors::read;
 use super::*;
 use crate::units::{from_deg, from_kpa};
 

@@ -60,7 +60,7 @@ impl Judged<'_> {
         let grading = self.grading.as_ref();
         let asked = grading.and_then(|of| by_scenario(field.path, self.value, of, &self.scale));
         let by_law = || field.default_value() * field.law.factor(&self.scale);
-        automatic::within(field.path, asked.unwrap_or_else(by_law))
+        within(field.path, asked.unwrap_or_else(by_law))
     }
 
     /// A value that is off by more than the factor, in either direction.

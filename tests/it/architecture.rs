@@ -41,13 +41,7 @@ const SAME_ROW: [(&str, &str); 9] = [
 /// Uses that close a cycle among the files of a module, as (user, used): what is taken should
 /// stand in a file below both. None may be added, and one that is gone leaves this list. A new
 /// cycle through a listed use is not seen.
-const CYCLES: [(&str, &str); 10] = [
-    ("scenario/accessors", "scenario/automatic"),
-    ("scenario/automatic", "scenario/by_load"),
-    ("scenario/automatic", "scenario/validate/time_step"),
-    ("scenario/fault", "scenario/source"),
-    ("scenario/schema", "scenario/automatic"),
-    ("scenario/schema", "scenario/load"),
+const CYCLES: [(&str, &str); 4] = [
     ("study/begin", "study/believed"),
     ("study/calibrate/line", "study/calibrate/search"),
     ("study/checks", "study/summarise"),

@@ -24,7 +24,7 @@ use std::fmt;
 
 use serde::de::DeserializeOwned;
 
-use super::{accessors::field, *};
+use super::*;
 use crate::geometry::Point;
 use crate::motion::TableMotion;
 use crate::plain::{misleads, without_zeros};

@@ -1,0 +1,25 @@
+//! Fields of a scenario's JSON: their paths, and what stands there.
+
+use serde::de::DeserializeOwned;
+
+use super::*;
+
+/// Path of a field of the value at a path.
+pub(super) fn field_path(path: &str, field: &str) -> String {
+    if path.is_empty() { field.to_owned() } else { format!("{path}.{field}") }
+}
+
+/// What a part of a scenario's JSON says; none where it cannot be read, which the schema reports.
+pub(super) fn read<T: DeserializeOwned>(value: &Value) -> Option<T> {
+    T::deserialize(value).ok()
+}
+
+/// A field of an object, `null` where it is missing.
+pub(super) fn field<'a>(value: &'a Value, pointer: &str) -> &'a Value {
+    value.pointer(pointer).unwrap_or(&Value::Null)
+}
+
+/// The number at a dotted path; none where there is none.
+pub(super) fn number_at(value: &Value, path: &str) -> Option<f64> {
+    field(value, &format!("/{}", path.replace('.', "/"))).as_f64()
+}
