@@ -1,7 +1,7 @@
 //! The specimen of another run that a run begins with: read from that run's store, and checked as
 //! a stored stage is before it is used.
 
-use super::believed::end_of;
+use super::stage_end::end_of;
 use super::*;
 use crate::record::run_file;
 use crate::scenario::BeginSpec;

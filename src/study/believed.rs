@@ -1,27 +1,12 @@
 //! Whether a stored stage, or a checkpoint, can be what it says: compared with
 //! its laboratory, its grains and the stage before it.
 
+use super::stage_end::end_of;
 use super::*;
-use crate::record::StageEnd;
 
 /// Times that differ by a smaller share are the same: engines keep the length of
 /// a step in single precision.
 const ROUNDING: f64 = 1e-6;
-
-/// What a specimen is at the end of a stage, to know it again; gravity of that stage in m/s².
-pub(super) fn end_of(gravity: f64, specimen: &Specimen) -> StageEnd {
-    let present: Vec<usize> = specimen.present().collect();
-    let overlap = overlap_statistics(specimen, &pairs_within(specimen, &present, 0.0));
-    let energy = grain_energy(specimen, gravity, &Vector::zeros());
-    StageEnd {
-        grains: present.len(),
-        kinetic_energy_j: energy.kinetic(),
-        potential_energy_j: energy.potential,
-        overlapping_pairs: overlap.overlapping,
-        overlap_mean_percent: 100.0 * overlap.mean,
-        overlap_max_percent: 100.0 * overlap.max,
-    }
-}
 
 /// Whether a stored stage can be that of a node, which went on from a state; says what is wrong.
 pub(super) fn stage(

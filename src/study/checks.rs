@@ -1,7 +1,6 @@
 //! Checks that need measures: overlap while a stage goes on, creep where it
 //! rests; and what all checks of a run found together.
 
-use super::summarise::creep_um_per_s;
 use super::*;
 use crate::protocol::Watched;
 use crate::record::{CheckSummary, Checks, OverlapWatch};
@@ -110,6 +109,18 @@ pub(super) fn creep(stage: &StageSpec, rows: &[SeriesRow], scale: &Scale) -> Wat
         }
     }
     watched
+}
+
+/// Speed in µm/s at which the mean grain sinks in the second half of the
+/// rest test. In the first, what still moved comes to rest: a specimen poured by
+/// a stated criterion of calm, or one whose table stops from full speed.
+pub(super) fn creep_um_per_s(series: &[SeriesRow]) -> Option<f64> {
+    let (first, last) = (series.first()?, series.last()?);
+    let half = (first.time_s + last.time_s) / 2.0;
+    let from = series.iter().find(|row| row.time_s >= half)?;
+    let duration = last.time_s - from.time_s;
+    let drop = from.mean_grain_height_mm - last.mean_grain_height_mm;
+    (duration > 0.0).then(|| 1e3 * drop / duration)
 }
 
 /// What a reader must know of a stage's checks.
@@ -338,6 +349,19 @@ mod tests {
         let count = (duration / 0.1_f64).round() as u32;
         let times = (0..=count).map(|n| 0.1 * f64::from(n));
         times.map(|t| row(3.0 + t, height(t))).collect()
+    }
+
+    #[test]
+    fn creep_is_that_of_the_second_half() {
+        // 1 mm lost while coming to rest, then 2 µm in a second.
+        let rows = [row(5.0, 80.0), row(5.5, 79.2), row(6.0, 79.0), row(7.0, 78.998)];
+        let got = creep_um_per_s(&rows).expect("a creep");
+        assert!((got - 2.0).abs() < 1e-6, "law: 2 µm/s in the second half, got {got}");
+        assert_eq!(creep_um_per_s(&rows[..1]), None, "law: one row tells nothing");
+        // Creep that never ends shows in full.
+        let for_ever = [row(0.0, 80.0), row(1.0, 79.0), row(2.0, 78.0)];
+        let got = creep_um_per_s(&for_ever).expect("a creep");
+        assert!((got - 1000.0).abs() < 1e-6, "law: 1000 µm/s, got {got}");
     }
 
     #[test]

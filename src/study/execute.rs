@@ -291,7 +291,7 @@ impl<'a> Shop<'a> {
                 // It went on from a checkpoint of before it was recorded.
                 Vec::new()
             },
-            end: Some(believed::end_of(node.setup.gravity, &outcome.specimen)),
+            end: Some(stage_end::end_of(node.setup.gravity, &outcome.specimen)),
             ..StageRecord::default()
         };
         let series = observed.rows;

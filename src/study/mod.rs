@@ -21,6 +21,7 @@ mod recorder;
 mod run;
 mod sensitivity;
 mod slurm;
+mod stage_end;
 mod stage_key;
 mod standing;
 mod summarise;

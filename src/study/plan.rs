@@ -5,7 +5,10 @@
 //! determines it, its parent's name included.
 
 use super::*;
-use super::{begin::Begun, stage_key::identity, summarise::grains_hash};
+use super::{
+    begin::Begun,
+    stage_key::{grains_hash, identity},
+};
 use crate::protocol::segments;
 
 /// A run to run.

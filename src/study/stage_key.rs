@@ -72,6 +72,13 @@ pub(super) fn identity(
     StageIdentity::new(stage.name(), (grains.grains.len(), grains_sha256), after, &key)
 }
 
+/// Name of a set of grains: the hash of every vertex.
+pub(super) fn grains_hash(grains: &GrainSet) -> String {
+    let cells: Vec<_> =
+        grains.grains.iter().map(|g| (&g.shape, &g.pose_in_block, g.mass, g.inertia)).collect();
+    hash_json(&cells)
+}
+
 /// The settings of the engine that act on a stage: what all engines read, and what the one that
 /// carries the grains asks for alone, in the order in which they are declared: who changes it
 /// changes every key. Those of others change no key.

@@ -85,7 +85,7 @@ pub fn summarise(
     let plate = settlement(&series, &periods, |r| r.plate_height_mm)?;
     let surface = settlement(&series, &periods, |r| r.mean_surface_mm)?;
     let rest_test_figures = self::rest_test(&rest_rows);
-    let creep = creep_um_per_s(&rest_rows).filter(|_| !members.is_empty());
+    let creep = checks::creep_um_per_s(&rest_rows).filter(|_| !members.is_empty());
     let all = stages.iter().copied().chain(rest_test);
     let mut warnings: Vec<String> =
         all.clone().flat_map(|s| s.record.warnings.iter().cloned()).collect();
@@ -233,13 +233,6 @@ pub fn summarise(
     })
 }
 
-/// Name of a set of grains: the hash of every vertex.
-pub fn grains_hash(grains: &GrainSet) -> String {
-    let cells: Vec<_> =
-        grains.grains.iter().map(|g| (&g.shape, &g.pose_in_block, g.mass, g.inertia)).collect();
-    hash_json(&cells)
-}
-
 fn series(stages: &[&StoredStage], setup: &Setup) -> Vec<SeriesRow> {
     let numbered = |(number, stage): (usize, &&StoredStage)| {
         let rows = rows(stage, setup).into_iter();
@@ -328,18 +321,6 @@ fn rest_test(series: &[SeriesRow]) -> Option<RestTest> {
     })
 }
 
-/// Speed in µm/s at which the mean grain sinks in the second half of the
-/// rest test. In the first, what still moved comes to rest: a specimen poured by
-/// a stated criterion of calm, or one whose table stops from full speed.
-pub(super) fn creep_um_per_s(series: &[SeriesRow]) -> Option<f64> {
-    let (first, last) = (series.first()?, series.last()?);
-    let half = (first.time_s + last.time_s) / 2.0;
-    let from = series.iter().find(|row| row.time_s >= half)?;
-    let duration = last.time_s - from.time_s;
-    let drop = from.mean_grain_height_mm - last.mean_grain_height_mm;
-    (duration > 0.0).then(|| 1e3 * drop / duration)
-}
-
 /// Whether a specimen was poured into the cylinder, by a stage of the run or before it began: only
 /// a pour puts the cylinder up.
 fn is_poured(state: &SpecimenState) -> bool {
@@ -399,23 +380,6 @@ fn peak_memory_mib() -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn creep_is_that_of_the_second_half() {
-        let at = |time_s: f64, mean_grain_height_mm: f64| SeriesRow {
-            mean_grain_height_mm,
-            ..row(time_s, 0.0)
-        };
-        // 1 mm lost while coming to rest, then 2 µm in a second.
-        let rows = [at(5.0, 80.0), at(5.5, 79.2), at(6.0, 79.0), at(7.0, 78.998)];
-        let got = creep_um_per_s(&rows).expect("a creep");
-        assert!((got - 2.0).abs() < 1e-6, "law: 2 µm/s in the second half, got {got}");
-        assert_eq!(creep_um_per_s(&rows[..1]), None, "law: one row tells nothing");
-        // Creep that never ends shows in full.
-        let for_ever = [at(0.0, 80.0), at(1.0, 79.0), at(2.0, 78.0)];
-        let got = creep_um_per_s(&for_ever).expect("a creep");
-        assert!((got - 1000.0).abs() < 1e-6, "law: 1000 µm/s, got {got}");
-    }
 
     fn row(time_s: f64, plate_height_mm: f64) -> SeriesRow {
         SeriesRow {

@@ -41,11 +41,7 @@ const SAME_ROW: [(&str, &str); 9] = [
 /// Uses that close a cycle among the files of a module, as (user, used): what is taken should
 /// stand in a file below both. None may be added, and one that is gone leaves this list. A new
 /// cycle through a listed use is not seen.
-const CYCLES: [(&str, &str); 4] = [
-    ("study/begin", "study/believed"),
-    ("study/calibrate/line", "study/calibrate/search"),
-    ("study/checks", "study/summarise"),
-    ("study/plan", "study/summarise"),
+const CYCLES: [(&str, &str); 0] = [
 ];
 
 /// The only place for `unsafe`, for cxx and for Bullet's own names.

@@ -8,6 +8,7 @@ mod root;
 mod search;
 #[cfg(test)]
 mod tests;
+mod under_way;
 
 pub use question::{CalibrationRange, CalibrationTarget, GRAIN_FRICTION};
 
@@ -18,7 +19,8 @@ use crate::report::{
     Calibration, CalibrationEnding as Ending, CalibrationRun, CalibrationValue, text::compact,
 };
 use question::{ANGLE_OF_REPOSE, Reading};
-use search::{Question, search};
+use search::search;
+use under_way::Question;
 
 /// What to find, and how.
 pub struct CalibrationOptions {

@@ -7,57 +7,11 @@
 //! are added until the interval is as narrow as asked.
 
 use super::*;
-use super::{kept::Kept, line::in_result};
-
-#[derive(Debug, Clone)]
-pub(super) struct Question {
-    /// The result that is wanted.
-    pub wanted: f64,
-    /// Between which values of the unknown.
-    pub between: (f64, f64),
-    /// Runs at least a value.
-    pub realisations: u32,
-    /// How well the result is to be known: half of the interval, in the
-    /// result's unit. `None` for the scatter of a single run.
-    pub tolerance: Option<f64>,
-    /// Most runs altogether.
-    pub most_runs: usize,
-    /// Whether the unknown takes whole numbers only.
-    pub whole: bool,
-    /// A value to try in any case.
-    pub also: Option<f64>,
-}
-
-impl Question {
-    pub(super) fn width(&self) -> f64 {
-        self.between.1 - self.between.0
-    }
-
-    /// A value with no more digits than the range can use: one part in ten
-    /// thousand of it, or whole; the ends are as given.
-    pub(super) fn rounded(&self, value: f64) -> f64 {
-        let (low, high) = self.between;
-        let power = if self.whole { 0 } else { self.width().log10().floor() as i32 - 4 };
-        let rounded = if power < 0 {
-            let decimals = power.unsigned_abs() as usize;
-            format!("{value:.decimals$}").parse().unwrap_or(value)
-        } else {
-            let step = 10f64.powi(power);
-            (value / step).round() * step
-        };
-        if rounded <= low {
-            low
-        } else if rounded >= high {
-            high
-        } else {
-            rounded
-        }
-    }
-}
-
-/// Runs values in a range of configurations, counted from 0.
-pub(super) type Experiment<'a> =
-    &'a mut dyn FnMut(&[f64], Range<u32>) -> Result<Vec<CalibrationRun>, StudyError>;
+use super::{
+    kept::Kept,
+    line::in_result,
+    under_way::{Experiment, Going, Halt, Search},
+};
 
 #[derive(Debug, Clone)]
 pub(super) struct Answer {
@@ -72,25 +26,6 @@ pub(super) struct Answer {
     pub scatter: Option<f64>,
     pub notes: Vec<String>,
     pub kept: Kept,
-}
-
-/// Why a search goes no further.
-pub(super) enum Halt {
-    RunsUsedUp,
-    Error(StudyError),
-}
-
-pub(super) type Going<T> = Result<T, Halt>;
-
-pub(super) struct Search<'a> {
-    pub(super) question: &'a Question,
-    experiment: Experiment<'a>,
-    pub(super) kept: Kept,
-    /// Values of the line.
-    pub(super) window: Vec<f64>,
-    /// Whether the window was found fit for a line.
-    pub(super) settled: bool,
-    notes: Vec<String>,
 }
 
 /// Most steps of the root search: those that close the range in to the width below.
@@ -137,36 +72,6 @@ impl Search<'_> {
         self.local(centre)
     }
 
-    /// Runs what is missing of values up to a number of configurations.
-    pub(super) fn evaluate(&mut self, values: &[f64], configurations: u32) -> Going<()> {
-        let mut missing: Vec<(u32, Vec<f64>)> = Vec::new();
-        for &value in values {
-            let from = self.kept.tried(value);
-            if from >= configurations {
-                continue;
-            }
-            match missing.iter_mut().find(|(known, _)| *known == from) {
-                Some((_, together)) if !together.contains(&value) => together.push(value),
-                Some(_) => {}
-                None => missing.push((from, vec![value])),
-            }
-        }
-        let runs: usize =
-            missing.iter().map(|(from, v)| (configurations - from) as usize * v.len()).sum();
-        if runs > self.left() {
-            return Err(Halt::RunsUsedUp);
-        }
-        for (from, values) in missing {
-            let runs = (self.experiment)(&values, from..configurations).map_err(Halt::Error)?;
-            self.kept.runs.extend(runs);
-        }
-        Ok(())
-    }
-
-    pub(super) fn left(&self) -> usize {
-        self.question.most_runs.saturating_sub(self.kept.runs.len())
-    }
-
     /// Both ends, thirds between, and the value to try in any case.
     fn first_look(&mut self) -> Going<()> {
         let q = self.question;
@@ -179,11 +84,6 @@ impl Search<'_> {
         values.sort_by(f64::total_cmp);
         values.dedup();
         self.evaluate(&values, q.realisations)
-    }
-
-    /// Mean result less the wanted one.
-    pub(super) fn off(&self, value: f64) -> Option<f64> {
-        self.kept.mean(value).map(|mean| mean - self.question.wanted)
     }
 
     /// Neighbouring usable values between which the means pass the wanted result.
@@ -245,11 +145,6 @@ impl Search<'_> {
         let table = self.kept.table(&[]);
         let row = table.iter().find(|row| row.value == nearest)?;
         (self.off(nearest)?.abs() <= row.half_width_95?).then_some(nearest)
-    }
-
-    /// Scatter of a single run, over all usable values.
-    pub(super) fn scatter(&self, values: &[f64]) -> f64 {
-        self.kept.scatter(values).map_or(0.0, |s| s.deviation)
     }
 
     /// The root search on the means.

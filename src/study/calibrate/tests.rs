@@ -8,7 +8,8 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::{
     line::in_result,
-    search::{Answer, Question, search},
+    search::{Answer, search},
+    under_way::Question,
 };
 use crate::report::{CalibrationEnding as Ending, CalibrationRun};
 use crate::study::StudyError;
