@@ -141,13 +141,12 @@ fn table_path(folder: &Path, name: &str) -> Result<PathBuf, CliError> {
         .filter_map(|name| Some(name.strip_suffix(".csv")?.to_owned()))
         .collect();
     there.sort();
+    let now = renamed_result(stem).filter(|now| there.contains(now));
+    let now = now.map(|now| format!(" (now called `{now}`)")).unwrap_or_default();
     let there = match there.is_empty() {
         true => "there is none (CSV) in it".to_owned(),
         false => format!("it has {}", there.join(", ")),
     };
-    // Of the results with another name one alone is a table.
-    let now = renamed_result(stem).filter(|now| now == REST_TEST);
-    let now = now.map(|now| format!(" (now called `{now}`)")).unwrap_or_default();
     let what = format!("{}: no table `{stem}`{now}; {there}", plain_path(folder));
     Err(CliError::Usage(plain_lines(&what).into_owned()))
 }
@@ -209,7 +208,7 @@ fn stage_numbers(folder: &Path, asked: &str) -> Result<Vec<String>, CliError> {
             let known = names.iter().enumerate().map(|(number, name)| format!("{number} {name}"));
             let rest_test = read[REST_TEST].is_object().then(|| REST_TEST.to_owned());
             let has = known.chain(rest_test).collect::<Vec<_>>().join(", ");
-            let now = MeantStage::now_called(asked);
+            let now = MeantStage::now_called(asked, &has);
             Err(CliError::Usage(format!("--stage {asked}: no such stage{now}; the run has {has}")))
         }
     }
@@ -317,17 +316,38 @@ mod tests {
         }
     }
 
-    /// Law: a table that had another name is named; another result that had one is no table.
+    /// Law: a table that had another name is named where it is there; another result that had one
+    /// is no table.
     #[test]
     fn the_new_name_of_a_table_is_that_of_a_table() {
         let folder = tempfile::tempdir().expect("a folder");
+        let said = |asked: &str| {
+            table_path(folder.path(), asked).err().map(|e| e.to_string()).unwrap_or_default()
+        };
+        assert!(!said("control").contains("now called"), "law: none is there: {}", said("control"));
+        std::fs::write(folder.path().join("rest_test.csv"), "").expect("written");
         for (asked, expected) in [("control", true), ("guards", false)] {
-            let said = table_path(folder.path(), asked).err().map(|e| e.to_string());
-            let said = said.unwrap_or_default();
+            let said = said(asked);
             let named = said.contains("now called `rest_test`");
             let no_other = said.contains("now called") == named;
             assert!(named == expected && no_other, "law: of `{asked}`, got `{said}`");
         }
+    }
+
+    /// Law: an old name of the rest test is explained where the run has one, and nowhere else.
+    #[test]
+    fn a_run_without_a_rest_test_has_no_new_name_for_it() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let said = |rest_test: Value| {
+            let manifest = json!({ "stages": [{ "stage": "pour" }], "rest_test": rest_test });
+            std::fs::write(folder.path().join("manifest.json"), manifest.to_string())
+                .expect("written");
+            stage_numbers(folder.path(), "control").expect_err("no such stage").to_string()
+        };
+        let with = said(json!({ "stage": "rest" }));
+        assert!(with.contains("no such stage (now called `rest_test`)"), "law: got `{with}`");
+        let without = said(Value::Null);
+        assert!(without.ends_with("no such stage; the run has 0 pour"), "law: got `{without}`");
     }
 
     #[test]

@@ -22,7 +22,7 @@ pub enum ExportError {
     #[error(
         "{}: no stage `{asked}`{}; the run has {stages}",
         manifest.display(),
-        MeantStage::now_called(asked)
+        MeantStage::now_called(asked, stages)
     )]
     NoStage {
         /// What was asked for.

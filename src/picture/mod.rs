@@ -55,7 +55,7 @@ pub enum PictureError {
     #[error(transparent)]
     File(#[from] FileError),
     /// The run has no such stage.
-    #[error("no stage `{asked}`{}; the run has {stages}", MeantStage::now_called(asked))]
+    #[error("no stage `{asked}`{}; the run has {stages}", MeantStage::now_called(asked, stages))]
     NoStage {
         /// What was asked for.
         asked: String,

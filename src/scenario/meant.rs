@@ -28,10 +28,13 @@ impl MeantStage {
         }
     }
 
-    /// What follows a name that no stage has in a message: ` (now called ...)` where it is an old
-    /// name, else nothing.
-    pub fn now_called(asked: &str) -> String {
-        renamed::stage(asked).map_or(String::new(), |now| format!(" (now called `{now}`)"))
+    /// What follows a name that no stage has in a message that lists those that are `there`, as in
+    /// `0 pour, rest_test`: ` (now called ...)` where it is the old name of one of them, else
+    /// nothing.
+    pub fn now_called(asked: &str, there: &str) -> String {
+        let is_there = |now: &&str| there.split([',', ' ']).any(|word| word == *now);
+        let now = renamed::stage(asked).filter(is_there);
+        now.map_or(String::new(), |now| format!(" (now called `{now}`)"))
     }
 
     /// Numbers of stages as a choice: `1, 3 or 5`.
@@ -66,9 +69,12 @@ mod tests {
         ] {
             assert_eq!(MeantStage::of(asked, names), expected, "law: what `{asked}` means");
         }
-        let control = MeantStage::now_called("control");
+        let there = "0 deposit, 1 press, rest_test";
+        let control = MeantStage::now_called("control", there);
         assert_eq!(control, " (now called `rest_test`)", "law: an old name gives the new one");
-        assert_eq!(MeantStage::now_called("press"), "", "law: no other does");
+        assert_eq!(MeantStage::now_called("press", there), "", "law: no other does");
+        let without = MeantStage::now_called("control", "0 deposit, 1 press");
+        assert_eq!(without, "", "law: a run without a rest test has nothing of that name");
         assert_eq!(MeantStage::choice(&[1, 3, 4]), "1, 3 or 4", "law: each is listed");
         assert_eq!(MeantStage::choice(&[1, 3]), "1 or 3", "law: each is listed");
     }
