@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 
 use super::earlier_run::first_difference;
 use super::*;
-use crate::record::{AtWork, RunLock, write_json};
+use crate::record::{AtWork, RunLock, at_work_in, write_json};
 
 /// Says which command left a folder's results, and what it was asked.
 pub(super) const FILE: &str = "command.json";
@@ -26,7 +26,9 @@ pub(super) const ANYTHING: Value = Value::Null;
 /// The part of a question that may grow: what it lists may become more, and its numbers larger.
 pub(super) const AT_LEAST: &str = "at_least";
 
-/// The part of a question that may be another once nobody is at work any more.
+/// The part of a question that may be another once nobody is at work any more: of commands whose
+/// answers stand side by side there, or replace pages and tables that the same question brings back
+/// from the stored stages.
 pub(super) const MEANWHILE: &str = "meanwhile";
 
 /// Begins a command in a folder. `question` is what its results answer; what stands there under
@@ -45,9 +47,7 @@ pub(super) fn begin(folder: &Path, command: &str, question: &Value) -> Result<Ru
     }
     RunLock::take(folder, |at_work| {
         if let Some(held) = held(folder, command, question, at_work) {
-            let others =
-                if at_work == AtWork::Somebody { ", and a command is at work there" } else { "" };
-            return Err(in_the_way(WRITE, folder, &format!("{held}{others}")));
+            return Err(in_the_way(WRITE, folder, &with_others(held, at_work)));
         }
         write_json(&folder.join(FILE), &json!({ "command": command, "question": question }))
             .map_err(|error| FileError::new("write", &folder.join(FILE), error))
@@ -55,13 +55,24 @@ pub(super) fn begin(folder: &Path, command: &str, question: &Value) -> Result<Ru
 }
 
 /// Refuses a folder for files of a command that asks no question, where another command has left
-/// results.
+/// results or is at work.
 ///
 /// # Errors
 /// [`FileError`], refused, that says what the folder holds.
 pub(super) fn refuse(folder: &Path, command: &str) -> Result<(), FileError> {
-    held(folder, command, &ANYTHING, AtWork::Nobody)
-        .map_or(Ok(()), |held| Err(in_the_way("write files into", folder, &held)))
+    let at_work = at_work_in(folder);
+    match held(folder, command, &ANYTHING, at_work) {
+        None => Ok(()),
+        Some(held) => Err(in_the_way("write files into", folder, &with_others(held, at_work))),
+    }
+}
+
+/// What a folder holds, and whether somebody is at work there.
+fn with_others(held: String, at_work: AtWork) -> String {
+    match at_work {
+        AtWork::Somebody => held + ", and a command is at work there",
+        AtWork::Nobody | AtWork::Unknown => held,
+    }
 }
 
 fn in_the_way(action: &'static str, folder: &Path, held: &str) -> FileError {
@@ -288,7 +299,15 @@ mod tests {
         let got = said(out, "sweep", &ANYTHING);
         assert!(got.contains("`pluvia grains`"), "law: grains are kept, got `{got}`");
         fs::remove_file(out.join("grains.json")).expect("removed");
-        assert_eq!(said(out, "sweep", &ANYTHING), "", "law: an empty folder");
+        let at_work = begin(out, "sweep", &ANYTHING).expect("law: an empty folder");
+        for command in ["grains", "export"] {
+            let got = refused(command).unwrap_or_default();
+            let begun =
+                got.contains("`pluvia sweep`") && got.contains("a command is at work there");
+            assert!(begun, "law: a command that has begun is left alone, got `{got}`");
+        }
+        drop(at_work);
+        assert_eq!(refused("grains"), None, "law: it has ended, and left nothing");
         fs::write(out.join("sweep.csv"), "").expect("written");
         for command in ["grains", "export"] {
             let got = refused(command).unwrap_or_default();

@@ -40,6 +40,15 @@ impl RunLock {
     }
 }
 
+/// Who is at work in a folder, where nothing is left by asking: whoever begins makes both locks.
+pub fn at_work_in(folder: &Path) -> AtWork {
+    let there = |name: &str| File::options().append(true).open(folder.join(name));
+    let (Ok(turn), Ok(held)) = (there(TURN), there(RUN)) else { return AtWork::Nobody };
+    // Whoever begins meanwhile waits, and does not take this for somebody at work.
+    wait_alone(&turn);
+    ask_alone(&held)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -56,11 +65,16 @@ mod tests {
     #[test]
     fn those_at_work_are_known() {
         let folder = tempfile::tempdir().expect("a folder");
+        assert_eq!(at_work_in(folder.path()), AtWork::Nobody, "law: nobody has begun");
+        let left = fs::read_dir(folder.path()).expect("a folder").count();
+        assert_eq!(left, 0, "law: nothing is left by asking");
         let first = take(folder.path(), AtWork::Nobody);
         let second = take(folder.path(), AtWork::Somebody);
         drop(first);
+        assert_eq!(at_work_in(folder.path()), AtWork::Somebody, "law: the second is");
         let third = take(folder.path(), AtWork::Somebody);
         drop((second, third));
+        assert_eq!(at_work_in(folder.path()), AtWork::Nobody, "law: all have ended");
         let refuse = |_: AtWork| Err(FileError::new("begin in", folder.path(), "refused"));
         let refused = RunLock::take(folder.path(), refuse);
         assert!(refused.is_err(), "law: what is refused is not begun");

@@ -32,7 +32,7 @@ mod unfinished;
 mod variations;
 
 pub use asked_stage::AskedStage;
-pub use at_work::RunLock;
+pub use at_work::{RunLock, at_work_in};
 pub use atomic::{
     json_text, read_file, read_json, read_unchanged, write_csv, write_file, write_json,
 };
