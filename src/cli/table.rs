@@ -59,7 +59,11 @@ fn settlement(of: &Settlement) -> String {
 fn coordination(of: &Summary) -> String {
     let sliding = of.contacts.as_ref().and_then(|contacts| contacts.sliding_percent);
     let sliding = sliding.map(|share| format!(", {share:.0} % of the loaded contacts slide"));
-    format!("{:.2}{}", of.coordination_number, sliding.unwrap_or_default())
+    let mean = match of.coordination_number.is_nan() {
+        true => "no grain is left".to_owned(),
+        false => format!("{:.2}", of.coordination_number),
+    };
+    mean + &sliding.unwrap_or_default()
 }
 
 /// How a vibration moved the table and came to rest.

@@ -80,7 +80,7 @@ fn pluviation(configuration: u32, fh: f64) -> RunRecord {
             stage: u32::from(t > 1.0),
             kinetic_energy_j: 1.5 * t * (-t / 0.8).exp() + 1e-7,
             mean_surface_mm: Some(height * filled),
-            mean_grain_height_mm: 0.49 * height * filled,
+            mean_grain_height_mm: Some(0.49 * height * filled),
             grains_in_cylinder: (1456.0 * filled) as u32,
             largest_speed_m_per_s: 2.0 * (-t / 0.8).exp(),
             ..SeriesRow::default()
@@ -130,7 +130,7 @@ fn at_rest(last: SeriesRow, configuration: u32) -> Vec<SeriesRow> {
         SeriesRow {
             time_s: last.time_s + t,
             mean_surface_mm: last.mean_surface_mm.map(|surface| surface - 1.5e-3 * creep * t),
-            mean_grain_height_mm: last.mean_grain_height_mm - 1e-3 * creep * t,
+            mean_grain_height_mm: last.mean_grain_height_mm.map(|height| height - 1e-3 * creep * t),
             ..last
         }
     };
@@ -199,7 +199,7 @@ fn vibration(configuration: u32, kind: RunKind) -> RunRecord {
             kinetic_energy_j: if shaken(t) { 0.02 * (1.2 + swing) } else { 1e-6 },
             table_x_mm: if shaken(t) { 25.0 * (2.0 * PI * 3.0 * t).sin() } else { 0.0 },
             mean_surface_mm: Some(poured - 0.8 * settles * reached),
-            mean_grain_height_mm: 0.49 * poured - 0.4 * s,
+            mean_grain_height_mm: Some(0.49 * poured - 0.4 * s),
             grains_in_cylinder: 1454,
             plate_tilt_deg: Some(4.0),
             largest_speed_m_per_s: 0.9,
@@ -324,7 +324,7 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
         creep_um_per_s: Some(creep),
         rest_test: Some(RestTest {
             duration_s: 2.0,
-            mean_grain_height_drop_mm: 2e-3 * creep,
+            mean_grain_height_drop_mm: Some(2e-3 * creep),
             mean_surface_drop_mm: Some(3e-3 * creep),
             plate_drop_mm: None,
         }),

@@ -21,7 +21,7 @@ fn made() -> StoredStage {
         time_s,
         kinetic_energy_j: 0.1,
         mean_surface_mm: Some(1.0 / 3.0),
-        mean_grain_height_mm: 2.0,
+        mean_grain_height_mm: Some(2.0),
         grains_in_cylinder: 2,
         largest_speed_m_per_s: 0.5,
         ..SeriesRow::default()

@@ -65,7 +65,8 @@ pub struct Summary {
     pub laboratory: Option<LaboratorySummary>,
     /// Overlap of grains at the end, exact, measured outside the engine.
     pub overlap: Overlap,
-    /// Mean number of grains touching a grain.
+    /// Mean number of grains touching a grain; NaN, and null in files, where no grain is left.
+    #[serde(deserialize_with = "nan_where_null")]
     pub coordination_number: f64,
     /// How many grains touch 0, 1, 2, ... others.
     #[serde(default)]
@@ -311,19 +312,37 @@ pub struct AzimuthAngle {
     pub toe_radius_mm: Option<f64>,
 }
 
-/// Penetration depth over the mean equivalent diameter of the two grains, in percent.
+/// Penetration depth over the mean equivalent diameter of the two grains, in percent; NaN, and null
+/// in files, where no grain is left.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Overlap {
     /// Number of touching pairs of grains.
     pub pairs: usize,
     /// Mean over touching pairs.
+    #[serde(deserialize_with = "nan_where_null")]
     pub mean_percent: f64,
     /// 99th percentile.
+    #[serde(deserialize_with = "nan_where_null")]
     pub p99_percent: f64,
     /// Largest.
+    #[serde(deserialize_with = "nan_where_null")]
     pub max_percent: f64,
     /// Largest, in mm.
+    #[serde(deserialize_with = "nan_where_null")]
     pub max_mm: f64,
+}
+
+impl Overlap {
+    /// What stands in the place of the overlap of no grains.
+    pub fn of_none() -> Self {
+        let [mean_percent, p99_percent, max_percent, max_mm] = [f64::NAN; 4];
+        Self { pairs: 0, mean_percent, p99_percent, max_percent, max_mm }
+    }
+
+    /// The same where it is that of grains.
+    pub fn known(self) -> Option<Self> {
+        Some(self).filter(|of| !of.mean_percent.is_nan())
+    }
 }
 
 /// The rest test: the finished specimen left alone.
@@ -331,8 +350,8 @@ pub struct Overlap {
 pub struct RestTest {
     /// Length in s.
     pub duration_s: f64,
-    /// Drop of the mean grain height in mm.
-    pub mean_grain_height_drop_mm: f64,
+    /// Drop of the mean grain height in mm; null in a laboratory of pieces without grains.
+    pub mean_grain_height_drop_mm: Option<f64>,
     /// Drop of the mean surface in mm; null in a laboratory of pieces.
     pub mean_surface_drop_mm: Option<f64>,
     /// Drop of the plate in mm, where there is one.
@@ -398,6 +417,19 @@ pub(super) mod tests {
             let written = serde_json::to_value(&got).expect("JSON");
             assert_eq!(written["valid"], json!(got.valid), "law: summary.json says so");
         }
+    }
+
+    /// Law: the overlap of no grains is null in files, and is read back as none.
+    #[test]
+    fn an_overlap_of_no_grains_is_null() {
+        let written = serde_json::to_value(Overlap::of_none()).expect("JSON");
+        let expected = json!({ "pairs": 0, "mean_percent": null, "p99_percent": null,
+            "max_percent": null, "max_mm": null });
+        assert_eq!(written, expected, "law: left what is written, right what is expected");
+        let read: Overlap = serde_json::from_value(written).expect("it is read");
+        assert_eq!((read.pairs, read.known()), (0, None), "law: none");
+        let of_some = Overlap::default();
+        assert_eq!(of_some.known(), Some(of_some), "law: grains that lie apart have one");
     }
 
     #[test]

@@ -248,7 +248,7 @@ const SHOWN: [Shown; 4] = [
         axis: "Mean grain height (mm)",
         column: "mean_grain_height_mm",
         is_log: false,
-        value: |r| (r.grains_in_cylinder > 0).then_some(r.mean_grain_height_mm),
+        value: |r| r.mean_grain_height_mm.filter(|_| r.grains_in_cylinder > 0),
     },
     Shown {
         stem: "compare-energy",

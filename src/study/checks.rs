@@ -119,7 +119,7 @@ pub(super) fn creep_um_per_s(series: &[SeriesRow]) -> Option<f64> {
     let half = (first.time_s + last.time_s) / 2.0;
     let from = series.iter().find(|row| row.time_s >= half)?;
     let duration = last.time_s - from.time_s;
-    let drop = from.mean_grain_height_mm - last.mean_grain_height_mm;
+    let drop = from.mean_grain_height_mm? - last.mean_grain_height_mm?;
     (duration > 0.0).then(|| 1e3 * drop / duration)
 }
 
@@ -341,7 +341,11 @@ mod tests {
     }
 
     fn row(time_s: f64, mean_grain_height_mm: f64) -> SeriesRow {
-        SeriesRow { time_s, mean_grain_height_mm, ..SeriesRow::default() }
+        SeriesRow {
+            time_s,
+            mean_grain_height_mm: Some(mean_grain_height_mm),
+            ..SeriesRow::default()
+        }
     }
 
     /// Rows every 0.1 s from 3 s on; heights in mm by the time since then.

@@ -73,12 +73,15 @@ pub fn summarise(
     };
     let pairs = pairs_within(&specimen, &members, touching_gap(&specimen.grains));
     let overlaps = overlap_statistics(&specimen, &pairs);
-    let overlap = Overlap {
-        pairs: overlaps.overlapping,
-        mean_percent: 100.0 * overlaps.mean,
-        p99_percent: 100.0 * overlaps.p99,
-        max_percent: 100.0 * overlaps.max,
-        max_mm: to_mm(overlaps.max_depth),
+    let overlap = match members.is_empty() {
+        true => Overlap::of_none(),
+        false => Overlap {
+            pairs: overlaps.overlapping,
+            mean_percent: 100.0 * overlaps.mean,
+            p99_percent: 100.0 * overlaps.p99,
+            max_percent: 100.0 * overlaps.max,
+            max_mm: to_mm(overlaps.max_depth),
+        },
     };
     let specs = scenario.stages.iter().zip(&stages);
     let periods: Vec<Period> = specs.flat_map(|(spec, stage)| periods(spec, stage)).collect();
@@ -198,7 +201,7 @@ pub fn summarise(
         overlap,
         core: inside::core(setup, &at_rest, &container, surface_m)
             .filter(|_| end.void_ratio.is_some()),
-        coordination_number: coordination.mean.unwrap_or(0.0),
+        coordination_number: coordination.mean.unwrap_or(f64::NAN),
         coordination_distribution: coordination.distribution,
         contacts: at_rest.summary(setup),
         stages: inside::stage_summaries(&stages),
@@ -241,12 +244,15 @@ fn series(stages: &[&StoredStage], setup: &Setup) -> Vec<SeriesRow> {
     stages.iter().enumerate().flat_map(numbered).collect()
 }
 
-/// Rows of a stage. One of a laboratory that was stored when rows still gave every stage a mean
-/// surface says 0.
+/// Rows of a stage. One of a laboratory says 0 of the mean height of no grain, and of the mean
+/// surface where it was stored when rows still gave every stage one.
 fn rows(stage: &StoredStage, setup: &Setup) -> Vec<SeriesRow> {
     let has_surface = setup.pieces.is_empty();
     let row = |row: &SeriesRow| SeriesRow {
         mean_surface_mm: row.mean_surface_mm.filter(|_| has_surface),
+        mean_grain_height_mm: row
+            .mean_grain_height_mm
+            .filter(|_| has_surface || row.grains_in_cylinder > 0),
         ..*row
     };
     stage.series.iter().map(row).collect()
@@ -315,7 +321,7 @@ fn rest_test(series: &[SeriesRow]) -> Option<RestTest> {
     let drop = |of: fn(&SeriesRow) -> Option<f64>| Some(of(first)? - of(last)?);
     (duration_s > 0.0).then(|| RestTest {
         duration_s,
-        mean_grain_height_drop_mm: first.mean_grain_height_mm - last.mean_grain_height_mm,
+        mean_grain_height_drop_mm: drop(|row| row.mean_grain_height_mm),
         mean_surface_drop_mm: drop(|row| row.mean_surface_mm),
         plate_drop_mm: drop(|row| row.plate_height_mm),
     })

@@ -82,6 +82,21 @@ fn a_deposit_that_misses_its_box_is_no_specimen() {
     assert_eq!(summary["creep_um_per_s"], Value::Null, "law: no creep of nothing");
     let height = &summary["standing_height_mm"]["mean_surface"];
     assert_eq!(*height, Value::Null, "law: nothing stands");
+    for path in [
+        "/overlap/mean_percent",
+        "/overlap/p99_percent",
+        "/overlap/max_mm",
+        "/coordination_number",
+        "/rest_test/mean_grain_height_drop_mm",
+    ] {
+        assert_eq!(summary.pointer(path), Some(&Value::Null), "law: no {path} of no grains");
+    }
+    assert_eq!(summary["overlap"]["pairs"], 0, "law: there are none");
+    let mut rows = csv::Reader::from_path(folder.path("beside/series.csv")).expect("series.csv");
+    let names = rows.headers().expect("names").clone();
+    let column = names.iter().position(|name| name == "mean_grain_height_mm").expect("a column");
+    let last = rows.records().last().expect("rows").expect("a row");
+    assert_eq!(&last[column], "", "law: no mean height of no grains, got {last:?}");
     for words in ["30 of 30 grains fell out during the deposit", "as no grain is left"] {
         assert_eq!(warned(&summary, words).len(), 1, "law: `{words}` in {}", summary["warnings"]);
     }

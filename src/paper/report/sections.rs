@@ -253,8 +253,8 @@ fn overlaps(run: &RunRecord) -> String {
 
 fn rest_test(run: &RunRecord) -> String {
     run.summary.rest_test.map_or_else(dash, |test| {
-        let um = 1e3 * test.mean_grain_height_drop_mm;
-        format!("{} in {} s", number(um, 1), number(test.duration_s, 1))
+        let um = test.mean_grain_height_drop_mm.map_or_else(dash, |mm| number(1e3 * mm, 1));
+        format!("{um} in {} s", number(test.duration_s, 1))
     })
 }
 

@@ -148,8 +148,10 @@ fn overlap(study: &StudyView, standard: &Standard) -> Option<String> {
         .iter()
         .filter(|r| {
             let o = &r.summary.overlap;
-            !(o.mean_percent < standard.overlap_mean_percent
-                && o.p99_percent < standard.overlap_p99_percent)
+            // Without grains nothing overlaps.
+            !o.mean_percent.is_nan()
+                && !(o.mean_percent < standard.overlap_mean_percent
+                    && o.p99_percent < standard.overlap_p99_percent)
         })
         .collect();
     let of = |r: &RunRecord| r.summary.overlap;

@@ -38,7 +38,7 @@ fn over_time(run: &RunRecord, y: Axis) -> Plot {
 fn heights(run: &RunRecord) -> Result<Figure, ReportError> {
     let heights: [(&str, Value); 4] = [
         ("Mean surface", |r| r.mean_surface_mm),
-        ("Mean height of the grains", |r| Some(r.mean_grain_height_mm)),
+        ("Mean height of the grains", |r| r.mean_grain_height_mm),
         ("Lower face of the plate", |r| r.plate_height_mm),
         ("Top of the pile above its base", |r| r.pile_height_mm),
     ];

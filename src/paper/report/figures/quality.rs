@@ -42,7 +42,7 @@ pub(super) fn creep(study: &StudyView, standard: &Standard) -> Result<Figure, Re
         "run" => &r.name,
         "creep_um_per_s" => r.summary.creep_um_per_s,
         "rest_test_s" => c.map(|c| c.duration_s),
-        "mean_grain_height_drop_mm" => c.map(|c| c.mean_grain_height_drop_mm),
+        "mean_grain_height_drop_mm" => c.and_then(|c| c.mean_grain_height_drop_mm),
         "mean_surface_drop_mm" => c.and_then(|c| c.mean_surface_drop_mm),
         "plate_drop_mm" => c.and_then(|c| c.plate_drop_mm),
     });
