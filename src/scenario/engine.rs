@@ -132,7 +132,7 @@ mod tests {
     use super::*;
 
     /// As the version before rapier wrote the defaults: manifests have these bytes. Keys of stages
-    /// are made from all fields of the groups that act (`src/study/stage_key.rs`).
+    /// are made from all fields of the groups that act (`src/study/engine_key.rs`).
     const BULLET_DEFAULTS: &str = "{\"backend\":\"bullet\",\"contact_solver\":\"stock\",\
         \"grain_size_mm\":8.0,\"rate_hz\":480.0,\"iterations\":20,\"length_scale\":100.0,\"friction_directions\":2,\
         \"contact_threshold_mm\":1.0,\"erp\":0.2,\"warm_start\":0.85,\

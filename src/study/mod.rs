@@ -11,6 +11,7 @@ mod converge;
 mod density;
 mod described;
 mod design;
+mod engine_key;
 mod execute;
 mod inside;
 mod laboratory;
