@@ -38,12 +38,6 @@ const SAME_ROW: [(&str, &str); 9] = [
     ("main", "cli"),
 ];
 
-/// Uses that close a cycle among the files of a module, as (user, used): what is taken should
-/// stand in a file below both. None may be added, and one that is gone leaves this list. A new
-/// cycle through a listed use is not seen.
-const CYCLES: [(&str, &str); 0] = [
-];
-
 /// The only place for `unsafe`, for cxx and for Bullet's own names.
 const ENGINE_FOLDER: &str = "src/world/bullet/";
 /// The program that uses what stands there alone, under sanitizers.
@@ -237,23 +231,12 @@ fn the_source_keeps_the_rules() {
 fn files_of_a_module_use_each_other_one_way() {
     let edges = cycles::Sources::new(&files(&["src"], &["rs"])).edges();
     let all: Vec<&(String, String)> = edges.keys().collect();
-    let known = |edge: &(String, String)| CYCLES.contains(&(edge.0.as_str(), edge.1.as_str()));
-    let rest: Vec<&(String, String)> = all.iter().copied().filter(|edge| !known(edge)).collect();
-    let found = cycles::on_cycles(&rest);
+    let found = cycles::on_cycles(&all);
     let told: Vec<String> = found
         .into_iter()
         .map(|edge| format!("{} uses `{}` of {}", edge.0, edges[edge], edge.1))
         .collect();
     assert!(told.is_empty(), "law: no file uses one that uses it, got\n{}", told.join("\n"));
-    let cyclic = cycles::on_cycles(&all);
-    let gone: Vec<_> = CYCLES
-        .iter()
-        .filter(|(user, used)| !cyclic.iter().any(|edge| edge.0 == *user && edge.1 == *used))
-        .collect();
-    assert!(
-        gone.is_empty(),
-        "law: CYCLES holds only what closes a cycle; no longer on one: {gone:?}"
-    );
 }
 
 #[test]
