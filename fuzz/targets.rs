@@ -2,24 +2,17 @@
 //! read or refused; a panic, an endless loop and a result that is not sound are
 //! faults. `fuzz_targets/` feeds them by libFuzzer, `tests/it/fuzz.rs` without.
 
-use std::{
-    fs,
-    path::Path,
-    sync::{Arc, atomic::AtomicBool},
-};
+use std::{fs, path::Path};
 
 use pluvia::export;
 use pluvia::grains::load_scenario;
 use pluvia::grains::{self, GrainSet, ParticleSizeDistribution};
-use pluvia::protocol::Silent;
 use pluvia::record::{
     StageRecord, StageStore, StoredState, check_store, hash_bytes, series_from_csv, to_csv,
 };
 use pluvia::scenario::{GrainsSpec, MeshGrains, SieveFraction, SievedGrains};
 use pluvia::specimen::SpecimenState;
-use pluvia::study::{
-    ConvergenceStudy, RunOptions, SensitivityStudy, StudyOptions, SweepPlan, SweepStudy,
-};
+use pluvia::study::{StudyOptions, SweepPlan, SweepStudy, converge, sensitivity};
 use pluvia::viewer::{Responder, RunData, Site};
 
 /// In memory where the system has such a place: a million files need no disk.
@@ -234,16 +227,6 @@ fn beside(folder: &Path, name: &str, content: &[u8]) {
     }
 }
 
-fn nowhere(out: &Path) -> RunOptions {
-    RunOptions {
-        out: out.to_owned(),
-        jobs: 1,
-        frames: false,
-        cancel: Arc::new(AtomicBool::new(true)),
-        progress: Arc::new(Silent),
-    }
-}
-
 /// The design of a convergence or sensitivity study; whether it is one.
 pub fn reads_design(data: &[u8]) -> bool {
     let mut read = false;
@@ -255,10 +238,9 @@ pub fn reads_design(data: &[u8]) -> bool {
                 design: Some(path.to_owned()),
                 quick,
                 configurations: None,
-                run: nowhere(folder),
             };
-            read |= ConvergenceStudy::read(&options).is_ok();
-            read |= SensitivityStudy::read(&options).is_ok();
+            read |= converge(&options).is_ok();
+            read |= sensitivity(&options).is_ok();
         }
     });
     read
@@ -283,7 +265,7 @@ pub fn reads_plan(data: &[u8]) -> bool {
         let again: SweepPlan = serde_json::from_slice(&text).expect("law: and read again");
         assert_eq!(again, plan, "law: nothing is lost by writing");
         let few = plan.samples.is_none_or(|samples| samples <= MOST_POINTS);
-        if let Ok(options) = plan.options(nowhere(folder)) {
+        if let Ok(options) = plan.options(folder) {
             let each = options.over.iter().map(|factor| factor.values.len().max(1));
             if few && each.fold(1, usize::saturating_mul) <= MOST_POINTS {
                 read = SweepStudy::new(options).is_ok();

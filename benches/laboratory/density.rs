@@ -2,7 +2,7 @@
 
 use pluvia::{
     report::{Axis, Chart, Look, Plot},
-    study::{DensityOptions, DensityStudy, IndexDensities, IndexState},
+    study::{self, DensityOptions, IndexDensities, IndexState},
 };
 
 use super::{
@@ -280,9 +280,9 @@ fn states(bench: &Bench, scenario: &str, vibration: &Vibration) -> Result<IndexD
         frequency_hz: vibration.frequency_hz,
         double_amplitude_mm: vibration.double_amplitude_mm,
         duration_s: vibration.duration_s[usize::from(!bench.is_small())],
-        run: bench.options(&folder(scenario, vibration)),
     };
-    DensityStudy::new(&options).and_then(|study| study.carry_out()).map_err(|e| e.to_string())
+    let run = bench.options(&folder(scenario, vibration));
+    study::density(options).and_then(|study| study.carry_out(&run)).map_err(|e| e.to_string())
 }
 
 /// States of a material whose index densities are published.

@@ -6,6 +6,7 @@ use std::ffi::OsStr;
 use super::earlier_run::first_difference;
 use super::*;
 use crate::record::{AtWork, RunLock, at_work_in, write_json};
+use crate::study::{AT_LEAST, MEANWHILE};
 
 /// Says which command left a folder's results, and what it was asked.
 pub(super) const FILE: &str = "command.json";
@@ -19,17 +20,8 @@ const KNOWN: [(&str, &str); 5] = [
     ("grains.json", "grains"),
 ];
 
-/// What a command is asked where it asks nothing that this could compare, or compares by itself
-/// what there is to be added to.
+/// What a command is asked where it asks nothing that this could compare.
 pub(super) const ANYTHING: Value = Value::Null;
-
-/// The part of a question that may grow: what it lists may become more, and its numbers larger.
-pub(super) const AT_LEAST: &str = "at_least";
-
-/// The part of a question that may be another once nobody is at work any more: of commands whose
-/// answers stand side by side there, or replace pages and tables that the same question brings back
-/// from the stored stages.
-pub(super) const MEANWHILE: &str = "meanwhile";
 
 /// Begins a command in a folder. `question` is what its results answer; what stands there under
 /// [`AT_LEAST`] was asked for no more than this, and what stands under [`MEANWHILE`] may differ.
@@ -162,15 +154,6 @@ fn lost(there: &Value, now: &Value) -> Option<String> {
             _ => None,
         }
     })
-}
-
-/// A scenario as part of a question: without words for the reader.
-pub(super) fn scenario(of: &Scenario) -> Value {
-    let mut value = serde_json::to_value(of).unwrap_or_default();
-    if let Some(fields) = value.as_object_mut() {
-        earlier_run::WORDS.iter().for_each(|word| drop(fields.remove(*word)));
-    }
-    value
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 use super::*;
 use crate::report::CalibrationEnding;
 use crate::study::{
-    CalibrationOptions, CalibrationRange, CalibrationStudy, CalibrationTarget, GRAIN_FRICTION,
+    CalibrationOptions, CalibrationRange, CalibrationTarget, GRAIN_FRICTION, calibrate,
 };
 
 /// Where friction between grains is sought unless a range is given.
@@ -77,7 +77,8 @@ fn positive(text: &str) -> Result<f64, String> {
 pub(super) fn run(args: &CalibrateArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let target = args.angle_of_repose.clone().or_else(|| args.target.clone());
     let target = target.ok_or_else(|| CliError::Usage("no target is given".to_owned()))?;
-    let options = CalibrationOptions {
+    let run = context.run_options(&args.out, args.jobs);
+    let study = calibrate(CalibrationOptions {
         scenario: args.scenario.clone(),
         changes: args.changes.overrides(),
         target,
@@ -86,26 +87,18 @@ pub(super) fn run(args: &CalibrateArgs, context: &Context) -> Result<ExitStatus,
         realisations: args.realisations,
         tolerance: args.tolerance,
         most_runs: args.most_runs,
-        run: context.run_options(&args.out, args.jobs),
-    };
-    let study = CalibrationStudy::new(&options)?;
-    let question = json!({
-        "scenario": asked::scenario(&study.scenario),
-        "target": options.target.field,
-        "wanted": options.target.wanted,
-        "unknown": options.unknown,
-    });
-    let _at_work = context.begin(&args.out, "calibrate", &question)?;
-    let found = study.carry_out()?;
-    let mut text = table::of_calibration(&found);
-    text += &format!("report in {}\n", plain_path(&args.out.join("report.html")));
-    let left_out = found.runs.iter().filter(|r| r.is_left_out()).count();
-    let with_result = found.runs.iter().filter(|r| r.result.is_some()).count();
-    text += &last_line::of_study(left_out, with_result);
-    context.print(&text, &found)?;
-    match found.ending {
-        CalibrationEnding::Found => Ok(ExitStatus::Done),
-        CalibrationEnding::Failed => Err(StudyError::Measure(found.statement).into()),
-        _ => Ok(ExitStatus::ExpectationMissed),
-    }
+    })?;
+    carry_out(study, &run, context, |found| {
+        let mut text = table::of_calibration(found);
+        text += &format!("report in {}\n", plain_path(&args.out.join("report.html")));
+        let left_out = found.runs.iter().filter(|r| r.is_left_out()).count();
+        let with_result = found.runs.iter().filter(|r| r.result.is_some()).count();
+        text += &last_line::of_study((left_out, with_result));
+        context.print(&text, found)?;
+        match found.ending {
+            CalibrationEnding::Found => Ok(ExitStatus::Done),
+            CalibrationEnding::Failed => Err(StudyError::Measure(found.statement.clone()).into()),
+            _ => Ok(ExitStatus::ExpectationMissed),
+        }
+    })
 }

@@ -49,19 +49,19 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
             "--backends needs at least two engines, as in bullet,rapier".to_owned(),
         ));
     }
-    let loaded = load_scenario(&args.scenario, &args.set)?;
-    let question = json!({ "scenario": asked::scenario(&loaded.scenario), "backends": backends });
-    let _at_work = context.begin(&args.out, "compare", &question)?;
-    let options = context.run_options(&args.out, args.jobs);
-    let record = compare(&loaded.scenario, backends, &options)?;
-    let mut text = table::of_comparison(&record);
-    if let Some(why) = &record.not_judged {
-        text += &format!("bands are not judged: {why}\n");
-    }
-    text += &format!("report in {}\n", plain_path(&args.out.join("report.html")));
-    text += &last_line::of_runs(record.runs.iter().map(|r| (r.name.as_str(), &r.summary)));
-    context.print(&text, &record)?;
-    Ok(ExitStatus::by(record.within_bands == Some(true)))
+    let scenario = load_scenario(&args.scenario, &args.set)?.scenario;
+    let study = compare(scenario, backends)?;
+    let run = context.run_options(&args.out, args.jobs);
+    carry_out(study, &run, context, |record| {
+        let mut text = table::of_comparison(record);
+        if let Some(why) = &record.not_judged {
+            text += &format!("bands are not judged: {why}\n");
+        }
+        text += &format!("report in {}\n", plain_path(&args.out.join("report.html")));
+        text += &last_line::of_runs(record.runs.iter().map(|r| (r.name.as_str(), &r.summary)));
+        context.print(&text, record)?;
+        Ok(ExitStatus::by(record.within_bands == Some(true)))
+    })
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! that is fine enough.
 
 use super::*;
-use crate::study::ConvergenceStudy;
+use crate::study::converge;
 
 /// Refine the engine's settings step by step, and find the cheapest that is fine enough
 #[derive(Debug, Args)]
@@ -26,14 +26,10 @@ pub(super) struct ConvergeArgs {
 }
 
 pub(super) fn run(args: &ConvergeArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let options = args.designed.options(&args.out, context);
-    let study = ConvergenceStudy::read(&options)?;
-    let mut question = question_of(&study.varied, study.configurations);
-    question["limits"] = json!(study.limits);
-    question["reference"] = study.reference.as_str().into();
-    let _at_work = context.begin(&args.out, "converge", &question)?;
-    let found = study.carry_out(&options.run)?;
-    let text = page_until(&args.out.join("convergence.md"), &["\n## How to read it"])?;
-    let (left_out, with_result) = found.left_out();
-    context.done(&(text + &last_line::of_study(left_out, with_result)), &found)
+    let run = context.run_options(&args.out, args.designed.jobs);
+    let study = converge(&args.designed.options())?;
+    carry_out(study, &run, context, |found| {
+        let text = page_until(&args.out.join("convergence.md"), &["\n## How to read it"])?;
+        context.done(&(text + &last_line::of_study(found.left_out())), found)
+    })
 }

@@ -2,7 +2,7 @@
 //! for relative densities.
 
 use super::*;
-use crate::study::{DensityOptions, DensityStudy, IndexState};
+use crate::study::{DensityOptions, IndexState, density};
 
 /// Find the loosest and the densest state of a scenario's grains
 #[derive(Debug, Args)]
@@ -57,7 +57,8 @@ fn between(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone 
 }
 
 pub(super) fn run(args: &DensityArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let options = DensityOptions {
+    let run = context.run_options(&args.out, args.jobs);
+    let study = density(DensityOptions {
         scenario: args.scenario.clone(),
         changes: args.changes.overrides(),
         configurations: args.configurations,
@@ -65,34 +66,25 @@ pub(super) fn run(args: &DensityArgs, context: &Context) -> Result<ExitStatus, C
         frequency_hz: args.frequency_hz,
         double_amplitude_mm: args.double_amplitude_mm,
         duration_s: args.seconds,
-        run: context.run_options(&args.out, args.jobs),
-    };
-    let study = DensityStudy::new(&options)?;
-    let question = json!({
-        "scenario": asked::scenario(&study.varied.base),
-        "surcharge_kpa": args.surcharge_kpa,
-        "frequency_hz": args.frequency_hz,
-        "double_amplitude_mm": args.double_amplitude_mm,
-        "seconds": args.seconds,
-        (asked::AT_LEAST): { "configurations": args.configurations },
-    });
-    let _at_work = context.begin(&args.out, "density", &question)?;
-    let found = study.carry_out()?;
-    let of = &found.states;
-    let states = [("e_max", &of.e_max), ("e_min", &of.e_min), ("frictionless", &of.frictionless)];
-    let mut text = format!("{}, {} grains\n", found.scenario, found.grains);
-    for (name, state) in states {
-        text += &format!("{name:<13} {}: {}\n", in_words(state), state.method);
-        for failure in &state.failures {
-            text += &format!("              {failure}\n");
+    })?;
+    carry_out(study, &run, context, |found| {
+        let of = &found.states;
+        let states =
+            [("e_max", &of.e_max), ("e_min", &of.e_min), ("frictionless", &of.frictionless)];
+        let mut text = format!("{}, {} grains\n", found.scenario, found.grains);
+        for (name, state) in states {
+            text += &format!("{name:<13} {}: {}\n", in_words(state), state.method);
+            for failure in &state.failures {
+                text += &format!("              {failure}\n");
+            }
         }
-    }
-    for departure in &found.departures {
-        text += &format!("{departure}\n");
-    }
-    text += &format!("full results in {}\n", plain_path(&args.out.join("density.json")));
-    context.print(&text, &found)?;
-    Ok(ExitStatus::by(states.iter().any(|(_, state)| state.mean.is_some())))
+        for departure in &found.departures {
+            text += &format!("{departure}\n");
+        }
+        text += &format!("full results in {}\n", plain_path(&args.out.join("density.json")));
+        context.print(&text, found)?;
+        Ok(ExitStatus::by(states.iter().any(|(_, state)| state.mean.is_some())))
+    })
 }
 
 /// A void ratio with its interval.

@@ -5,6 +5,7 @@ use std::fs;
 use super::*;
 use crate::record::{AtWork, RunLock, write_json};
 use crate::scenario::of_earlier_version;
+use crate::study::WORDS;
 
 /// The action that is refused, as errors name it.
 const WRITE: &str = "write results into";
@@ -46,9 +47,6 @@ const REMOVED: [&str; 10] = [
     "void_profile.csv",
     "distributions.csv",
 ];
-
-/// Fields of a scenario for the reader alone.
-pub(super) const WORDS: [&str; 2] = ["description", "notes"];
 
 /// Begins a run of a scenario in a folder, unless this holds what would be written over: the
 /// results of another scenario, finished or not, or of another command. A run of the same

@@ -40,28 +40,20 @@ pub(super) fn interpretation(name: &str) -> Result<Interpretation, String> {
 }
 
 pub(super) fn run(args: &InterpretationsArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let interpretations_asked =
-        if args.only.is_empty() { Interpretation::all()? } else { args.only.clone() };
-    let configurations = args.configurations.unwrap_or(if args.quick { 1 } else { 3 });
-    let changes = args.changes.overrides();
-    let question = json!({ (asked::MEANWHILE): {
-        "quick": args.quick,
-        "configurations": configurations,
-        "interpretations": interpretations_asked.iter().map(|i| i.name).collect::<Vec<&str>>(),
-        "changes": changes.iter().map(Override::text).collect::<Vec<&str>>(),
-    } });
-    let _at_work = context.begin(&args.out, "interpretations", &question)?;
-    let outcome = interpretations(&InterpretationsOptions {
+    let all = args.only.is_empty();
+    let study = interpretations(InterpretationsOptions {
         quick: args.quick,
-        configurations,
-        interpretations: interpretations_asked,
-        changes,
-        run: context.run_options(&args.out, args.jobs),
+        configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),
+        interpretations: if all { Interpretation::all()? } else { args.only.clone() },
+        changes: args.changes.overrides(),
     })?;
-    let mut text = table::of_interpretations(&outcome.columns);
-    text += &format!("report in {}\n", plain_path(&outcome.report));
-    let runs = outcome.columns.iter().flat_map(|c| &c.runs);
-    text += &last_line::of_runs(runs.map(|r| (r.name.as_str(), &r.summary)));
-    let value: serde_json::Value = read_json(&args.out.join("interpretations.json"))?;
-    context.done(&text, &value)
+    let run = context.run_options(&args.out, args.jobs);
+    carry_out(study, &run, context, |outcome| {
+        let mut text = table::of_interpretations(&outcome.columns);
+        text += &format!("report in {}\n", plain_path(&outcome.report));
+        let runs = outcome.columns.iter().flat_map(|c| &c.runs);
+        text += &last_line::of_runs(runs.map(|r| (r.name.as_str(), &r.summary)));
+        let value: Value = read_json(&args.out.join("interpretations.json"))?;
+        context.done(&text, &value)
+    })
 }

@@ -51,8 +51,8 @@ pub(super) fn of_runs<'a>(runs: impl Iterator<Item = (&'a str, &'a Summary)>) ->
     )
 }
 
-/// The last line of a study: how many runs are left out of its means.
-pub(super) fn of_study(left_out: usize, with_result: usize) -> String {
+/// The last line of a study: how many runs are left out of its means, and how many have a result.
+pub(super) fn of_study((left_out, with_result): (usize, usize)) -> String {
     match left_out_in_words(left_out, with_result) {
         None => format!("valid runs: {with_result} of {with_result}\n"),
         Some(said) => format!("{}: {said}\n", paint::bad("NOT VALID or short of grains")),
@@ -98,8 +98,8 @@ mod tests {
             "{}",
             of(&jammed)
         );
-        assert_eq!(plain(of_study(0, 4)), "valid runs: 4 of 4\n");
-        let said = plain(of_study(1, 4));
+        assert_eq!(plain(of_study((0, 4))), "valid runs: 4 of 4\n");
+        let said = plain(of_study((1, 4)));
         assert!(said.ends_with("1 of 4 runs with a result is left out of means\n"), "{said}");
     }
 }

@@ -9,7 +9,6 @@ mod completions;
 mod context;
 mod converge;
 mod density;
-mod designed;
 mod earlier_run;
 mod embedded;
 mod error;
@@ -38,6 +37,7 @@ mod sensitivity;
 mod stage;
 mod stop;
 mod store;
+mod studies;
 mod sweep;
 mod table;
 mod targets;
@@ -71,8 +71,8 @@ use crate::scenario::{Backend, Override, Scenario};
 use crate::study::{RunOptions, StudyError, SweepTasks, available_cores};
 use crate::world::{self, BackendInfo};
 use {
-    changes::*, context::*, designed::*, field_page::*, jobs::*, messages::*, overall::*,
-    picture::*, progress::*,
+    changes::*, context::*, field_page::*, jobs::*, messages::*, overall::*, picture::*,
+    progress::*, studies::*,
 };
 
 const EXIT_CODES: &str = "\

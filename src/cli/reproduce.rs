@@ -45,30 +45,21 @@ pub(super) struct ReproduceArgs {
 }
 
 pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let configurations = args.configurations.unwrap_or(if args.quick { 1 } else { 3 });
-    let changes = args.changes.overrides();
-    let question = json!({ (asked::MEANWHILE): {
-        "quick": args.quick,
-        "configurations": configurations,
-        "placements": args.placements,
-        "interpretation": args.interpretation.as_ref().map(|i| i.name),
-        "changes": changes.iter().map(Override::text).collect::<Vec<&str>>(),
-    } });
-    let _at_work = context.begin(&args.out, "reproduce", &question)?;
-    let outcome = reproduce(&ReproduceOptions {
+    let study = reproduce(ReproduceOptions {
         quick: args.quick,
-        configurations,
+        configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),
         placements: args.placements,
-        changes,
+        changes: args.changes.overrides(),
         interpretation: args.interpretation.clone(),
-        run: RunOptions { frames: true, ..context.run_options(&args.out, args.jobs) },
     })?;
-    let mut text = scorecard::of(&outcome.scorecard);
-    let (report, claims) = (args.out.join("report.html"), args.out.join("claims.json"));
-    text +=
-        &format!("every statement in {}, report in {}\n", plain_path(&claims), plain_path(&report));
-    let runs = outcome.runs.iter().map(|r| (r.name.as_str(), &r.summary));
-    text += &last_line::of_runs(runs);
-    context.print(&text, &outcome.claims)?;
-    Ok(ExitStatus::by(!args.strict || !outcome.claims.iter().any(Claim::is_missed)))
+    let run = RunOptions { frames: true, ..context.run_options(&args.out, args.jobs) };
+    carry_out(study, &run, context, |outcome| {
+        let mut text = scorecard::of(&outcome.scorecard);
+        let [claims, report] =
+            ["claims.json", "report.html"].map(|name| plain_path(&args.out.join(name)));
+        text += &format!("every statement in {claims}, report in {report}\n");
+        text += &last_line::of_runs(outcome.runs.iter().map(|r| (r.name.as_str(), &r.summary)));
+        context.print(&text, &outcome.claims)?;
+        Ok(ExitStatus::by(!args.strict || !outcome.claims.iter().any(Claim::is_missed)))
+    })
 }

@@ -2,7 +2,7 @@
 //! the effects.
 
 use super::*;
-use crate::study::SensitivityStudy;
+use crate::study::sensitivity;
 
 /// Vary each choice that the paper leaves open, one at a time, and rank the effects
 #[derive(Debug, Args)]
@@ -25,14 +25,12 @@ pub(super) struct SensitivityArgs {
 }
 
 pub(super) fn run(args: &SensitivityArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let options = args.designed.options(&args.out, context);
-    let study = SensitivityStudy::read(&options)?;
-    let question = question_of(&study.varied, study.configurations);
-    let _at_work = context.begin(&args.out, "sensitivity", &question)?;
-    let found = study.carry_out(&options.run)?;
-    let page = page_until(&args.out.join("sensitivity.md"), &["\n## Ranges"])?;
-    let lines = page.lines().filter(|line| !line.starts_with("!["));
-    let text: String = lines.map(|line| format!("{line}\n")).collect();
-    let (left_out, with_result) = found.left_out();
-    context.done(&(text + &last_line::of_study(left_out, with_result)), &found)
+    let run = context.run_options(&args.out, args.designed.jobs);
+    let study = sensitivity(&args.designed.options())?;
+    carry_out(study, &run, context, |found| {
+        let page = page_until(&args.out.join("sensitivity.md"), &["\n## Ranges"])?;
+        let lines = page.lines().filter(|line| !line.starts_with("!["));
+        let text: String = lines.map(|line| format!("{line}\n")).collect();
+        context.done(&(text + &last_line::of_study(found.left_out())), found)
+    })
 }

@@ -112,43 +112,38 @@ fn samples(text: &str) -> Result<usize, String> {
 }
 
 pub(super) fn run(args: &SweepArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let tasks = || SweepTasks::read(context.run_options(&args.out, args.jobs));
+    let run = context.run_options(&args.out, args.jobs);
     if args.status {
-        return status(&tasks()?, context);
+        return status(&SweepTasks::read(run)?, context);
     }
     if args.collect {
-        let found = tasks()?.study.collect()?;
-        return tell(args, &found, context);
+        return tell(args, &SweepTasks::read(run)?.collect()?, context);
     }
-    let run = context.run_options(&args.out, args.jobs);
-    let study = SweepStudy::new(options(args, run)?)?;
+    let study = SweepStudy::new(options(args)?)?;
+    if !(args.plan_only || args.snakemake || args.slurm.slurm) {
+        return carry_out(study.study(), &run, context, |found| tell(args, found, context));
+    }
     output_folder::prepare(&args.out)?;
     let _at_work = asked::begin(&args.out, "sweep", &asked::ANYTHING)?;
-    if args.plan_only || args.snakemake || args.slurm.slurm {
-        let plan = study.write_plan()?;
-        if args.slurm.slurm {
-            return on_slurm(&args.slurm, &tasks()?, context);
-        }
-        let runs = plan.runs.len();
-        let word = if runs == 1 { "run" } else { "runs" };
-        let mut text = format!("{runs} {word} planned in {}\n", plain_path(&args.out));
-        if args.snakemake {
-            write_snakefile(&tasks()?, &this_program()?)?;
-            let file = args.out.join(SNAKEFILE);
-            text += &format!("snakemake --cores 2 --snakefile {}\n", quoted(&file));
-        }
-        return context.done(&text, &json!({ "runs": plan.runs.len() }));
+    let plan = study.write_plan(&run)?;
+    if args.slurm.slurm {
+        return on_slurm(&args.slurm, &SweepTasks::read(run)?, context);
     }
-    context.stop_on_ctrl_c();
-    let found = study.carry_out()?;
-    tell(args, &found, context)
+    let runs = plan.runs.len();
+    let word = if runs == 1 { "run" } else { "runs" };
+    let mut text = format!("{runs} {word} planned in {}\n", plain_path(&args.out));
+    if args.snakemake {
+        write_snakefile(&SweepTasks::read(run)?, &this_program()?)?;
+        let file = args.out.join(SNAKEFILE);
+        text += &format!("snakemake --cores 2 --snakefile {}\n", quoted(&file));
+    }
+    context.done(&text, &json!({ "runs": plan.runs.len() }))
 }
 
-fn options(args: &SweepArgs, run: RunOptions) -> Result<SweepOptions, CliError> {
+fn options(args: &SweepArgs) -> Result<SweepOptions, CliError> {
     let changes = args.changes.overrides();
     if let Some(design) = &args.design {
-        let configurations = args.configurations;
-        return Ok(SweepOptions::of_design(design, args.quick, &changes, configurations, run)?);
+        return Ok(SweepOptions::of_design(design, args.quick, &changes, args.configurations)?);
     }
     let Some(scenario) = args.scenario.clone() else {
         return Err(CliError::Usage("no scenario is given".to_owned()));
@@ -166,7 +161,6 @@ fn options(args: &SweepArgs, run: RunOptions) -> Result<SweepOptions, CliError> 
             None => Design::Grid,
         },
         configurations: args.configurations.unwrap_or(1),
-        run,
     })
 }
 
@@ -206,7 +200,7 @@ fn tell(args: &SweepArgs, found: &Sweep, context: &Context) -> Result<ExitStatus
     let mut text =
         page_until(&args.out.join("sweep.md"), &["\n## Figures", "\n## How to read it"])?;
     let with_result = found.runs.len() - found.failed().count();
-    text += &last_line::of_study(found.left_out().count(), with_result);
+    text += &last_line::of_study((found.left_out().count(), with_result));
     context.print(&text, found)?;
-    Ok(ExitStatus::by(found.failed().count() < found.runs.len()))
+    Ok(ExitStatus::by(with_result > 0))
 }

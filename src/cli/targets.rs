@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::report::{Target, write_targets};
-use crate::study::{TargetRuns, meet_targets};
+use crate::study::{AT_LEAST, TargetRuns, meet_targets};
 
 /// Find which values of the factors of sweeps meet several targets together
 #[derive(Debug, Args)]
@@ -46,7 +46,7 @@ pub(super) fn run(args: &TargetsArgs, context: &Context) -> Result<ExitStatus, C
     let question = json!({
         "target": args.target,
         "chance": args.chance,
-        (asked::AT_LEAST): { "runs": runs.collect::<Vec<_>>() },
+        (AT_LEAST): { "runs": runs.collect::<Vec<_>>() },
     });
     let _at_work = context.begin(&args.out, "targets", &question)?;
     write_targets(&args.out, &found).map_err(StudyError::from)?;

@@ -1,6 +1,7 @@
 //! `pluvia verify` compares the engines with analytical solutions.
 
 use super::*;
+use crate::study::AT_LEAST;
 use crate::verify::{SuiteOptions, builtin, run_suite, settings};
 
 /// Compare the engines with analytical solutions
@@ -60,7 +61,7 @@ pub(super) fn run(args: &VerifyArgs, context: &Context) -> Result<ExitStatus, Cl
     let settings = choose("setting", offered, &args.setting, |s| &s.name)?;
     let ids: Vec<&str> = cases.iter().map(|case| case.id.as_str()).collect();
     let names: Vec<&str> = settings.iter().map(|setting| setting.name.as_str()).collect();
-    let question = json!({ (asked::AT_LEAST): { "cases": ids, "settings": names } });
+    let question = json!({ (AT_LEAST): { "cases": ids, "settings": names } });
     let _at_work = context.begin(&args.out, "verify", &question)?;
     let options = SuiteOptions {
         cases,

@@ -5,7 +5,7 @@
 //! there is one, else the rest test. So differences of making and differences of carrying on are
 //! told apart.
 
-use super::{plan::Prepared, variations::name_stages, *};
+use super::{plan::Prepared, *};
 use crate::report::ComparedQuantity;
 use crate::scenario::{StockSettings, check};
 
@@ -18,27 +18,41 @@ pub const HEIGHT_BAND: f64 = 0.05;
 /// less one: 5 % of the height are 0.05 (1 + e), 0.1 for e near 0.95.
 pub const VOID_RATIO_BAND: f64 = 0.1;
 
-/// Runs a comparison and writes `compare.json`, `report.html`, `figures/` and `runs/<name>/`.
+/// Checks a comparison of engines, which leaves `compare.json`, `report.html`, `figures/` and
+/// `runs/<name>/`.
 ///
 /// # Errors
-/// [`StudyError`].
+/// [`StudyError::Faults`] where an engine cannot do the scenario: the first may run for hours
+/// before the turn of one that cannot.
 pub fn compare(
-    scenario: &Scenario,
+    scenario: Scenario,
     backends: &[Backend],
+) -> Result<Study<CompareRecord>, StudyError> {
+    let each: Vec<Scenario> = backends.iter().map(|b| with(&scenario, *b)).collect();
+    each.iter().try_for_each(check)?;
+    Ok(Study {
+        command: "compare",
+        question: json!({ "scenario": in_question(&scenario), "backends": backends }),
+        scenarios: each.clone(),
+        conclude: Box::new(move |run| compared(&scenario, &each, run)),
+    })
+}
+
+/// Runs a scenario that is given in each engine, and compares the runs.
+fn compared(
+    scenario: &Scenario,
+    each: &[Scenario],
     options: &RunOptions,
 ) -> Result<CompareRecord, StudyError> {
-    check_each(scenario, backends)?;
     let grains = Arc::new(make_grains(scenario)?);
     let handed_on = scenario
         .stages
         .iter()
         .position(|s| matches!(s, StageSpec::Vibrate { .. }))
         .unwrap_or(scenario.stages.len());
-    let runs = planned(scenario, backends, &grains, handed_on);
-    // What cannot be built is refused before a file is written.
-    let plan = named(&runs)?;
-    write_grains(&options.out, scenario, &grains)?;
-    tell_warnings(runs.iter().map(|run| &run.scenario), options.progress.as_ref());
+    let runs = planned(each, &grains, handed_on);
+    // Two may have the same engine: their names tell them apart.
+    let plan = Plan::named(&runs)?;
     let (records, _) = carry_out(&plan, &runs, options, |run| folder_of(&options.out, &run.name))?;
     for record in &records {
         report::run_figures(&folder_of(&options.out, &record.name).join("figures"), record)?;
@@ -57,7 +71,7 @@ pub fn compare(
     let within = quantities.iter().all(|q| q.within_band != Some(false));
     let record = CompareRecord {
         scenario: scenario.name.clone(),
-        backends: backends.iter().map(|b| crate::world::info(*b)).collect(),
+        backends: each.iter().map(|own| crate::world::info(own.engine.backend)).collect(),
         handed_on_after_stages: handed_on,
         runs: compared,
         quantities,
@@ -68,14 +82,6 @@ pub fn compare(
     };
     report::write_comparison(&options.out, &record)?;
     Ok(record)
-}
-
-/// The plan of the runs, each stage named after the first run that needs it: two may have the same
-/// engine.
-fn named(runs: &[PlannedRun]) -> Result<Plan, StudyError> {
-    let mut plan = Plan::new(runs)?;
-    name_stages(&mut plan, runs);
-    Ok(plan)
 }
 
 fn name(backend: Backend) -> String {
@@ -92,30 +98,19 @@ fn with(scenario: &Scenario, backend: Backend) -> Scenario {
     own
 }
 
-/// Whether every engine can do a scenario: the first may run for hours before the turn of one that
-/// cannot.
-fn check_each(scenario: &Scenario, backends: &[Backend]) -> Result<(), StudyError> {
-    Ok(backends.iter().try_for_each(|backend| check(&with(scenario, *backend)))?)
-}
-
-fn planned(
-    scenario: &Scenario,
-    backends: &[Backend],
-    grains: &Arc<crate::grains::GrainSet>,
-    handed_on: usize,
-) -> Vec<PlannedRun> {
-    let run = |name: String, scenario, prepared| PlannedRun {
+/// The runs of a scenario that is given in each engine.
+fn planned(each: &[Scenario], grains: &Arc<GrainSet>, handed_on: usize) -> Vec<PlannedRun> {
+    let run = |name: String, scenario: &Scenario, prepared| PlannedRun {
         prepared,
-        ..PlannedRun::new(name, scenario, grains.clone())
+        ..PlannedRun::new(name, scenario.clone(), grains.clone())
     };
-    let mut runs: Vec<PlannedRun> =
-        backends.iter().map(|b| run(name(*b), with(scenario, *b), None)).collect();
-    if let Some((first, others)) = backends.split_first() {
-        let engine = with(scenario, *first).engine;
+    let name = |of: &Scenario| name(of.engine.backend);
+    let mut runs: Vec<PlannedRun> = each.iter().map(|own| run(name(own), own, None)).collect();
+    if let Some((first, others)) = each.split_first() {
         runs.extend(others.iter().map(|other| {
-            let title = format!("{}-from-{}-specimen", name(*other), name(*first));
-            let prepared = Prepared { stages: handed_on, engine: engine.clone() };
-            run(title, with(scenario, *other), Some(prepared))
+            let title = format!("{}-from-{}-specimen", name(other), name(first));
+            let prepared = Prepared { stages: handed_on, engine: first.engine.clone() };
+            run(title, other, Some(prepared))
         }));
     }
     runs
@@ -255,6 +250,9 @@ mod tests {
             std::fs::write(&path, value.to_string()).expect("a scenario");
             crate::grains::load_scenario(&path, &[]).unwrap_or_else(|e| panic!("{e}")).scenario
         };
+        let check_each = |scenario: &Scenario, backends: &[Backend]| {
+            compare(scenario.clone(), backends).map(drop)
+        };
         let both = [Backend::Bullet, Backend::Rapier];
         let poured = scenario(serde_json::json!({}));
         check_each(&poured, &both).expect("law: both can pour");
@@ -285,8 +283,9 @@ mod tests {
     fn stages_are_named_after_their_runs() {
         let scenario = crate::study::tests::scenario(0.0);
         let grains = Arc::new(make_grains(&scenario).expect("grains"));
-        let runs = planned(&scenario, &[Backend::Bullet, Backend::Rapier], &grains, 2);
-        let plan = named(&runs).expect("a plan");
+        let each = [Backend::Bullet, Backend::Rapier].map(|backend| with(&scenario, backend));
+        let runs = planned(&each, &grains, 2);
+        let plan = Plan::named(&runs).expect("a plan");
         let labels: Vec<&str> = plan.nodes.iter().map(|node| node.label.as_str()).collect();
         let expected = [
             "bullet, fill the funnel",

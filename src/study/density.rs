@@ -31,8 +31,6 @@ pub struct DensityOptions {
     pub double_amplitude_mm: f64,
     /// How long it is vibrated, in s.
     pub duration_s: f64,
-    /// Where to, how many at a time, whom to tell.
-    pub run: RunOptions,
 }
 
 /// A state of grains in several configurations.
@@ -94,48 +92,55 @@ pub struct IndexDensities {
     pub departures: Vec<String>,
 }
 
-/// A search for index densities that was checked, and not yet run.
-pub struct DensityStudy<'a> {
-    options: &'a DensityOptions,
-    grains: GrainSet,
-    mould: Mould,
-    /// The scenario of which grains, contact and engine are taken, and its states.
-    pub varied: Varied,
+/// Makes grains, mould and stages of a search for index densities, which leaves `density.json` and
+/// `runs/<name>/`. A run that fails or does not count is reported among the failures.
+///
+/// # Errors
+/// [`StudyError`]: faults of the scenario, or of what was asked for.
+pub fn density(options: DensityOptions) -> Result<Study<IndexDensities>, StudyError> {
+    let loaded = load_scenario(&options.scenario, &options.changes)?.scenario;
+    if loaded.begin.is_some() {
+        let why = "index densities need a scenario with grains of its own, not one that begins \
+                   with another run's specimen";
+        return refused(why.to_owned());
+    }
+    let grains = make_grains(&loaded)?;
+    let stiffness = loaded.engine.native.contact_stiffness_n_per_m;
+    let mould = Mould::of(&grains, &loaded.scale(), stiffness);
+    let told = |variation: &Variation, fault| {
+        faults::told(&variation.name, fault, &options, grains.grains.len(), &mould)
+    };
+    let variations = mould.variations(&options);
+    let varied = Varied::load_told(&options.scenario, &options.changes, variations, told);
+    let varied = varied.map_err(faults::without_repeats)?;
+    let question = json!({
+        "scenario": in_question(&varied.base),
+        "surcharge_kpa": options.surcharge_kpa,
+        "frequency_hz": options.frequency_hz,
+        "double_amplitude_mm": options.double_amplitude_mm,
+        "seconds": options.duration_s,
+        (AT_LEAST): { "configurations": options.configurations },
+    });
+    Ok(Study {
+        command: "density",
+        question,
+        // Nobody typed its moulds and stages.
+        scenarios: Vec::new(),
+        conclude: Box::new(move |run| mould.find(&options, &grains, &varied, run)),
+    })
 }
 
-impl<'a> DensityStudy<'a> {
-    /// Makes grains, mould and stages, and checks them.
-    ///
-    /// # Errors
-    /// [`StudyError`]: faults of the scenario, or of what was asked for.
-    pub fn new(options: &'a DensityOptions) -> Result<Self, StudyError> {
-        let loaded = load_scenario(&options.scenario, &options.changes)?.scenario;
-        if loaded.begin.is_some() {
-            let why = "index densities need a scenario with grains of its own, not one that begins \
-                       with another run's specimen";
-            return refused(why.to_owned());
-        }
-        let grains = make_grains(&loaded)?;
-        let stiffness = loaded.engine.native.contact_stiffness_n_per_m;
-        let mould = Mould::of(&grains, &loaded.scale(), stiffness);
-        let told = |variation: &Variation, fault| {
-            faults::told(&variation.name, fault, options, grains.grains.len(), &mould)
-        };
-        let variations = mould.variations(options);
-        let varied = Varied::load_told(&options.scenario, &options.changes, variations, told);
-        let varied = varied.map_err(faults::without_repeats)?;
-        Ok(Self { options, grains, mould, varied })
-    }
-
-    /// Finds the index densities and writes `density.json`. What is stored is not done again.
-    ///
-    /// # Errors
-    /// [`StudyError`]. A run that fails or does not count is reported among the failures.
-    pub fn carry_out(&self) -> Result<IndexDensities, StudyError> {
-        let Self { options, grains, mould, varied } = self;
-        let rows =
-            carry_out_variations(varied, options.configurations, &options.run, &mut |_| Ok(()))?;
-        let state = |name: &str, method: String| mould.state(name, method, &rows, options);
+impl Mould {
+    /// Finds the index densities.
+    fn find(
+        &self,
+        options: &DensityOptions,
+        grains: &GrainSet,
+        varied: &Varied,
+        run: &RunOptions,
+    ) -> Result<IndexDensities, StudyError> {
+        let rows = carry_out_variations(varied, options.configurations, run, &mut |_| Ok(()))?;
+        let state = |name: &str, method: String| self.state(name, method, &rows, &run.out);
         let DensityOptions { surcharge_kpa, frequency_hz, double_amplitude_mm, duration_s, .. } =
             options;
         let densest = format!(
@@ -154,30 +159,28 @@ impl<'a> DensityStudy<'a> {
         let found = IndexDensities {
             scenario: varied.base.name.clone(),
             grains: grains.grains.len(),
-            mould_diameter_mm: to_mm(mould.diameter),
+            mould_diameter_mm: to_mm(self.diameter),
             means: states.map(|of| of.mean),
             intervals: states.map(interval),
             states,
-            second_half: mould.second_half(&rows, options)?,
-            departures: mould.departures(grains, options),
+            second_half: self.second_half(&rows, options.duration_s, &run.out)?,
+            departures: self.departures(grains, options),
         };
-        write_json(&options.run.out.join("density.json"), &found)?;
+        write_json(&run.out.join("density.json"), &found)?;
         Ok(found)
     }
-}
 
-impl Mould {
     /// Void ratios of the runs of a variation.
     fn state(
         &self,
         name: &str,
         method: String,
         rows: &[RunRow],
-        options: &DensityOptions,
+        out: &Path,
     ) -> Result<IndexState, StudyError> {
         let (mut values, mut failures) = (Vec::new(), Vec::new());
         for row in rows.iter().filter(|row| row.variation == name) {
-            match self.void_ratio(row, &options.run.out)? {
+            match self.void_ratio(row, out)? {
                 Ok(value) => values.push(value),
                 Err(why) => failures.push(format!("{}: {why}", row.run)),
             }
@@ -215,18 +218,19 @@ impl Mould {
     fn second_half(
         &self,
         rows: &[RunRow],
-        options: &DensityOptions,
+        duration_s: f64,
+        out: &Path,
     ) -> Result<Vec<f64>, StudyError> {
         let mut found = Vec::new();
         for row in rows.iter().filter(|r| r.variation == "densest" && r.failure.is_none()) {
-            let Ok(e) = self.void_ratio(row, &options.run.out)? else { continue };
-            let file = folder_of(&options.run.out, &row.run).join("series.csv");
+            let Ok(e) = self.void_ratio(row, out)? else { continue };
+            let file = folder_of(out, &row.run).join("series.csv");
             let series = series_from_csv(&read_file(&file)?);
             let series = series.map_err(|why| FileError::unfit(&file, why))?;
             let last_stage = series.last().map(|r| r.stage);
             let shaken: Vec<_> = series.iter().filter(|r| Some(r.stage) == last_stage).collect();
             let Some((first, last)) = shaken.first().zip(shaken.last()) else { continue };
-            let half = first.time_s + options.duration_s / 2.0;
+            let half = first.time_s + duration_s / 2.0;
             let Some(middle) = shaken.iter().find(|r| r.time_s >= half) else { continue };
             let surfaces = middle.mean_surface_mm.zip(last.mean_surface_mm);
             found.extend(surfaces.map(|(middle, last)| (1.0 + e) * (middle / last - 1.0)));
@@ -291,9 +295,8 @@ mod tests {
                 frequency_hz,
                 double_amplitude_mm: amplitude_mm,
                 duration_s,
-                run: crate::study::tests::run_options(folder.path()),
             };
-            DensityStudy::new(&options).map(|_| ()).map_err(|e| e.to_string())
+            density(options).map(drop).map_err(|e| e.to_string())
         };
         for (frequency, duration) in [(12.0, 8.0), (5.0, 1.0), (1.0, 1.0), (60.0, 1.0)] {
             let got = study(&gravel, frequency, 1.0, duration);

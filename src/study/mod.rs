@@ -8,6 +8,7 @@ mod calibrate;
 mod checks;
 mod compare;
 mod converge;
+mod declaration;
 mod density;
 mod described;
 mod design;
@@ -36,19 +37,20 @@ mod variations;
 pub use crate::report::{CompareRecord, CompareRun};
 pub use accuracy::standard;
 pub use calibrate::{
-    CalibrationOptions, CalibrationRange, CalibrationStudy, CalibrationTarget, GRAIN_FRICTION,
+    CalibrationOptions, CalibrationRange, CalibrationTarget, GRAIN_FRICTION, calibrate,
 };
 pub use compare::{HEIGHT_BAND, VOID_RATIO_BAND, compare};
 pub use converge::{
-    ConvergenceDesign, ConvergenceLimits, ConvergenceStudy, LadderDesign, RungDesign, StudyOptions,
+    ConvergenceDesign, ConvergenceLimits, LadderDesign, RungDesign, StudyOptions, converge,
 };
-pub use density::{DensityOptions, DensityStudy, IndexDensities, IndexState, OfStates};
+pub use declaration::{AT_LEAST, MEANWHILE, Study, WORDS};
+pub use density::{DensityOptions, IndexDensities, IndexState, OfStates, density};
 pub use design::SpecimenDesign;
 pub use execute::{RunOptions, available_cores};
 pub use presets::preset;
 pub use recorder::container;
 pub use run::{ReadyRun, grain_files, make_grains};
-pub use sensitivity::{Parameter, ParameterDesign, SensitivityDesign, SensitivityStudy};
+pub use sensitivity::{Parameter, ParameterDesign, SensitivityDesign, sensitivity};
 pub use slurm::{SlurmJob, SlurmRequest, quoted, submit as submit_to_slurm, this_program};
 pub use stage_key::FORMAT as STAGE_FORMAT;
 pub use sweep::{
@@ -102,11 +104,13 @@ use crate::units::{from_mm, to_cm3, to_g, to_mm};
 use crate::world::EffectiveSettings;
 use {
     believed::held,
+    declaration::in_question,
     design::{Chosen, Faults, range, yes},
     execute::Shop,
     plan::{Node, RunNodes},
     presets::DesignFile,
     realisations::{CONFIGURATIONS, refuse_repeats},
+    run::write_grains,
     sensitivity::End,
     told::of_grains,
     variations::conclude_so_far,
@@ -114,7 +118,7 @@ use {
 pub(crate) use {
     described::described,
     plan::{Plan, PlannedRun},
-    run::{carry_out, carry_out_each, folder_of, write_grains},
+    run::{carry_out, carry_out_each, folder_of},
 };
 
 /// Why a study did not finish.

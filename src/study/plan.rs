@@ -186,6 +186,18 @@ impl Plan {
         Ok(plan)
     }
 
+    /// The same, each stage called after the first run that needs it.
+    pub fn named(runs: &[PlannedRun]) -> Result<Self, StudyError> {
+        let mut plan = Self::new(runs)?;
+        for (run, nodes) in runs.iter().zip(&plan.runs).rev() {
+            for &node in nodes.stages.iter().chain(&nodes.rest_test) {
+                let node = &mut plan.nodes[node];
+                node.label = format!("{}, {}", run.name, stage_label(&node.stage));
+            }
+        }
+        Ok(plan)
+    }
+
     /// The plan of one of its runs alone, and which of the nodes its nodes are.
     pub fn alone(&self, run: usize) -> (Self, Vec<usize>) {
         let RunNodes { stages, rest_test, begun } = &self.runs[run];

@@ -36,7 +36,6 @@ impl ReadyRun {
     /// [`StudyError`].
     pub fn carry_out(&self, options: &RunOptions) -> Result<RunRecord, StudyError> {
         let PlannedRun { scenario, grains, .. } = &self.run;
-        write_grains(&options.out, scenario, grains)?;
         for warning in of_grains(scenario, grains) {
             options.progress.message(&format!("warning: {warning}"));
         }
@@ -67,15 +66,18 @@ impl ReadyRun {
     }
 }
 
-/// Runs the runs of a plan, taking from the store in the output folder what is there,
-/// and writes each run's files into its folder. Gives the records in the order of the runs, and the
-/// engine's settings as read back in the first stage.
+/// Runs the runs of a plan, all of the same grains, taking from the store in the output folder what
+/// is there, and writes the grains, and each run's files into its folder. Gives the records in the
+/// order of the runs, and the engine's settings as read back in the first stage.
 pub(crate) fn carry_out(
     plan: &Plan,
     runs: &[PlannedRun],
     options: &RunOptions,
     folder: impl Fn(&PlannedRun) -> PathBuf,
 ) -> Result<(Vec<RunRecord>, EffectiveSettings), StudyError> {
+    if let Some(PlannedRun { scenario, grains, .. }) = runs.first() {
+        write_grains(&options.out, scenario, grains)?;
+    }
     let store = StageStore::open(&options.out.join("stages"))?.with_frames(options.frames);
     let done = Shop::new(&store, &crate::world::create, options).execute(plan)?;
     let records = runs

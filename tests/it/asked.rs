@@ -154,3 +154,15 @@ fn a_density_that_cannot_be_found_leaves_nothing() {
     refused(&few, &out, &["grains: ", "too few grains", "total_mass_g"]);
     assert!(!out.exists(), "law: faults are found before anything is written");
 }
+
+/// Law: what does not fit into the paper's programme is reported before a folder is made.
+#[test]
+fn a_programme_that_cannot_be_run_leaves_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    for command in ["reproduce", "interpretations"] {
+        let args = [command, "--quick", "--set", "engine.rate_hz=-1"];
+        refused(&args, &out, &["engine.rate_hz", "-1"]);
+        assert!(!out.exists(), "law: `{command}` finds faults before anything is written");
+    }
+}

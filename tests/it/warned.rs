@@ -14,8 +14,8 @@ use pluvia::{
     protocol::Progress,
     scenario::{Backend, Override, warnings},
     study::{
-        CalibrationOptions, CalibrationStudy, ConvergenceStudy, Design, RunOptions,
-        SensitivityStudy, StudyError, StudyOptions, SweepOptions, SweepStudy, compare,
+        CalibrationOptions, Design, RunOptions, StudyError, StudyOptions, SweepOptions, SweepStudy,
+        calibrate, compare, converge, sensitivity,
     },
 };
 use serde_json::{Value, json};
@@ -89,11 +89,10 @@ fn every_command_warns_once_before_it_runs() {
     let ladders = write(folder.path(), "ladders.json", &ladders);
     let coarse = || vec![COARSE.parse::<Override>().expect("an override")];
     let two = || Interpretation::all().expect("interpretations").into_iter().take(2).collect();
-    let of_design = |design: &Path, run: RunOptions| StudyOptions {
+    let of_design = |design: &Path| StudyOptions {
         design: Some(design.to_owned()),
         quick: false,
         configurations: None,
-        run,
     };
     type Carry<'a> = &'a dyn Fn(RunOptions) -> Result<(), StudyError>;
     let commands: [(&str, Carry); 7] = [
@@ -107,13 +106,13 @@ fn every_command_warns_once_before_it_runs() {
                 ranges: Vec::new(),
                 design: Design::Grid,
                 configurations: 2,
-                run,
             })?
-            .carry_out()
+            .study()
+            .carry_out(&run)
             .map(|_| ())
         }),
         ("calibrate", &|run| {
-            CalibrationStudy::new(&CalibrationOptions {
+            calibrate(CalibrationOptions {
                 scenario: scenario.clone(),
                 changes: coarse(),
                 target: "void_ratio=0.9".parse().expect("a target"),
@@ -122,45 +121,39 @@ fn every_command_warns_once_before_it_runs() {
                 realisations: 2,
                 tolerance: None,
                 most_runs: None,
-                run,
             })?
-            .carry_out()
+            .carry_out(&run)
             .map(|_| ())
         }),
         ("compare", &|run| {
             let scenario = load_scenario(&scenario, &coarse())?.scenario;
-            compare(&scenario, &[Backend::Bullet, Backend::Bullet], &run).map(|_| ())
+            let backends = [Backend::Bullet, Backend::Bullet];
+            compare(scenario, &backends)?.carry_out(&run).map(|_| ())
         }),
-        ("converge", &|run| {
-            let options = of_design(&ladders, run);
-            ConvergenceStudy::read(&options)?.carry_out(&options.run).map(|_| ())
-        }),
-        ("sensitivity", &|run| {
-            let options = of_design(&ranges, run);
-            SensitivityStudy::read(&options)?.carry_out(&options.run).map(|_| ())
-        }),
+        ("converge", &|run| converge(&of_design(&ladders))?.carry_out(&run).map(|_| ())),
+        ("sensitivity", &|run| sensitivity(&of_design(&ranges))?.carry_out(&run).map(|_| ())),
         ("reproduce", &|run| {
             let (changes, interpretation) = (coarse(), None);
             let (quick, configurations) = (true, 2);
-            reproduce(&ReproduceOptions {
-                run,
+            reproduce(ReproduceOptions {
                 changes,
                 interpretation,
                 quick,
                 configurations,
                 placements: 1,
-            })
+            })?
+            .carry_out(&run)
             .map(|_| ())
         }),
         ("interpretations", &|run| {
             let (changes, quick, configurations) = (coarse(), true, 1);
-            interpretations(&InterpretationsOptions {
-                run,
+            interpretations(InterpretationsOptions {
                 changes,
                 quick,
                 configurations,
                 interpretations: two(),
-            })
+            })?
+            .carry_out(&run)
             .map(|_| ())
         }),
     ];

@@ -7,6 +7,8 @@ use std::{
     sync::Arc,
 };
 
+use serde_json::json;
+
 use super::{beside, interpretations::Interpretation, pictures::of_programme};
 use crate::grains::{GrainSet, ParticleSizeDistribution};
 use crate::paper::{
@@ -19,13 +21,13 @@ use crate::scale::Scale;
 use crate::scenario::{EngineSettings, GrainsSpec, Override, Scenario, StageSpec};
 use crate::specimen::Specimen;
 use crate::study::{
-    Plan, PlannedRun, RunOptions, StudyError, carry_out, described, folder_of, make_grains, preset,
-    refused, standard, tell_warnings, write_grains,
+    MEANWHILE, Plan, PlannedRun, RunOptions, Study, StudyError, carry_out, described, folder_of,
+    make_grains, preset, refused, standard,
 };
 use crate::units::{to_cm3, to_g, to_mm};
 use crate::world::EffectiveSettings;
 
-/// What to reproduce, and where.
+/// What to reproduce.
 pub struct ReproduceOptions {
     /// A few hundred grains instead of 1456, and shorter vibration.
     pub quick: bool,
@@ -38,8 +40,6 @@ pub struct ReproduceOptions {
     pub changes: Vec<Override>,
     /// An interpretation of the paper; `changes` have the last word.
     pub interpretation: Option<Interpretation>,
-    /// Where and how; what is finished there is not done again.
-    pub run: RunOptions,
 }
 
 /// What came out.
@@ -55,23 +55,34 @@ pub struct ReproduceOutcome {
     pub runs: Vec<RunRecord>,
 }
 
-/// Runs the programme and writes `claims.json`, `scorecard.json`, `uncertainty.json`,
+/// Plans the programme, which leaves `claims.json`, `scorecard.json`, `uncertainty.json`,
 /// `report.html`, `figures/`, `grains.json`, `sieve.csv` and `runs/<name>/`.
 ///
 /// # Errors
-/// [`StudyError`].
-pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyError> {
+/// [`StudyError`] where the changes do not fit, or something cannot be built.
+pub fn reproduce(options: ReproduceOptions) -> Result<Study<ReproduceOutcome>, StudyError> {
     let interpretation = options.interpretation.as_ref();
     let scenarios = Scenarios::load(options.quick, interpretation, &options.changes)?;
     let grains = Arc::new(make_grains(&scenarios.pluviation)?);
     let runs = programme(&scenarios, &grains, options.configurations, options.placements);
-    // What cannot be built is refused before a file is written.
     let plan = Plan::new(&runs)?;
-    write_grains(&options.run.out, &scenarios.pluviation, &grains)?;
-    tell_warnings(runs.iter().map(|run| &run.scenario), options.run.progress.as_ref());
-    let (records, effective) =
-        carry_out(&plan, &runs, &options.run, |run| folder_of(&options.run.out, &run.name))?;
-    finish(options, &scenarios, &grains, records, &effective)
+    let question = json!({ (MEANWHILE): {
+        "quick": options.quick,
+        "configurations": options.configurations,
+        "placements": options.placements,
+        "interpretation": interpretation.map(|i| i.name),
+        "changes": options.changes.iter().map(Override::text).collect::<Vec<&str>>(),
+    } });
+    Ok(Study {
+        command: "reproduce",
+        question,
+        scenarios: runs.iter().map(|run| run.scenario.clone()).collect(),
+        conclude: Box::new(move |run| {
+            let (records, effective) =
+                carry_out(&plan, &runs, run, |of| folder_of(&run.out, &of.name))?;
+            finish(&options, run, &scenarios, &grains, records, &effective)
+        }),
+    })
 }
 
 /// The scenarios of the programme.
@@ -231,6 +242,7 @@ pub(super) fn programme(
 /// Holds the runs against the paper and writes claims and report.
 fn finish(
     options: &ReproduceOptions,
+    run: &RunOptions,
     scenarios: &Scenarios,
     grains: &Arc<GrainSet>,
     records: Vec<RunRecord>,
@@ -239,9 +251,9 @@ fn finish(
     let study = study_view(options.configurations, scenarios, grains, &records)?;
     let claims = paper::claims(&study);
     let scorecard = paper::scorecard(&study, &claims);
-    write_json(&options.run.out.join("claims.json"), &claims)?;
-    write_json(&options.run.out.join("scorecard.json"), &scorecard)?;
-    write_json(&options.run.out.join("uncertainty.json"), &paper::uncertainty(&study))?;
+    write_json(&run.out.join("claims.json"), &claims)?;
+    write_json(&run.out.join("scorecard.json"), &scorecard)?;
+    write_json(&run.out.join("uncertainty.json"), &paper::uncertainty(&study))?;
     let column = Column {
         label: scenarios.label.clone(),
         programme: scenarios.programme_hash(options.configurations)?,
@@ -249,18 +261,14 @@ fn finish(
         stock_bullet: beside::is_stock_bullet(scenarios.engine()),
         settlement: MeanSettlement::of(&study),
     };
-    let beside = beside::keep_and_read(
-        &options.run.out,
-        &scenarios.suffix,
-        &column,
-        options.run.progress.as_ref(),
-    )?;
+    let progress = run.progress.as_ref();
+    let beside = beside::keep_and_read(&run.out, &scenarios.suffix, &column, progress)?;
     // The shaken scenario has every choice of the poured one, and more.
     let mut choices = paper::choices(&scenarios.intermittent);
     choices.extend(scenarios.repose.iter().flat_map(paper::pile_choices));
-    let (pictures, warnings) = pictures(options, scenarios);
+    let (pictures, warnings) = pictures(run, scenarios);
     paper::write_report(
-        &options.run.out,
+        &run.out,
         &ReportInput {
             study,
             claims: &claims,
@@ -270,17 +278,12 @@ fn finish(
             standard: standard(&Scale::PAPER),
             provenance: &provenance(options, scenarios),
             effective,
-            piles: &pile_pictures(&options.run.out, grains, &records)?,
+            piles: &pile_pictures(&run.out, grains, &records)?,
             pictures: &pictures,
             warnings: &warnings,
         },
     )?;
-    Ok(ReproduceOutcome {
-        claims,
-        scorecard,
-        report: options.run.out.join("report.html"),
-        runs: records,
-    })
+    Ok(ReproduceOutcome { claims, scorecard, report: run.out.join("report.html"), runs: records })
 }
 
 /// The side view of the first pile, from the files of its run.
@@ -298,12 +301,12 @@ fn pile_pictures(
 
 /// The paper's pictures from the first configuration, and why there are none where
 /// they cannot be made: a report is worth having without them.
-fn pictures(options: &ReproduceOptions, scenarios: &Scenarios) -> (Vec<Picture>, Vec<String>) {
-    let run = format!("vibration-continuous-c1{}", scenarios.suffix);
-    options.run.progress.message("making the pictures");
-    match of_programme(&folder_of(&options.run.out, &run)) {
+fn pictures(run: &RunOptions, scenarios: &Scenarios) -> (Vec<Picture>, Vec<String>) {
+    let name = format!("vibration-continuous-c1{}", scenarios.suffix);
+    run.progress.message("making the pictures");
+    match of_programme(&folder_of(&run.out, &name)) {
         Ok(pictures) => (pictures, Vec::new()),
-        Err(error) => (Vec::new(), vec![format!("There are no pictures of {run}: {error}")]),
+        Err(error) => (Vec::new(), vec![format!("There are no pictures of {name}: {error}")]),
     }
 }
 

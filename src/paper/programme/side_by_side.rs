@@ -2,6 +2,8 @@
 
 use std::{collections::BTreeSet, path::PathBuf, sync::Arc};
 
+use serde_json::json;
+
 use super::{
     beside,
     interpretations::Interpretation,
@@ -12,13 +14,13 @@ use crate::record::{RunRecord, StageStore, create_folder};
 use crate::scale::Scale;
 use crate::scenario::{Override, warnings};
 use crate::study::{
-    Plan, RunOptions, StudyError, carry_out_each, make_grains, standard, tell_warnings,
+    MEANWHILE, Plan, RunOptions, Study, StudyError, carry_out_each, make_grains, standard,
 };
 
 /// Folder of the columns in the output folder.
 const FOLDER: &str = "interpretations";
 
-/// Which interpretations to run, and where.
+/// Which interpretations to run.
 pub struct InterpretationsOptions {
     /// A few hundred grains instead of 1456, and shorter vibration.
     pub quick: bool,
@@ -28,9 +30,6 @@ pub struct InterpretationsOptions {
     pub interpretations: Vec<Interpretation>,
     /// What is changed in every scenario of every interpretation.
     pub changes: Vec<Override>,
-    /// Where and how; what is finished there is not done again, and interpretations run there
-    /// before stay in the table.
-    pub run: RunOptions,
 }
 
 /// What came out.
@@ -42,48 +41,56 @@ pub struct InterpretationsOutcome {
     pub report: PathBuf,
 }
 
-/// Runs the programme under each interpretation and writes `interpretations.json`,
-/// `interpretations.md`, `interpretations.html` and `figures/`, anew after every interpretation. A
-/// run that fails is a line of the table, and the others go on.
+/// Loads the programme under each interpretation, which leaves `interpretations.json`,
+/// `interpretations.md`, `interpretations.html` and `figures/`, anew after every interpretation;
+/// those run there before stay in the table. A run that fails is a line of it.
 ///
 /// # Errors
-/// [`StudyError`] where files cannot be read or written, the changes do not
-/// fit, or it was asked to stop.
+/// [`StudyError`] where the changes do not fit.
 pub fn interpretations(
-    options: &InterpretationsOptions,
-) -> Result<InterpretationsOutcome, StudyError> {
-    create_folder(&options.run.out)?;
-    // Faults of the changes are reported before anything runs, and so are warnings.
+    options: InterpretationsOptions,
+) -> Result<Study<InterpretationsOutcome>, StudyError> {
     let load =
         |interpretation| Scenarios::load(options.quick, Some(interpretation), &options.changes);
     let all = options.interpretations.iter().map(load).collect::<Result<Vec<_>, _>>()?;
-    tell_warnings(all.iter().flat_map(Scenarios::all), options.run.progress.as_ref());
-    let mut outcome = None;
-    for (interpretation, scenarios) in options.interpretations.iter().zip(&all) {
-        let Interpretation { name, title, .. } = interpretation;
-        options.run.progress.message(&format!("interpretation {name}: {title}"));
-        let column = carry_out_interpretation(options, interpretation, scenarios)?;
-        let columns = keep_and_read(options, column)?;
-        let standard = standard(&Scale::PAPER);
-        write_interpretations(&options.run.out, &columns, standard)?;
-        outcome = Some(InterpretationsOutcome {
-            columns,
-            report: options.run.out.join("interpretations.html"),
-        });
-    }
-    outcome.ok_or_else(|| StudyError::Scenario("no interpretation is named".to_owned()))
+    let question = json!({ (MEANWHILE): {
+        "quick": options.quick,
+        "configurations": options.configurations,
+        "interpretations": options.interpretations.iter().map(|i| i.name).collect::<Vec<&str>>(),
+        "changes": options.changes.iter().map(Override::text).collect::<Vec<&str>>(),
+    } });
+    Ok(Study {
+        command: "interpretations",
+        question,
+        scenarios: all.iter().flat_map(Scenarios::all).cloned().collect(),
+        conclude: Box::new(move |run| {
+            create_folder(&run.out)?;
+            let mut outcome = None;
+            for (interpretation, scenarios) in options.interpretations.iter().zip(&all) {
+                let Interpretation { name, title, .. } = interpretation;
+                run.progress.message(&format!("interpretation {name}: {title}"));
+                let column = carry_out_interpretation(&options, run, interpretation, scenarios)?;
+                let columns = keep_and_read(run, column)?;
+                write_interpretations(&run.out, &columns, standard(&Scale::PAPER))?;
+                let report = run.out.join("interpretations.html");
+                outcome = Some(InterpretationsOutcome { columns, report });
+            }
+            outcome.ok_or_else(|| StudyError::Scenario("no interpretation is named".to_owned()))
+        }),
+    })
 }
 
 fn carry_out_interpretation(
     options: &InterpretationsOptions,
+    run: &RunOptions,
     interpretation: &Interpretation,
     scenarios: &Scenarios,
 ) -> Result<InterpretationColumn, StudyError> {
     let grains = Arc::new(make_grains(&scenarios.pluviation)?);
     let runs = programme(scenarios, &grains, options.configurations, 1);
     let plan = Plan::new(&runs)?;
-    let store = StageStore::open(&options.run.out.join("stages"))?;
-    let each = carry_out_each(&crate::world::create, &plan, &runs, &store, &options.run)?;
+    let store = StageStore::open(&run.out.join("stages"))?;
+    let each = carry_out_each(&crate::world::create, &plan, &runs, &store, run)?;
     let mut records: Vec<RunRecord> = Vec::new();
     let mut failures = Vec::new();
     for (run, result) in runs.iter().zip(each) {
@@ -124,12 +131,12 @@ fn shown(mut run: RunRecord) -> RunRecord {
 /// Keeps a column, and gives it with the others of the same programme, in the
 /// order of the interpretations.
 fn keep_and_read(
-    options: &InterpretationsOptions,
+    run: &RunOptions,
     column: InterpretationColumn,
 ) -> Result<Vec<InterpretationColumn>, StudyError> {
     let name = format!("{}.json", column.name);
-    let folder = options.run.out.join(FOLDER);
-    let progress = options.run.progress.as_ref();
+    let folder = run.out.join(FOLDER);
+    let progress = run.progress.as_ref();
     let mut columns = beside::keep(&folder, &name, &column, |c| &c.programme, progress)?;
     columns.push(column);
     let place = |c: &InterpretationColumn| Interpretation::names().position(|n| n == c.name);

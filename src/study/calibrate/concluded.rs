@@ -282,7 +282,7 @@ fn identity(
 mod tests {
     use super::*;
     use crate::study::GRAIN_FRICTION;
-    use crate::study::tests::{bare_scenario, run_options};
+    use crate::study::tests::bare_scenario;
 
     fn options(target: &str) -> CalibrationOptions {
         CalibrationOptions {
@@ -294,7 +294,6 @@ mod tests {
             realisations: 3,
             tolerance: None,
             most_runs: None,
-            run: run_options("out"),
         }
     }
 

@@ -41,8 +41,6 @@ pub struct CalibrationOptions {
     pub tolerance: Option<f64>,
     /// Maximum number of runs; `None` for 16 per realisation.
     pub most_runs: Option<usize>,
-    /// Where to, how many at a time, whom to tell.
-    pub run: RunOptions,
 }
 
 impl CalibrationOptions {
@@ -53,14 +51,6 @@ impl CalibrationOptions {
     }
 }
 
-/// A calibration that was checked, and not yet run.
-pub struct CalibrationStudy<'a> {
-    options: &'a CalibrationOptions,
-    /// The scenario with its changes.
-    pub scenario: Scenario,
-    question: Question,
-}
-
 /// Runs by the bits of their value and their configuration.
 type Known = HashMap<(u64, u32), CalibrationRun>;
 
@@ -69,84 +59,93 @@ const RUNS_A_REALISATION: usize = 16;
 /// Fewer are used up by the first look.
 const LEAST_RUNS_A_REALISATION: usize = 6;
 
-impl<'a> CalibrationStudy<'a> {
-    /// Checks everything that can be checked before anything runs: the
-    /// scenario at both ends of the range, the unknown, the numbers.
-    ///
-    /// # Errors
-    /// [`StudyError::Faults`] of the scenario, [`StudyError::Scenario`] else.
-    pub fn new(options: &'a CalibrationOptions) -> Result<Self, StudyError> {
-        let scenario = load_scenario(&options.scenario, &options.changes)?.scenario;
-        question::known(&options.target)?;
-        question::measured(&options.target, &scenario)?;
-        let whole = question::takes_whole(&options.unknown, &scenario)?;
-        let CalibrationRange { low, high } = options.between;
-        if whole && (low.fract() != 0.0 || high.fract() != 0.0) {
-            return refused(format!(
-                "--between {low}..{high}: `{}` takes whole numbers only",
-                options.unknown
-            ));
-        }
-        let realisations = options.realisations as usize;
-        let most_runs = options.most_runs.unwrap_or(RUNS_A_REALISATION * realisations);
-        if most_runs < LEAST_RUNS_A_REALISATION * realisations {
-            return refused(format!(
-                "--most-runs {most_runs}: at least {} runs are needed, {LEAST_RUNS_A_REALISATION} \
-                 per realisation",
-                LEAST_RUNS_A_REALISATION * realisations
-            ));
-        }
-        if scenario.rest_test_s <= 0.0 {
-            return refused(format!(
-                "{}: rest_test_s is {}: without a rest test no run is valid, and only valid runs count in \
-                 a calibration; it must be above 0",
-                options.scenario.display(),
-                scenario.rest_test_s
-            ));
-        }
-        let question = Question {
-            wanted: options.target.wanted,
-            between: (low, high),
-            realisations: options.realisations,
-            tolerance: options.tolerance,
-            most_runs,
-            whole,
-            also: options.friction_of_angle(),
-        };
-        let study = Self { options, scenario, question };
-        // A value that the scenario does not allow is reported before anything runs.
-        let ends = study.varied(&[low, high])?;
-        refuse_repeats(&ends, REALISATIONS, options.realisations)?;
-        Ok(study)
+/// Checks a calibration as far as that is possible before anything runs: the scenario at both ends
+/// of the range, the unknown, the numbers. It leaves `calibrate.json`, `calibrate.md`,
+/// `report.html`, `evaluations.csv`, `figures/` and `runs/<name>/`; a result that cannot be had is
+/// none.
+///
+/// # Errors
+/// [`StudyError::Faults`] of the scenario, [`StudyError::Scenario`] else.
+pub fn calibrate(options: CalibrationOptions) -> Result<Study<Calibration>, StudyError> {
+    let scenario = load_scenario(&options.scenario, &options.changes)?.scenario;
+    question::known(&options.target)?;
+    question::measured(&options.target, &scenario)?;
+    let whole = question::takes_whole(&options.unknown, &scenario)?;
+    let CalibrationRange { low, high } = options.between;
+    if whole && (low.fract() != 0.0 || high.fract() != 0.0) {
+        return refused(format!(
+            "--between {low}..{high}: `{}` takes whole numbers only",
+            options.unknown
+        ));
     }
+    let realisations = options.realisations as usize;
+    let most_runs = options.most_runs.unwrap_or(RUNS_A_REALISATION * realisations);
+    if most_runs < LEAST_RUNS_A_REALISATION * realisations {
+        return refused(format!(
+            "--most-runs {most_runs}: at least {} runs are needed, {LEAST_RUNS_A_REALISATION} \
+             per realisation",
+            LEAST_RUNS_A_REALISATION * realisations
+        ));
+    }
+    if scenario.rest_test_s <= 0.0 {
+        return refused(format!(
+            "{}: rest_test_s is {}: without a rest test no run is valid, and only valid runs count in \
+             a calibration; it must be above 0",
+            options.scenario.display(),
+            scenario.rest_test_s
+        ));
+    }
+    let question = Question {
+        wanted: options.target.wanted,
+        between: (low, high),
+        realisations: options.realisations,
+        tolerance: options.tolerance,
+        most_runs,
+        whole,
+        also: options.friction_of_angle(),
+    };
+    let asked = json!({
+        "scenario": in_question(&scenario),
+        "target": options.target.field,
+        "wanted": options.target.wanted,
+        "unknown": options.unknown,
+    });
+    let runs = Runs { options, question };
+    // A value that the scenario does not allow is reported before anything runs.
+    let ends = runs.varied(&[low, high])?;
+    refuse_repeats(&ends, REALISATIONS, runs.options.realisations)?;
+    Ok(Study {
+        command: "calibrate",
+        question: asked,
+        scenarios: ends.scenarios().cloned().collect(),
+        conclude: Box::new(move |run| runs.find(&scenario, run)),
+    })
+}
 
-    /// Carries it out and writes `calibrate.json`, `calibrate.md`,
-    /// `report.html`, `evaluations.csv`, `figures/` and `runs/<name>/`. What is
-    /// stored in the folder is not done again.
-    ///
-    /// # Errors
-    /// [`StudyError`]. A result that cannot be had is none.
-    pub fn carry_out(&self) -> Result<Calibration, StudyError> {
-        let (low, high) = self.question.between;
-        let ends = self.varied(&[low, high])?;
-        tell_warnings(ends.scenarios(), self.options.run.progress.as_ref());
+/// The runs of a calibration.
+struct Runs {
+    options: CalibrationOptions,
+    question: Question,
+}
+
+impl Runs {
+    /// Asks for runs until the question is answered.
+    fn find(&self, scenario: &Scenario, run: &RunOptions) -> Result<Calibration, StudyError> {
         let mut known = Known::new();
-        let mut all: Vec<CalibrationRun> = Vec::new();
         let mut carry_out = |values: &[f64], configurations: Range<u32>| {
-            let runs = self.runs(values, configurations, &mut known)?;
-            all.extend(runs.iter().cloned());
+            let runs = self.at(values, configurations, &mut known, run)?;
+            let mut all: Vec<CalibrationRun> = known.values().cloned().collect();
             all.sort_by(|a, b| {
                 a.value.total_cmp(&b.value).then(a.configuration.cmp(&b.configuration))
             });
-            all.dedup();
-            report::write_calibration_runs(&self.options.run.out, &all)?;
+            report::write_calibration_runs(&run.out, &all)?;
             Ok(runs)
         };
         // One run tells whether the result is measured at all.
         carry_out(&[self.question.between.0], 0..1)?;
         let answer = search(&self.question, &mut carry_out)?;
-        let found = concluded::conclude(self.options, &self.scenario, &self.question, answer);
-        report::write_calibration(&self.options.run.out, &found)?;
+        let found = concluded::conclude(&self.options, scenario, &self.question, answer);
+        report::write_calibration(&run.out, &found)?;
         Ok(found)
     }
 
@@ -167,11 +166,12 @@ impl<'a> CalibrationStudy<'a> {
     }
 
     /// Runs what is not known yet, and gives the runs value by value.
-    fn runs(
+    fn at(
         &self,
         values: &[f64],
         configurations: Range<u32>,
         known: &mut Known,
+        options: &RunOptions,
     ) -> Result<Vec<CalibrationRun>, StudyError> {
         let key = |value: f64, configuration: u32| (value.to_bits(), configuration);
         let missing = |value: &f64| {
@@ -184,15 +184,15 @@ impl<'a> CalibrationStudy<'a> {
                 &crate::world::create,
                 &varied,
                 std::slice::from_ref(&configurations),
-                &self.options.run,
+                options,
                 &mut |_| Ok(()),
             )?;
             for (value, (variation, _)) in wanted.iter().zip(&varied.all) {
                 for row in rows.iter().filter(|row| row.variation == variation.name) {
-                    let run = self.measured(*value, row)?;
+                    let run = self.measured(*value, row, &options.out)?;
                     let told = known.insert(key(*value, run.configuration), run.clone());
                     if told.is_none() {
-                        self.tell(&run);
+                        self.tell(&run, options.progress.as_ref());
                     }
                 }
             }
@@ -205,12 +205,12 @@ impl<'a> CalibrationStudy<'a> {
     }
 
     /// Reads the result of a run from its summary.
-    fn measured(&self, value: f64, row: &RunRow) -> Result<CalibrationRun, StudyError> {
+    fn measured(&self, value: f64, row: &RunRow, out: &Path) -> Result<CalibrationRun, StudyError> {
         let run = CalibrationRun::new(value, row.configuration, &row.run);
         if let Some(why) = &row.failure {
             return Ok(CalibrationRun { failure: Some(why.clone()), ..run });
         }
-        let path = folder_of(&self.options.run.out, &row.run).join("summary.json");
+        let path = folder_of(out, &row.run).join("summary.json");
         let summary: Value = read_json(&path)?;
         let run = CalibrationRun {
             left_in_funnel: summary.pointer("/grains/left_in_funnel").and_then(Value::as_u64),
@@ -232,7 +232,7 @@ impl<'a> CalibrationStudy<'a> {
         }
     }
 
-    fn tell(&self, run: &CalibrationRun) {
+    fn tell(&self, run: &CalibrationRun, progress: &dyn Progress) {
         let unit = self.options.target.unit();
         let result = match (&run.result, &run.failure) {
             (Some(result), _) => {
@@ -244,6 +244,6 @@ impl<'a> CalibrationStudy<'a> {
         };
         let name = report::unknown_in_words(&self.options.unknown);
         let text = format!("{name} {}, configuration {}: {result}", run.value, run.configuration);
-        self.options.run.progress.message(&text);
+        progress.message(&text);
     }
 }

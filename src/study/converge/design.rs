@@ -77,19 +77,16 @@ pub struct RungDesign {
     pub quick: bool,
 }
 
-/// A convergence study that was read and checked, and not yet run.
+/// A design that was read and checked.
 #[derive(Debug)]
-pub struct ConvergenceStudy {
-    pub(super) quick: bool,
-    /// How far a result may be from the converged one.
+pub(super) struct Designed {
+    pub quick: bool,
     pub limits: ConvergenceLimits,
     /// Title of the ladder whose finest rung is the converged result.
     pub reference: String,
     /// The ladders, each with its rungs from the coarsest to the finest.
-    pub(super) ladders: Vec<Ladder>,
-    /// The scenario and its variations.
+    pub ladders: Vec<Ladder>,
     pub varied: Varied,
-    /// Number of configurations.
     pub configurations: u32,
 }
 
@@ -101,7 +98,7 @@ pub(super) struct Ladder {
     pub rungs: Vec<(String, String)>,
 }
 
-impl ConvergenceStudy {
+impl Designed {
     /// Reads a design; tells all its faults, or else all of the scenarios it makes.
     pub(super) fn of_file(file: &Path, quick: bool) -> Result<Self, ScenarioErrors> {
         let design: ConvergenceDesign = load_document(file)?;

@@ -6,18 +6,17 @@ mod judge;
 #[cfg(test)]
 mod tests;
 
-pub use design::{
-    ConvergenceDesign, ConvergenceLimits, ConvergenceStudy, LadderDesign, RungDesign,
-};
+pub use design::{ConvergenceDesign, ConvergenceLimits, LadderDesign, RungDesign};
 
 use super::variations::keep_and_read;
 use super::*;
 use crate::report::Convergence;
+use design::Designed;
 
 /// Where the built-in design stands under `scenarios/`.
 const BUILT_IN: &str = "studies/convergence.json";
 
-/// How to run a study whose design is in a file.
+/// A study whose design is in a file.
 pub struct StudyOptions {
     /// The design; `None` for the built-in one.
     pub design: Option<PathBuf>,
@@ -25,44 +24,42 @@ pub struct StudyOptions {
     pub quick: bool,
     /// Number of configurations in place of the design's.
     pub configurations: Option<u32>,
-    /// Where to, how many at a time, whom to tell.
-    pub run: RunOptions,
 }
 
-impl ConvergenceStudy {
-    /// Reads the design.
-    ///
-    /// # Errors
-    /// [`StudyError::Faults`] with all its faults; [`StudyError::Scenario`] of realisations that are
-    /// all the same run.
-    pub fn read(options: &StudyOptions) -> Result<Self, StudyError> {
-        let file = DesignFile::new(options.design.as_deref(), BUILT_IN)?;
-        let mut study = Self::of_file(&file.path, options.quick)?;
-        study.configurations = options.configurations.unwrap_or(study.configurations);
-        refuse_repeats(&study.varied, CONFIGURATIONS, study.configurations)?;
-        Ok(study)
-    }
+/// Reads a convergence study, which leaves `convergence.json`, `convergence.csv`, `convergence.md`,
+/// `figures/`, the tables of variations and `runs/<name>/`. Rows that a build in the other
+/// precision left in the same folder of the same study are judged along.
+///
+/// # Errors
+/// [`StudyError::Faults`] with all its faults; [`StudyError::Scenario`] of realisations that are
+/// all the same run.
+pub fn converge(options: &StudyOptions) -> Result<Study<Convergence>, StudyError> {
+    let file = DesignFile::new(options.design.as_deref(), BUILT_IN)?;
+    let design = Designed::of_file(&file.path, options.quick)?;
+    let configurations = options.configurations.unwrap_or(design.configurations);
+    refuse_repeats(&design.varied, CONFIGURATIONS, configurations)?;
+    let mut question = design.varied.question(configurations);
+    question["limits"] = json!(design.limits);
+    question["reference"] = design.reference.as_str().into();
+    Ok(Study {
+        command: "converge",
+        question,
+        scenarios: design.varied.scenarios().cloned().collect(),
+        conclude: Box::new(move |run| {
+            let programme = design.varied.programme(configurations);
+            conclude_so_far(&design.varied, configurations, run, |rows| {
+                let (all, left_out) = keep_and_read(&run.out, &programme, rows)?;
+                left_out.iter().for_each(|said| run.progress.message(said));
+                write_variations(&run.out, &all)?;
+                let convergence = design.judged(&all);
+                report::write_convergence(&run.out, &convergence)?;
+                Ok(convergence)
+            })
+        }),
+    })
+}
 
-    /// Carries it out and writes `convergence.json`, `convergence.csv`, `convergence.md`,
-    /// `figures/`, the tables of variations and `runs/<name>/`. Rows that a build in the other
-    /// precision left in the same folder of the same study are judged along.
-    ///
-    /// # Errors
-    /// [`StudyError`].
-    pub fn carry_out(&self, options: &RunOptions) -> Result<Convergence, StudyError> {
-        let varied = &self.varied;
-        tell_warnings(varied.scenarios(), options.progress.as_ref());
-        let programme = varied.programme(self.configurations);
-        conclude_so_far(varied, self.configurations, options, |rows| {
-            let (all, left_out) = keep_and_read(&options.out, &programme, rows)?;
-            left_out.iter().for_each(|said| options.progress.message(said));
-            write_variations(&options.out, &all)?;
-            let convergence = self.judged(&all);
-            report::write_convergence(&options.out, &convergence)?;
-            Ok(convergence)
-        })
-    }
-
+impl Designed {
     fn judged(&self, runs: &[RunRow]) -> Convergence {
         let Self { limits, reference, ladders, varied, .. } = self;
         let standard = standard(&varied.base.scale());

@@ -1,8 +1,8 @@
 //! Deviations, verdicts and the choice of the cheapest setting, on canned rows.
 
 use super::{
-    BUILT_IN, ConvergenceStudy,
-    design::{ConvergenceLimits, Ladder},
+    BUILT_IN,
+    design::{ConvergenceLimits, Designed, Ladder},
     judge::{cheapest, judge},
 };
 use crate::record::RunRow;
@@ -287,7 +287,7 @@ fn single_precision_is_held_against_double() {
 fn the_built_in_design_is_sound() {
     let file = DesignFile::new(None, BUILT_IN).expect("unpacked");
     for quick in [false, true] {
-        let design = ConvergenceStudy::of_file(&file.path, quick);
+        let design = Designed::of_file(&file.path, quick);
         let design = design.unwrap_or_else(|e| panic!("quick {quick}: {e}"));
         assert!(design.configurations >= 2, "one configuration tells nothing of scatter");
         let names = || design.varied.all.iter().map(|(v, _)| v.name.as_str());

@@ -11,47 +11,32 @@ use super::*;
 /// Where the built-in design stands under `scenarios/`.
 const BUILT_IN: &str = "studies/sensitivity.json";
 
-/// A sensitivity study that was read and checked, and not yet run.
-#[derive(Debug)]
-pub struct SensitivityStudy {
-    quick: bool,
-    parameters: Vec<Parameter>,
-    /// The scenario and its variations.
-    pub varied: Varied,
-    /// Number of configurations.
-    pub configurations: u32,
-}
-
-impl SensitivityStudy {
-    /// Reads the design.
-    ///
-    /// # Errors
-    /// [`StudyError::Faults`] with all its faults; [`StudyError::Scenario`] of realisations that are
-    /// all the same run.
-    pub fn read(options: &StudyOptions) -> Result<Self, StudyError> {
-        let file = DesignFile::new(options.design.as_deref(), BUILT_IN)?;
-        let Designed { chosen, parameters, varied } = design::read(&file.path, options.quick, &[])?;
-        let configurations = options.configurations.unwrap_or(chosen.configurations);
-        refuse_repeats(&varied, CONFIGURATIONS, configurations)?;
-        Ok(Self { quick: options.quick, parameters, varied, configurations })
-    }
-
-    /// Carries it out and writes `sensitivity.json`, `sensitivity.csv`, `sensitivity.md`,
-    /// `figures/`, the tables of variations and `runs/<name>/`.
-    ///
-    /// # Errors
-    /// [`StudyError`].
-    pub fn carry_out(&self, options: &RunOptions) -> Result<Sensitivity, StudyError> {
-        let Self { quick, parameters, varied, configurations } = self;
-        tell_warnings(varied.scenarios(), options.progress.as_ref());
-        conclude_so_far(varied, *configurations, options, |rows| {
-            write_variations(&options.out, rows)?;
-            let of = Parameter::variation;
-            let found = table(&varied.base, *quick, parameters, of, design::DEFAULT, rows);
-            report::write_sensitivity(&options.out, &found)?;
-            Ok(found)
-        })
-    }
+/// Reads a sensitivity study, which leaves `sensitivity.json`, `sensitivity.csv`, `sensitivity.md`,
+/// `figures/`, the tables of variations and `runs/<name>/`.
+///
+/// # Errors
+/// [`StudyError::Faults`] with all its faults; [`StudyError::Scenario`] of realisations that are
+/// all the same run.
+pub fn sensitivity(options: &StudyOptions) -> Result<Study<Sensitivity>, StudyError> {
+    let file = DesignFile::new(options.design.as_deref(), BUILT_IN)?;
+    let quick = options.quick;
+    let Designed { chosen, parameters, varied } = design::read(&file.path, quick, &[])?;
+    let configurations = options.configurations.unwrap_or(chosen.configurations);
+    refuse_repeats(&varied, CONFIGURATIONS, configurations)?;
+    Ok(Study {
+        command: "sensitivity",
+        question: varied.question(configurations),
+        scenarios: varied.scenarios().cloned().collect(),
+        conclude: Box::new(move |run| {
+            conclude_so_far(&varied, configurations, run, |rows| {
+                write_variations(&run.out, rows)?;
+                let of = Parameter::variation;
+                let found = table(&varied.base, quick, &parameters, of, design::DEFAULT, rows);
+                report::write_sensitivity(&run.out, &found)?;
+                Ok(found)
+            })
+        }),
+    })
 }
 
 /// What parameters of a scenario move that were varied one at a time. `variation` says what the

@@ -16,11 +16,8 @@ pub use points::{Design, Point};
 pub use snakemake::{SNAKEFILE, write as write_snakefile};
 pub use tasks::{SweepStage, SweepStatus, SweepTasks};
 
+use super::sensitivity::{Designed, read_design};
 use super::*;
-use super::{
-    sensitivity::{Designed, read_design},
-    variations::collect_stored,
-};
 use crate::record::RunLock;
 use crate::report::{Sweep, SweepFactor, SweepRun, outcomes_in};
 use crate::scenario::gathered;
@@ -43,8 +40,6 @@ pub struct SweepOptions {
     pub design: Design,
     /// Configurations per point, each a new random arrangement of the same grains.
     pub configurations: u32,
-    /// Where to, how many at a time, whom to tell.
-    pub run: RunOptions,
 }
 
 impl SweepOptions {
@@ -57,7 +52,6 @@ impl SweepOptions {
         quick: bool,
         changes: &[Override],
         configurations: Option<u32>,
-        run: RunOptions,
     ) -> Result<Self, StudyError> {
         let Designed { chosen, parameters, .. } = read_design(design, quick, changes)?;
         Ok(Self {
@@ -69,7 +63,6 @@ impl SweepOptions {
             ranges: Vec::new(),
             design: Design::OneAtATime,
             configurations: configurations.unwrap_or(chosen.configurations),
-            run,
         })
     }
 
@@ -120,66 +113,49 @@ impl SweepStudy {
         Ok(Self { options, gathered, scenario, points, varied })
     }
 
-    /// The plan: every run with its changes, and the name under which its last stage is stored.
-    ///
-    /// # Errors
-    /// When grains or apparatus of a point cannot be made.
-    pub fn plan(&self) -> Result<SweepPlan, StudyError> {
-        plan_file::plan(
-            &self.options,
-            &self.scenario.name,
-            &self.gathered,
-            &self.points,
-            &self.varied,
-        )
-    }
-
     /// Writes the plan, and the scenario as it was planned, into the output
     /// folder, so that the folder holds all that its stages need.
     ///
     /// # Errors
     /// [`StudyError::Scenario`] for a folder that holds another sweep, or this
     /// one of a scenario that was edited since; no plan is written then.
-    pub fn write_plan(&self) -> Result<SweepPlan, StudyError> {
+    pub fn write_plan(&self, run: &RunOptions) -> Result<SweepPlan, StudyError> {
         let plan = self.plan()?;
-        let out = &self.options.run.out;
+        let out = &run.out;
         create_folder(out)?;
         // Of two that begin there at once, the second finds the plan of the first.
         RunLock::take(out, |_| {
             edited::refuse(out, &plan, &self.options, &self.scenario)?;
-            tell_warnings(self.varied.scenarios(), self.options.run.progress.as_ref());
+            tell_warnings(self.varied.scenarios(), run.progress.as_ref());
             plan.write(out, &self.gathered)
         })?;
         Ok(plan)
     }
 
-    /// Carries it out and writes `plan.json`, `sweep.csv`, `sweep.json`, `sweep.md`, `report.html`,
-    /// `figures/` and `runs/<name>/`; anew after each configuration of all points. What is stored
-    /// in the folder is not done again.
-    ///
-    /// # Errors
-    /// [`StudyError`]. A run that fails is a row that says why.
-    pub fn carry_out(&self) -> Result<Sweep, StudyError> {
-        self.write_plan()?;
-        let SweepOptions { configurations, run, .. } = &self.options;
-        conclude_so_far(&self.varied, *configurations, run, |rows| self.write(rows))
+    /// As a study that leaves `plan.json`, `sweep.csv`, `sweep.json`, `sweep.md`, `report.html`,
+    /// `figures/` and `runs/<name>/`; anew after each configuration of all points. A run that fails
+    /// is a row that says why.
+    pub fn study(self) -> Study<Sweep> {
+        Study {
+            command: "sweep",
+            // The plan says what is asked, and has the warnings told.
+            question: Value::Null,
+            scenarios: Vec::new(),
+            conclude: Box::new(move |run| {
+                self.write_plan(run)?;
+                let configurations = self.options.configurations;
+                conclude_so_far(&self.varied, configurations, run, |rows| {
+                    self.write(rows, &run.out)
+                })
+            }),
+        }
     }
 
-    /// Puts what is stored of it into the same files, whoever carried it out;
-    /// a run that is not whole is a row that says so.
-    ///
-    /// # Errors
-    /// [`StudyError`].
-    pub fn collect(&self) -> Result<Sweep, StudyError> {
-        let rows = collect_stored(&self.varied, self.options.configurations, &self.options.run)?;
-        self.write(&rows)
-    }
-
-    fn write(&self, rows: &[RunRow]) -> Result<Sweep, StudyError> {
-        let sweep = self.found(rows)?;
-        report::write_sweep(&self.options.run.out, &sweep)?;
+    fn write(&self, rows: &[RunRow], out: &Path) -> Result<Sweep, StudyError> {
+        let sweep = self.found(rows, out)?;
+        report::write_sweep(out, &sweep)?;
         if let Some(table) = single::sensitivity(self, &sweep.factors, rows) {
-            report::write_sensitivity(&self.options.run.out, &table)?;
+            report::write_sensitivity(out, &table)?;
         }
         Ok(sweep)
     }
@@ -203,9 +179,9 @@ impl SweepStudy {
         listed.chain(drawn).collect()
     }
 
-    fn found(&self, rows: &[RunRow]) -> Result<Sweep, StudyError> {
+    fn found(&self, rows: &[RunRow], out: &Path) -> Result<Sweep, StudyError> {
         let mut runs =
-            rows.iter().map(|row| self.run(row)).collect::<Result<Vec<_>, StudyError>>()?;
+            rows.iter().map(|row| self.run(row, out)).collect::<Result<Vec<_>, StudyError>>()?;
         // Whoever carried them out may have done so in another order.
         let place = |run: &SweepRun| self.points.iter().position(|p| p.name == run.point);
         runs.sort_by_key(|run| (run.configuration, place(run)));
@@ -225,13 +201,12 @@ impl SweepStudy {
     }
 
     /// A run with the numbers of its summary.
-    fn run(&self, row: &RunRow) -> Result<SweepRun, StudyError> {
+    fn run(&self, row: &RunRow, out: &Path) -> Result<SweepRun, StudyError> {
         let point = self.points.iter().find(|p| p.name == row.variation);
         let outcomes = match row.failure {
             Some(_) => BTreeMap::new(),
             None => {
-                let folder = folder_of(&self.options.run.out, &row.run);
-                outcomes_in(&read_json(&folder.join("summary.json"))?)
+                outcomes_in(&read_json(&folder_of(out, &row.run).join("summary.json"))?)
             }
         };
         Ok(SweepRun {

@@ -81,54 +81,55 @@ pub(super) fn name(design: Design) -> &'static str {
     }
 }
 
-pub(super) fn plan(
-    options: &SweepOptions,
-    scenario_name: &str,
-    gathered: &Value,
-    points: &[Point],
-    varied: &Varied,
-) -> Result<SweepPlan, StudyError> {
-    let factors: Vec<String> = options.names().into_iter().map(str::to_owned).collect();
-    let engines = varied.scenarios().map(|scenario| {
-        let info = crate::world::info(scenario.engine.backend);
-        format!("{} {} in {} precision", info.name, info.version, info.precision)
-    });
-    let planned = varied.runs(options.configurations)?;
-    let plan = Plan::new(&planned)?;
-    let of_runs = points.iter().flat_map(|p| repeat_n(p, options.configurations as usize));
-    let runs = of_runs.zip(planned.iter().zip(&plan.runs)).map(|(point, (run, nodes))| {
-        let last = nodes.rest_test.or(nodes.stages.last().copied());
-        PlannedPoint {
-            run: run.name.clone(),
-            point: point.name.clone(),
-            values: factors.iter().cloned().zip(point.values.iter().cloned()).collect(),
-            changes: point.changes.iter().map(|c| c.text().to_owned()).collect(),
-            seed: run.scenario.seed,
-            configuration: run.scenario.configuration,
-            key: last.map(|n| plan.nodes[n].key().to_owned()).unwrap_or_default(),
-        }
-    });
-    Ok(SweepPlan {
-        format: FORMAT.to_owned(),
-        version: VERSION,
-        program: format!("pluvia {}", env!("CARGO_PKG_VERSION")),
-        engines: each_once(engines),
-        scenario: options.scenario.display().to_string(),
-        name: scenario_name.to_owned(),
-        scenario_sha256: hash_json(gathered),
-        design: name(options.design).to_owned(),
-        samples: match options.design {
-            Design::LatinHypercube(count) => Some(count),
-            Design::Grid | Design::OneAtATime => None,
-        },
-        over: options.over.iter().map(|f| f.text.clone()).collect(),
-        parameters: options.parameters.clone(),
-        quick: options.quick,
-        ranges: options.ranges.iter().map(|r| r.text.clone()).collect(),
-        changes: options.changes.iter().map(|c| c.text().to_owned()).collect(),
-        configurations: options.configurations,
-        runs: runs.collect(),
-    })
+impl SweepStudy {
+    /// The plan: every run with its changes, and the name under which its last stage is stored.
+    ///
+    /// # Errors
+    /// When grains or apparatus of a point cannot be made.
+    pub fn plan(&self) -> Result<SweepPlan, StudyError> {
+        let Self { options, gathered, scenario, points, varied } = self;
+        let factors: Vec<String> = options.names().into_iter().map(str::to_owned).collect();
+        let engines = varied.scenarios().map(|scenario| {
+            let info = crate::world::info(scenario.engine.backend);
+            format!("{} {} in {} precision", info.name, info.version, info.precision)
+        });
+        let planned = varied.runs(options.configurations)?;
+        let plan = Plan::new(&planned)?;
+        let of_runs = points.iter().flat_map(|p| repeat_n(p, options.configurations as usize));
+        let runs = of_runs.zip(planned.iter().zip(&plan.runs)).map(|(point, (run, nodes))| {
+            let last = nodes.rest_test.or(nodes.stages.last().copied());
+            PlannedPoint {
+                run: run.name.clone(),
+                point: point.name.clone(),
+                values: factors.iter().cloned().zip(point.values.iter().cloned()).collect(),
+                changes: point.changes.iter().map(|c| c.text().to_owned()).collect(),
+                seed: run.scenario.seed,
+                configuration: run.scenario.configuration,
+                key: last.map(|n| plan.nodes[n].key().to_owned()).unwrap_or_default(),
+            }
+        });
+        Ok(SweepPlan {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            program: format!("pluvia {}", env!("CARGO_PKG_VERSION")),
+            engines: each_once(engines),
+            scenario: options.scenario.display().to_string(),
+            name: scenario.name.clone(),
+            scenario_sha256: hash_json(gathered),
+            design: name(options.design).to_owned(),
+            samples: match options.design {
+                Design::LatinHypercube(count) => Some(count),
+                Design::Grid | Design::OneAtATime => None,
+            },
+            over: options.over.iter().map(|f| f.text.clone()).collect(),
+            parameters: options.parameters.clone(),
+            quick: options.quick,
+            ranges: options.ranges.iter().map(|r| r.text.clone()).collect(),
+            changes: options.changes.iter().map(|c| c.text().to_owned()).collect(),
+            configurations: options.configurations,
+            runs: runs.collect(),
+        })
+    }
 }
 
 impl SweepPlan {
@@ -158,11 +159,11 @@ impl SweepPlan {
         Ok(plan)
     }
 
-    /// What was asked for, with results in `run.out`, and of the scenario that is kept there.
+    /// What was asked for, of the scenario that is kept in the folder of the plan.
     ///
     /// # Errors
     /// [`StudyError::Scenario`] for what cannot be read.
-    pub fn options(&self, run: RunOptions) -> Result<SweepOptions, StudyError> {
+    pub fn options(&self, out: &Path) -> Result<SweepOptions, StudyError> {
         fn parsed<T: FromStr<Err: Display>>(texts: &[String]) -> Result<Vec<T>, StudyError> {
             let each = texts.iter().map(|t| t.parse().map_err(|e: T::Err| e.to_string()));
             each.collect::<Result<_, _>>().map_err(StudyError::Scenario)
@@ -189,7 +190,7 @@ impl SweepPlan {
             }
         };
         Ok(SweepOptions {
-            scenario: run.out.join(SCENARIO_FILE),
+            scenario: out.join(SCENARIO_FILE),
             changes: parsed(&self.changes)?,
             over: parsed(&self.over)?,
             parameters: self.parameters.clone(),
@@ -197,7 +198,6 @@ impl SweepPlan {
             ranges: parsed(&self.ranges)?,
             design,
             configurations: self.configurations,
-            run,
         })
     }
 
@@ -216,7 +216,6 @@ mod tests {
     use serde_json::json;
 
     use super::*;
-    use crate::study::tests::run_options;
 
     fn options(change: &dyn Fn(&mut Value)) -> Result<SweepOptions, StudyError> {
         let mut plan = json!({
@@ -227,7 +226,7 @@ mod tests {
         });
         change(&mut plan);
         let plan: SweepPlan = serde_json::from_value(plan).expect("a plan");
-        plan.options(run_options("out"))
+        plan.options(Path::new("out"))
     }
 
     #[test]

@@ -1,14 +1,14 @@
 //! The stages of a planned sweep one by one, for engines that spread them over
 //! many machines with a folder in common.
 
-use super::super::variations::name_stages;
+use super::super::variations::collect_stored;
 use super::*;
 
 /// The stages of a sweep, in levels: those of a level need only such of the
 /// levels before, so that a level can be run all at once.
 pub struct SweepTasks {
-    /// The sweep, to collect its results.
-    pub study: SweepStudy,
+    study: SweepStudy,
+    run: RunOptions,
     plan: Plan,
     store: StageStore,
     levels: Vec<Vec<usize>>,
@@ -48,14 +48,11 @@ impl SweepTasks {
     /// program, is no longer what it was when the plan was made.
     pub fn read(run: RunOptions) -> Result<Self, StudyError> {
         let file = SweepPlan::read(&run.out)?;
-        let out = run.out.clone();
-        let frames = run.frames;
-        let study = SweepStudy::new(file.options(run)?)?;
+        let study = SweepStudy::new(file.options(&run.out)?)?;
         let now = study.plan()?;
-        edited::refuse_planned(&out, &file, &now)?;
+        edited::refuse_planned(&run.out, &file, &now)?;
         let runs = study.varied.runs(study.options.configurations)?;
-        let mut plan = Plan::new(&runs)?;
-        name_stages(&mut plan, &runs);
+        let plan = Plan::named(&runs)?;
         let mut depth = vec![0; plan.nodes.len()];
         let mut levels: Vec<Vec<usize>> = Vec::new();
         // Parents come before children.
@@ -64,8 +61,19 @@ impl SweepTasks {
             levels.resize(levels.len().max(depth[n] + 1), Vec::new());
             levels[depth[n]].push(n);
         }
-        let store = StageStore::open(&out.join("stages"))?.with_frames(frames);
-        Ok(Self { study, plan, store, levels })
+        let store = StageStore::open(&run.out.join("stages"))?.with_frames(run.frames);
+        Ok(Self { study, run, plan, store, levels })
+    }
+
+    /// Puts what is stored of the sweep into its files, whoever carried it out; a run that is not
+    /// whole is a row that says so.
+    ///
+    /// # Errors
+    /// [`StudyError`].
+    pub fn collect(&self) -> Result<Sweep, StudyError> {
+        let Self { study, run, .. } = self;
+        let rows = collect_stored(&study.varied, study.options.configurations, run)?;
+        study.write(&rows, &run.out)
     }
 
     /// How many stages each level has.
@@ -134,7 +142,7 @@ impl SweepTasks {
         if let Some(needed) = (0..before).find(|n| !is_held[*n]).map(|n| &chain.nodes[n]) {
             return refused(format!("{label} needs {}, which is not stored", needed.label));
         }
-        let shop = Shop::new(&self.store, &crate::world::create, &self.study.options.run);
+        let shop = Shop::new(&self.store, &crate::world::create, &self.run);
         Shop { cores: 1, ..shop }.execute(&chain)?;
         Ok(label)
     }
@@ -169,6 +177,6 @@ impl SweepTasks {
 
     /// Folder of the sweep.
     pub fn folder(&self) -> &Path {
-        &self.study.options.run.out
+        &self.run.out
     }
 }

@@ -63,7 +63,6 @@ mod tests {
     use super::*;
     use crate::study::sensitivity::Parameter;
     use crate::study::sweep::Design;
-    use crate::study::tests::run_options;
 
     fn options(over: &[&str], ranges: &[&str], set: &[&str]) -> SweepOptions {
         SweepOptions {
@@ -75,7 +74,6 @@ mod tests {
             ranges: ranges.iter().map(|text| text.parse().expect("a range")).collect(),
             design: Design::Grid,
             configurations: 1,
-            run: run_options("out"),
         }
     }
 

@@ -106,6 +106,18 @@ impl Varied {
         Ok(runs)
     }
 
+    /// What a study is asked that has every variation in so many configurations.
+    pub(super) fn question(&self, configurations: u32) -> Value {
+        let texts =
+            |changes: &[Override]| -> Value { changes.iter().map(Override::text).collect() };
+        let changes = self.all.iter().map(|(of, _)| (of.name.clone(), texts(&of.changes)));
+        let variations: Value = changes.collect();
+        json!({
+            "scenario": in_question(&self.base),
+            (AT_LEAST): { "configurations": configurations, "variations": variations },
+        })
+    }
+
     /// A hash of everything that is to be done, the engine's build aside.
     pub fn programme(&self, configurations: u32) -> String {
         let named: Vec<(&str, Option<u32>, &Scenario)> =
@@ -325,8 +337,7 @@ fn carry_out_batch(
     store: &StageStore,
     options: &RunOptions,
 ) -> Result<Vec<RunRow>, StudyError> {
-    let mut plan = Plan::new(runs)?;
-    name_stages(&mut plan, runs);
+    let plan = Plan::named(runs)?;
     let each = carry_out_each(make_world, &plan, runs, store, options)?;
     let mut rows = Vec::new();
     for ((run, row), result) in runs.iter().zip(begun).zip(each) {
@@ -344,14 +355,4 @@ fn carry_out_batch(
         });
     }
     Ok(rows)
-}
-
-/// Names stages after the first run that needs them.
-pub(super) fn name_stages(plan: &mut Plan, runs: &[PlannedRun]) {
-    for (run, nodes) in runs.iter().zip(&plan.runs).rev() {
-        for &node in nodes.stages.iter().chain(&nodes.rest_test) {
-            let node = &mut plan.nodes[node];
-            node.label = format!("{}, {}", run.name, stage_label(&node.stage));
-        }
-    }
 }

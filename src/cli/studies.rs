@@ -1,9 +1,23 @@
-//! Options of studies whose design is in a file.
+//! How commands carry studies out, and options of those whose design is in a file.
 
 use super::*;
-use crate::study::{StudyOptions, Varied};
+use crate::study::{Study, StudyOptions};
 
-/// What both studies ask for.
+/// Carries a study out in its folder, unless this holds other results ([`Context::begin`]). `end`
+/// prints what was found and says whether it is what was expected; until then the command is at
+/// work there.
+pub(super) fn carry_out<T>(
+    study: Study<T>,
+    run: &RunOptions,
+    context: &Context,
+    end: impl FnOnce(&T) -> Result<ExitStatus, CliError>,
+) -> Result<ExitStatus, CliError> {
+    let _at_work = context.begin(&run.out, study.command, &study.question)?;
+    let found = study.carry_out(run)?;
+    end(&found)
+}
+
+/// What studies of variations ask for.
 #[derive(Debug, Args)]
 pub(super) struct DesignedArgs {
     /// A few hundred grains instead of 1456, and fewer variations if the design says so
@@ -14,33 +28,18 @@ pub(super) struct DesignedArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     configurations: Option<u32>,
     #[command(flatten)]
-    jobs: Jobs,
+    pub(super) jobs: Jobs,
     /// A design of your own in place of the built-in one
     #[arg(long, value_name = "FILE")]
     design: Option<PathBuf>,
 }
 
 impl DesignedArgs {
-    /// As options of a study that leaves its results in a folder.
-    pub(super) fn options(&self, out: &Path, context: &Context) -> StudyOptions {
-        StudyOptions {
-            design: self.design.clone(),
-            quick: self.quick,
-            configurations: self.configurations,
-            run: context.run_options(out, self.jobs),
-        }
+    /// As options of a study.
+    pub(super) fn options(&self) -> StudyOptions {
+        let Self { quick, configurations, design, .. } = self;
+        StudyOptions { design: design.clone(), quick: *quick, configurations: *configurations }
     }
-}
-
-/// What a study of variations is asked: the scenario, and what varies it how often.
-pub(super) fn question_of(varied: &Varied, configurations: u32) -> Value {
-    let texts = |changes: &[Override]| -> Value { changes.iter().map(Override::text).collect() };
-    let changes = varied.all.iter().map(|(of, _)| (of.name.clone(), texts(&of.changes)));
-    let variations: Value = changes.collect();
-    json!({
-        "scenario": asked::scenario(&varied.base),
-        (asked::AT_LEAST): { "configurations": configurations, "variations": variations },
-    })
 }
 
 /// The page of a study for a terminal: its tables, up to the first of the headings that is there;
