@@ -17,7 +17,7 @@ pub(super) fn carry_out<T>(
     end(&found)
 }
 
-/// What studies of variations ask for.
+/// What both studies ask for.
 #[derive(Debug, Args)]
 pub(super) struct DesignedArgs {
     /// A few hundred grains instead of 1456, and fewer variations if the design says so

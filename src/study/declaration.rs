@@ -1,9 +1,9 @@
 //! What a study is: the one description that every command of many runs gives of itself.
 //!
-//! A function reads and checks all that is asked, so that faults are told before a file is written,
-//! and gives a [`Study`]: its question, its scenarios, and what it concludes from its runs. For
-//! these it asks by `run::carry_out` (all or none), by `run::carry_out_each` (one that fails has a
-//! reason in place of results), or, of variations of a scenario, by the functions of `variations`
+//! A function reads and checks all that is asked, so that faults are reported before a file is
+//! written, and gives a [`Study`]: its question, its scenarios, and what it concludes from its runs.
+//! For these it asks by `run::carry_out` (all or none), by `run::carry_out_each` (one that fails has
+//! a reason in place of results), or, of variations of a scenario, by the functions of `variations`
 //! (one that fails is a row that says so).
 
 use super::*;
@@ -30,7 +30,7 @@ pub struct Study<T> {
     /// stands there under [`AT_LEAST`] was no more than this, what stands under [`MEANWHILE`] may
     /// differ, all else is equal; null for a study that compares by itself.
     pub question: Value,
-    /// The scenarios whose warnings are told before anything runs.
+    /// The scenarios whose warnings are reported before anything runs.
     pub scenarios: Vec<Scenario>,
     /// Asks for its runs, writes its files and gives what it found.
     pub conclude: Conclude<T>,

@@ -138,7 +138,7 @@ impl SweepStudy {
     pub fn study(self) -> Study<Sweep> {
         Study {
             command: "sweep",
-            // The plan says what is asked, and has the warnings told.
+            // The plan says what is asked; whoever writes it reports the warnings.
             question: Value::Null,
             scenarios: Vec::new(),
             conclude: Box::new(move |run| {
