@@ -1,9 +1,8 @@
 //! Cylinder, funnel and top plate as solid convex pieces, walls as rings of them.
 //!
-//! A round wall of N flat pieces has the circle's area, not its radius: the
-//! inner half-width is r·√(π / (N tan(π/N))), from N tan(π/N) · w² = π r².
-//! With 48 pieces the flats lie 0.07 % inside the circle and the corners
-//! 0.14 % outside; the area has no error at all.
+//! A round wall of N flat pieces has the circle's area, not its radius: the inner half-width is
+//! r·√(π / (N tan(π/N))), from N tan(π/N) · w² = π r². With 48 pieces the flats lie 0.07 % inside
+//! the circle and the corners 0.14 % outside; the area has no error at all.
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -38,9 +37,8 @@ pub(super) fn piece(shape: ConvexPolyhedron) -> Piece {
     Piece { shape: Arc::new(shape.transformed(&pose.inverse())), pose }
 }
 
-/// A ring of `sides` solid pieces whose inner radius goes linearly from
-/// `radii.0` at height `heights.0` to `radii.1` at `heights.1`, with the given
-/// horizontal thickness, all in m.
+/// A ring of `sides` solid pieces whose inner radius goes linearly from `radii.0` at height
+/// `heights.0` to `radii.1` at `heights.1`, with the given horizontal thickness, all in m.
 pub(super) fn ring(
     sides: u32,
     heights: (f64, f64),
@@ -104,8 +102,7 @@ pub(super) fn cone(
     Ok(pieces)
 }
 
-/// A round floor about the z axis with its upper face at z = 0; radius and
-/// thickness in m.
+/// A round floor about the z axis with its upper face at z = 0; radius and thickness in m.
 ///
 /// # Errors
 /// When a dimension makes it impossible.

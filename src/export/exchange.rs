@@ -97,9 +97,8 @@ pub struct TableSamples {
     pub displacement_m: Vec<[f64; 3]>,
 }
 
-/// x(t) = A sin(2πft) along x in each period, x = 0 between periods; t begins
-/// with the scene. With a ramp r, A grows in each period as (1 - cos πt/r)/2 and
-/// dies away at its end in the same way.
+/// x(t) = A sin(2πft) along x in each period, x = 0 between periods; t begins with the scene. With
+/// a ramp r, A grows in each period as (1 - cos πt/r)/2 and dies away at its end in the same way.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct TableLaw {
     /// A, half the stroke.
@@ -285,8 +284,7 @@ pub struct SceneError {
 }
 
 impl Scene {
-    /// The scene of a specimen in its laboratory; `motion` is what the table
-    /// does next.
+    /// The scene of a specimen in its laboratory; `motion` is what the table does next.
     ///
     /// # Errors
     /// When the apparatus cannot be built.

@@ -1,6 +1,5 @@
-//! What a run left, for other programs: the exchange format that other engines
-//! read, tables, meshes of everything in its place, and how it moved for
-//! ParaView and Blender.
+//! What a run left, for other programs: the exchange format that other engines read, tables, meshes
+//! of everything in its place, and how it moved for ParaView and Blender.
 
 mod apparatus;
 mod exchange;

@@ -92,9 +92,8 @@ pub fn read_moments(folder: &Path, stage: Option<&str>) -> Result<Moments, Expor
 }
 
 impl Moments {
-    /// Those to hand on, by time, at least about `every` s apart in a stage:
-    /// its beginning, frames, and its end. Where a stage begins when the one
-    /// before it ends, only that end is taken.
+    /// Those to hand on, by time, at least about `every` s apart in a stage: its beginning, frames,
+    /// and its end. Where a stage begins when the one before it ends, only that end is taken.
     pub fn thinned(&self, every: f64) -> Vec<Moment<'_>> {
         let mut taken: Vec<Moment> = Vec::new();
         let early = scale::FRAME_EARLY.at(&self.setup.scale);
@@ -123,8 +122,7 @@ impl Moments {
 }
 
 impl Moment<'_> {
-    /// The specimen at this moment: velocities and contacts only at the end of
-    /// a stage.
+    /// The specimen at this moment: velocities and contacts only at the end of a stage.
     pub fn specimen(&self, grains: &Arc<GrainSet>) -> Specimen {
         let state = self.end.cloned().unwrap_or_else(|| as_state(&self.frame));
         Specimen { grains: grains.clone(), state }

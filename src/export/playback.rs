@@ -20,8 +20,7 @@ pub struct Playback {
 pub struct PlayedStage {
     /// Its name, as in the scenario.
     pub name: String,
-    /// What was seen of it, by time; of a stage that was run without
-    /// keeping frames, its end alone.
+    /// What was seen of it, by time; of a stage that was run without keeping frames, its end alone.
     pub frames: Vec<Frame>,
     /// Whether frames were kept.
     pub kept: bool,

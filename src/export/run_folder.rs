@@ -1,5 +1,4 @@
-//! Reads a run folder back: its laboratory, its grains, and the specimen at
-//! the end of a stage.
+//! Reads a run folder back: its laboratory, its grains, and the specimen at the end of a stage.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -160,8 +159,7 @@ pub fn read_at_rest(folder: &Path) -> Result<Exported, ExportError> {
     stage_at_rest(folder)?.map_or(Ok(last), |asked| read_run(folder, Some(asked)))
 }
 
-/// How the stage is asked for at whose end a run's specimen is at rest, where that is not its
-/// last.
+/// How the stage is asked for at whose end a run's specimen is at rest, where that is not its last.
 ///
 /// # Errors
 /// [`ExportError`], naming the file.

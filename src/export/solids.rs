@@ -47,8 +47,7 @@ pub fn grains_obj(specimen: &Specimen) -> String {
     objects.text
 }
 
-/// The apparatus around them: the pieces of cylinder, funnel and lid that
-/// stand, and the top plate.
+/// The apparatus around them: the pieces of cylinder, funnel and lid that stand, and the top plate.
 ///
 /// # Errors
 /// When the apparatus cannot be built.

@@ -33,9 +33,8 @@ fn in_mm(of: &Vector) -> [f64; 3] {
     [to_mm(of.x), to_mm(of.y), to_mm(of.z)]
 }
 
-/// One row a grain, also for those that left the apparatus (where they were
-/// last seen): centroid, orientation of the principal axes, velocities in
-/// world axes.
+/// One row a grain, also for those that left the apparatus (where they were last seen): centroid,
+/// orientation of the principal axes, velocities in world axes.
 ///
 /// # Errors
 /// The writer's; writing to memory does not fail.
@@ -56,9 +55,8 @@ pub fn grains_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
     table(GRAINS, rows)
 }
 
-/// One row a loaded contact: point midway between the surfaces, unit normal
-/// from the second to the first, force on the first. Where the
-/// engine gave no contacts, the header alone.
+/// One row a loaded contact: point midway between the surfaces, unit normal from the second to the
+/// first, force on the first. Where the engine gave no contacts, the header alone.
 ///
 /// # Errors
 /// The writer's; writing to memory does not fail.
@@ -71,10 +69,9 @@ pub fn contacts_csv(setup: &Setup, specimen: &Specimen) -> Result<Vec<u8>, csv::
     table(CONTACTS, specimen.state.contacts.iter().map(row))
 }
 
-/// One row for every two grains that touch, measured outside any engine: gap,
-/// negative where they overlap, and the overlap in percent of the mean of
-/// their equivalent diameters (0 where they do not). Where none do, the header
-/// alone.
+/// One row for every two grains that touch, measured outside any engine: gap, negative where they
+/// overlap, and the overlap in percent of the mean of their equivalent diameters (0 where they do
+/// not). Where none do, the header alone.
 ///
 /// # Errors
 /// The writer's; writing to memory does not fail.

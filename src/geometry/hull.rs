@@ -1,18 +1,16 @@
 //! The convex hull of points, and hulls with fewer vertices.
 //!
-//! Quickhull (Barber, Dobkin and Huhdanpaa 1996, "The quickhull algorithm for
-//! convex hulls"), with the farthest point of all taken next, not that of some
-//! face: stopped early, it leaves a hull of few vertices from which no point
-//! sticks out far. The crates at hand cannot be stopped so, and refuse or
-//! panic on some sets of points that have a hull.
+//! Quickhull (Barber, Dobkin and Huhdanpaa 1996, "The quickhull algorithm for convex hulls"), with
+//! the farthest point of all taken next, not that of some face: stopped early, it leaves a hull of
+//! few vertices from which no point sticks out far. The crates at hand cannot be stopped so, and
+//! refuse or panic on some sets of points that have a hull.
 
 use std::collections::{BinaryHeap, HashMap};
 
 use super::{Point, Vector, convex::mean, used};
 
-/// Points nearer to a face than this, as a fraction of the largest distance
-/// from the points' mean, are taken to lie on it. Meshes of single precision
-/// are no finer.
+/// Points nearer to a face than this, as a fraction of the largest distance from the points' mean,
+/// are taken to lie on it. Meshes of single precision are no finer.
 const ROUNDING: f64 = 1e-7;
 
 /// A convex hull.

@@ -8,10 +8,9 @@ use super::{
     edges_of, used,
 };
 
-/// Triangles whose corners lie within this of one plane, as a fraction of the
-/// grain's radius, make one face. Half of what a polyhedron allows its faces,
-/// and above the rounding of single precision a few dozen grains away from
-/// the origin.
+/// Triangles whose corners lie within this of one plane, as a fraction of the grain's radius, make
+/// one face. Half of what a polyhedron allows its faces, and above the rounding of single precision
+/// a few dozen grains away from the origin.
 pub(crate) const FLATNESS: f64 = 5e-6;
 
 /// A polyhedron of closed faces, triangles that lie in one plane joined;
@@ -79,8 +78,7 @@ fn joined(vertices: &[Point], triangles: &[Vec<u32>]) -> Option<Vec<Vec<u32>>> {
     Some(without_needless_vertices(faces))
 }
 
-/// The loop of a face's edges, beginning at its lowest vertex; `None` where
-/// they make several.
+/// The loop of a face's edges, beginning at its lowest vertex; `None` where they make several.
 fn outline(next: &HashMap<u32, u32>) -> Option<Vec<u32>> {
     let start = *next.keys().min()?;
     let mut face = vec![start];

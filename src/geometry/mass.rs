@@ -30,13 +30,11 @@ pub struct PrincipalFrame {
 }
 
 impl MassProperties {
-    /// Integrates exactly over the tetrahedra that the surface triangles span
-    /// with an inner point.
+    /// Integrates exactly over the tetrahedra that the surface triangles span with an inner point.
     ///
-    /// The second moments of a tetrahedron with one corner at the origin and
-    /// corners a, b, c are V/20 · (Σ xᵢxᵢᵀ + s sᵀ), s = a + b + c: the
-    /// canonical covariance of Blow and Binstock, "How to find the inertia
-    /// tensor of a polyhedron" (2004); it agrees with Mirtich, "Fast and
+    /// The second moments of a tetrahedron with one corner at the origin and corners a, b, c are
+    /// V/20 · (Σ xᵢxᵢᵀ + s sᵀ), s = a + b + c: the canonical covariance of Blow and Binstock, "How
+    /// to find the inertia tensor of a polyhedron" (2004); it agrees with Mirtich, "Fast and
     /// accurate computation of polyhedral mass properties" (1996).
     ///
     /// Of a sphere 4/3 π r³ and 2/5 V r²; of a rounded polyhedron with its prisms and sectors.
@@ -92,8 +90,7 @@ impl MassProperties {
         }
     }
 
-    /// The principal frame: eigenvectors of the inertia tensor, right-handed,
-    /// moments ascending.
+    /// The principal frame: eigenvectors of the inertia tensor, right-handed, moments ascending.
     pub fn principal_frame(&self) -> PrincipalFrame {
         let eigen = SymmetricEigen::new(self.inertia_per_density);
         let mut order = [0, 1, 2];

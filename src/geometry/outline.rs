@@ -20,8 +20,7 @@ impl ConvexPolyhedron {
 }
 
 /// A convex mesh whose corners lie on the surface: flat faces whole, edges in strips, corners in
-/// triangles.
-/// Neighbouring normals are at most `step` apart, in rad, along the sides of a corner.
+/// triangles. Neighbouring normals are at most `step` apart, in rad, along the sides of a corner.
 pub(super) fn outline(rounded: &Rounded, step: f64) -> Result<ConvexPolyhedron, PolyhedronError> {
     let core = &rounded.core;
     let normals = normals(core);

@@ -163,9 +163,8 @@ impl From<ConvexPolyhedron> for Raw {
 }
 
 impl ConvexPolyhedron {
-    /// Builds a polyhedron from vertices (metres) and faces (vertex indices,
-    /// counter-clockwise seen from outside), checking closedness, convexity
-    /// and positive volume.
+    /// Builds a polyhedron from vertices (metres) and faces (vertex indices, counter-clockwise seen
+    /// from outside), checking closedness, convexity and positive volume.
     ///
     /// # Errors
     /// The first fault found, as a [`PolyhedronError`].
@@ -220,8 +219,7 @@ impl ConvexPolyhedron {
         self.rounded().map_or((self, 0.0), |rounded| (&rounded.core, rounded.radius))
     }
 
-    /// Checks every invariant of the type; `new` calls it, tests call it
-    /// again on what they made.
+    /// Checks every invariant of the type; `new` calls it, tests call it again on what they made.
     ///
     /// # Errors
     /// The first fault found.
@@ -320,10 +318,9 @@ impl ConvexPolyhedron {
     /// Plane of a face as (outward unit normal, offset in metres) such that
     /// `normal · x = offset` on the face; `None` for a face without area.
     ///
-    /// The normal is Newell's, an area-weighted mean over all corners, which
-    /// is insensitive to a pair of corners that nearly coincide (Sutherland,
-    /// Sproull and Schumacker 1974, "A characterization of ten hidden-surface
-    /// algorithms").
+    /// The normal is Newell's, an area-weighted mean over all corners, which is insensitive to a
+    /// pair of corners that nearly coincide (Sutherland, Sproull and Schumacker 1974, "A
+    /// characterization of ten hidden-surface algorithms").
     pub fn plane(&self, face: usize) -> Option<(Vector, f64)> {
         let corners = &self.faces[face];
         let origin = self.vertices[corners[0] as usize];

@@ -18,8 +18,7 @@ pub struct Sieved {
 pub struct SieveAnalysis {
     /// In the order of the grain set.
     grains: Vec<Sieved>,
-    /// Sizes in m, ascending, with the share of the mass in percent up to and
-    /// with that grain.
+    /// Sizes in m, ascending, with the share of the mass in percent up to and with that grain.
     curve: Vec<(f64, f64)>,
 }
 

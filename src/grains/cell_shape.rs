@@ -21,10 +21,9 @@ pub(super) fn box_sides(shape: &CellShape) -> Vector {
     Vector::new(1.0 / (shape.elongation * shape.flatness), 1.0 / shape.flatness, 1.0)
 }
 
-/// The points after a number of steps in each of which every point moves to
-/// the centroid of its cell (Lloyd 1982, "Least squares quantization in PCM").
-/// They are given and returned in units of the cube's side, 0 to 1; the cells
-/// are those of a box of the given sides.
+/// The points after a number of steps in each of which every point moves to the centroid of its
+/// cell (Lloyd 1982, "Least squares quantization in PCM"). They are given and returned in units of
+/// the cube's side, 0 to 1; the cells are those of a box of the given sides.
 ///
 /// # Errors
 /// Points that no tessellation can be made from.

@@ -1,9 +1,8 @@
 //! Cells that share vertices, and the merging of vertices that nearly coincide.
 //!
-//! Neighbouring cells name the same vertex by the same number and cut every
-//! shared face into the same triangles. Whatever moves a vertex therefore
-//! takes from one cell what it gives to the next: the block's volume is
-//! conserved to rounding, however many vertices are merged.
+//! Neighbouring cells name the same vertex by the same number and cut every shared face into the
+//! same triangles. Whatever moves a vertex therefore takes from one cell what it gives to the next:
+//! the block's volume is conserved to rounding, however many vertices are merged.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -53,9 +52,8 @@ impl CellComplex {
         Self { vertices, cells, merged_into }
     }
 
-    /// Merges the ends of edges shorter than `distance` (m) where all cells
-    /// around remain valid polyhedra, the shortest first. Returns the number
-    /// of vertices that went.
+    /// Merges the ends of edges shorter than `distance` (m) where all cells around remain valid
+    /// polyhedra, the shortest first. Returns the number of vertices that went.
     ///
     /// Vertices joined by short edges go together, and all at once: a sliver
     /// of a face has short edges at both ends, and with only one of them gone

@@ -1,14 +1,12 @@
 //! Directions in which a convex body rests on an edge: where all that is least
 //! about its widths is found.
 //!
-//! The width of a body in a direction u is h(u) = max (p − q)·u over its
-//! corners p, q. Where a single pair of corners makes it, it is the cosine of
-//! an angle times a length, which has no minimum: turning u one way or the
-//! other makes it smaller. So what is least (a square opening, a box) has a
-//! direction in which two corners are foremost at the same time, that is, one
-//! normal to an edge and between the normals of the two faces that meet there.
-//! These directions are arcs of great circles, one an edge, and a search over
-//! all directions becomes one along lines.
+//! The width of a body in a direction u is h(u) = max (p − q)·u over its corners p, q. Where a
+//! single pair of corners makes it, it is the cosine of an angle times a length, which has no
+//! minimum: turning u one way or the other makes it smaller. So what is least (a square opening, a
+//! box) has a direction in which two corners are foremost at the same time, that is, one normal to
+//! an edge and between the normals of the two faces that meet there. These directions are arcs of
+//! great circles, one an edge, and a search over all directions becomes one along lines.
 //!
 //! The arcs are computed from the corners alone, so that they are those of the
 //! hull of the corners, whose faces may be plane within rounding only.
@@ -23,14 +21,12 @@ use super::*;
 /// and the widths on what is too much of them this little too small.
 const SLACK: f64 = 1e-12;
 
-/// Arcs shorter than this, in radians, are left out: those of the diagonals of
-/// faces, which the slack makes of points. Their directions are a few times
-/// this from the ends of the arcs they lie between, and the widths there
-/// differ by as small a fraction.
+/// Arcs shorter than this, in radians, are left out: those of the diagonals of faces, which the
+/// slack makes of points. Their directions are a few times this from the ends of the arcs they lie
+/// between, and the widths there differ by as small a fraction.
 const SHORTEST: f64 = 1e-11;
 
-/// What [`SLACK`] and [`SHORTEST`] can do to what is found on the arcs, as a
-/// fraction of it.
+/// What [`SLACK`] and [`SHORTEST`] can do to what is found on the arcs, as a fraction of it.
 pub(super) const ROUNDING: f64 = 1e-10;
 
 /// The arcs of one edge.
@@ -110,9 +106,8 @@ impl EdgeFan {
         Some(fan)
     }
 
-    /// Cuts an arc where its hindmost corner changes. A corner is the hindmost
-    /// in a connected range of directions, so that one that is it at both ends
-    /// is it in between.
+    /// Cuts an arc where its hindmost corner changes. A corner is the hindmost in a connected range
+    /// of directions, so that one that is it at both ends is it in between.
     fn cut(&mut self, edge: &Edge, [from, to]: [f64; 2], [first, last]: [usize; 2]) {
         let across = [1, 2].map(|c| edge.frame[first][c] - edge.frame[last][c]);
         // Where the two lie equally far back.
@@ -141,8 +136,7 @@ impl EdgeFan {
         self.across[0] * cos + self.across[1] * sin
     }
 
-    /// The direction in space of one in the shadow that is cast along the
-    /// direction at an angle.
+    /// The direction in space of one in the shadow that is cast along the direction at an angle.
     pub fn in_space(&self, angle: f64, along: [f64; 2]) -> Vector {
         self.axis * along[0] + self.axis.cross(&self.direction(angle)) * along[1]
     }

@@ -7,11 +7,10 @@ use super::*;
 use crate::geometry::rounded_within;
 use crate::scenario::SievedShape;
 
-/// Makes the grains of a sieve table (paper, section 3): for every fraction a
-/// cube of its solid volume, cut into as many Voronoi cells of uniformly
-/// random points as the fraction has grains, relaxed and stretched as the
-/// scenario asks for. The same table and seed give the
-/// same bits. Or, where the scenario asks for them, spheres.
+/// Makes the grains of a sieve table (paper, section 3): for every fraction a cube of its solid
+/// volume, cut into as many Voronoi cells of uniformly random points as the fraction has grains,
+/// relaxed and stretched as the scenario asks for. The same table and seed give the same bits. Or,
+/// where the scenario asks for them, spheres.
 ///
 /// # Errors
 /// The faults of the sieve table ([`ParticleSizeDistribution::new`]).

@@ -1,5 +1,4 @@
-//! The grains as meshes for other programs, each at its place in its block,
-//! in metres.
+//! The grains as meshes for other programs, each at its place in its block, in metres.
 
 use std::io::{BufWriter, Write};
 

@@ -77,9 +77,8 @@ pub struct GrainSet {
     pub meshes: Vec<MeshRecord>,
 }
 
-/// One cube of a sieve fraction's solid volume and the points of its
-/// tessellation; or the grains of a fraction side by side, without points, in
-/// a cube that holds them.
+/// One cube of a sieve fraction's solid volume and the points of its tessellation; or the grains of
+/// a fraction side by side, without points, in a cube that holds them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
     /// Opening of the sieve the fraction passes, in m.

@@ -42,18 +42,16 @@ pub struct Fraction {
 impl ParticleSizeDistribution {
     /// Validates a sieve table and counts the grains of each fraction.
     ///
-    /// Paper, section 3: the mass on each sieve and the density give the
-    /// fraction's solid volume V; "the average size of polyhedrons ... was set
-    /// by the average mesh openings of the two successive sieves". The size d
-    /// is read as the diameter of the sphere of the grain's mean volume, so
-    /// that n = V / (π/6·d³): with sieves of 8, 10, 12.5 and 16 mm this can
-    /// give the paper's 1456 grains, d as the edge of a cube cannot.
+    /// Paper, section 3: the mass on each sieve and the density give the fraction's solid volume V;
+    /// "the average size of polyhedrons ... was set by the average mesh openings of the two
+    /// successive sieves". The size d is read as the diameter of the sphere of the grain's mean
+    /// volume, so that n = V / (π/6·d³): with sieves of 8, 10, 12.5 and 16 mm this can give the
+    /// paper's 1456 grains, d as the edge of a cube cannot.
     ///
-    /// These n are made whole by largest remainders, so that the total is Σn
-    /// rounded: each n is rounded down, and the fractions with the largest
-    /// remainders get one grain more until the total is reached. (Rounding
-    /// each n alone lets the errors of several fractions add up; for the
-    /// paper's table it gives 1457 where Σn is 1456.05.)
+    /// These n are made whole by largest remainders, so that the total is Σn rounded: each n is
+    /// rounded down, and the fractions with the largest remainders get one grain more until the
+    /// total is reached. (Rounding each n alone lets the errors of several fractions add up; for
+    /// the paper's table it gives 1457 where Σn is 1456.05.)
     ///
     /// # Errors
     /// Values that are not positive, rows out of order, percentages that do
@@ -187,8 +185,7 @@ impl ParticleSizeDistribution {
     }
 }
 
-/// Makes quotas of at least one half whole by the method of largest
-/// remainders; none becomes zero.
+/// Makes quotas of at least one half whole by the method of largest remainders; none becomes zero.
 fn whole_numbers(quotas: &[f64]) -> Vec<usize> {
     let mut counts: Vec<usize> = quotas.iter().map(|q| (q.floor() as usize).max(1)).collect();
     let total = quotas.iter().sum::<f64>().round() as usize;

@@ -34,11 +34,10 @@ pub fn mix(grains: &GrainSet, seed: u64, configuration: u32) -> Realisation {
     Realisation { order, orientations, seed, configuration }
 }
 
-/// Poses, by grain index, from which mixed grains can be let fall: their
-/// bounding spheres, with a clearance around ([`GrainSet::rain_clearance`]), touch neither each other
-/// nor the vertical cylinder of radius `region_radius` (m) about the z axis
-/// nor the plane z = `bottom` (m), and form a column about as low as dropped
-/// spheres do.
+/// Poses, by grain index, from which mixed grains can be let fall: their bounding spheres, with a
+/// clearance around ([`GrainSet::rain_clearance`]), touch neither each other nor the vertical
+/// cylinder of radius `region_radius` (m) about the z axis nor the plane z = `bottom` (m), and form
+/// a column about as low as dropped spheres do.
 ///
 /// Each sphere in turn is dropped from random places, rolls down from the
 /// lowest of them, and stays there.

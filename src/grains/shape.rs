@@ -102,13 +102,12 @@ impl GrainShape {
 /// Sides in m of the box of the smallest volume that holds the hull of some
 /// corners, the longest first.
 ///
-/// Two faces of it that meet lie on edges of the hull (O'Rourke 1985, "Finding
-/// minimal enclosing boxes"), so that the arcs of [`EdgeFan`] hold the normal
-/// of one of them, and the rest of the box is the smallest rectangle about the
-/// shadow along it. Turned by δ about the edge, the widths of the shadow
-/// change by at most δ times the width along the normal, which bounds what a
-/// range of angles can hold; ranges are halved until no box in them can be
-/// smaller by more than [`BOX_TOLERANCE`], then the best is narrowed down.
+/// Two faces of it that meet lie on edges of the hull (O'Rourke 1985, "Finding minimal enclosing
+/// boxes"), so that the arcs of [`EdgeFan`] hold the normal of one of them, and the rest of the box
+/// is the smallest rectangle about the shadow along it. Turned by δ about the edge, the widths of
+/// the shadow change by at most δ times the width along the normal, which bounds what a range of
+/// angles can hold; ranges are halved until no box in them can be smaller by more than
+/// [`BOX_TOLERANCE`], then the best is narrowed down.
 fn smallest_box(corners: &[Vector]) -> [f64; 3] {
     let fans = EdgeFan::all(corners);
     let mut search = Search { best: None, looks: 0, shadow: Shadow::default() };

@@ -2,8 +2,7 @@
 
 use super::*;
 
-/// How much smaller than what was found the smallest opening could be, as a
-/// fraction of it.
+/// How much smaller than what was found the smallest opening could be, as a fraction of it.
 pub const SIEVE_TOLERANCE: f64 = 1e-9;
 
 /// Openings looked at before a body counts as too hard, some thousand times
@@ -29,25 +28,22 @@ impl Passage {
     /// Searches the smallest square opening for the hull of a body's corners,
     /// over all orientations.
     ///
-    /// A body passes a square opening of side s moving straight if some two
-    /// directions square to each other have widths of at most s; sought is
-    /// the least s. In some best orientation the larger width w(u) = s has a
-    /// direction u that is normal to an edge and between the normals of its
-    /// faces: were only one pair of corners foremost in u, turning the body
-    /// about the other direction would make w(u) smaller and leave the other
-    /// width as it is; and if then the other has the larger width s, the same
-    /// holds for that. So only such arcs of directions are searched, for the
-    /// least w(u) that is not below g(u), the least width of the body's shadow
+    /// A body passes a square opening of side s moving straight if some two directions square to
+    /// each other have widths of at most s; sought is the least s. In some best orientation the
+    /// larger width w(u) = s has a direction u that is normal to an edge and between the normals of
+    /// its faces: were only one pair of corners foremost in u, turning the body about the other
+    /// direction would make w(u) smaller and leave the other width as it is; and if then the other
+    /// has the larger width s, the same holds for that. So only such arcs of directions are
+    /// searched, for the least w(u) that is not below g(u), the least width of the body's shadow
     /// along u, which a side of the shadow's outline gives exactly.
     ///
-    /// On an arc w is a cosine between two corners and known exactly. Turning
-    /// u by δ about the edge changes g by at most δ·max w on the way, since
-    /// one of the two axes of the shadow's plane stays and the other moves
-    /// along u. So a range of angles holds nothing better where w at both of
-    /// its ends, or g in its middle less the change, is not below the best
-    /// known, and nothing at all where g less the change is above all w; other
-    /// ranges are halved. What is left in the end is a proof. The start is
-    /// the best of the ends of the pieces: normals of faces, and of pairs of edges.
+    /// On an arc w is a cosine between two corners and known exactly. Turning u by δ about the edge
+    /// changes g by at most δ·max w on the way, since one of the two axes of the shadow's plane
+    /// stays and the other moves along u. So a range of angles holds nothing better where w at both
+    /// of its ends, or g in its middle less the change, is not below the best known, and nothing at
+    /// all where g less the change is above all w; other ranges are halved. What is left in the end
+    /// is a proof. The start is the best of the ends of the pieces: normals of faces, and of pairs
+    /// of edges.
     pub fn of(corners: &[Vector]) -> Self {
         let fans = EdgeFan::all(corners);
         let mut search = Search {

@@ -1,6 +1,5 @@
-//! Sieve sizes, remembered: the same grains are sieved as they are
-//! made, for every table and at the end of every stage, and the exact search
-//! takes some milliseconds per grain.
+//! Sieve sizes, remembered: the same grains are sieved as they are made, for every table and at the
+//! end of every stage, and the exact search takes some milliseconds per grain.
 
 use std::sync::{Mutex, PoisonError};
 

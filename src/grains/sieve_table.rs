@@ -4,13 +4,11 @@ use super::*;
 use crate::plain::decimals_at_least;
 use crate::units::to_g;
 
-/// Writes `sieve.csv`: a row a fraction, with what the sieve table asks for,
-/// what the generated grains weigh, and how much of them the virtual sieve
-/// finds in the fraction.
+/// Writes `sieve.csv`: a row a fraction, with what the sieve table asks for, what the generated
+/// grains weigh, and how much of them the virtual sieve finds in the fraction.
 ///
 /// # Errors
-/// When writing fails, or the grains have not as many blocks as the
-/// distribution has fractions.
+/// When writing fails, or the grains have not as many blocks as the distribution has fractions.
 pub fn sieve_csv(
     psd: &ParticleSizeDistribution,
     grains: &GrainSet,

@@ -1,10 +1,9 @@
 //! Named random streams and the few samplers drawn from them.
 //!
-//! Every use of randomness has its own name, hence its own generator: a draw
-//! added in one place shifts nothing elsewhere. The samplers are written from
-//! raw 64-bit words with additions, multiplications, divisions and square
-//! roots only, which IEEE 754 rounds alike everywhere, so that the same seed
-//! gives the same bits on any platform and with any version of `rand`.
+//! Every use of randomness has its own name, hence its own generator: a draw added in one place
+//! shifts nothing elsewhere. The samplers are written from raw 64-bit words with additions,
+//! multiplications, divisions and square roots only, which IEEE 754 rounds alike everywhere, so
+//! that the same seed gives the same bits on any platform and with any version of `rand`.
 
 use nalgebra::{Quaternion, UnitQuaternion};
 use rand_pcg::rand_core::Rng;
@@ -50,8 +49,7 @@ pub fn below(rng: &mut Pcg64, n: u64) -> u64 {
     }
 }
 
-/// Puts a slice into a uniformly random order (Fisher and Yates 1938, in
-/// Durstenfeld's form).
+/// Puts a slice into a uniformly random order (Fisher and Yates 1938, in Durstenfeld's form).
 pub fn shuffle<T>(rng: &mut Pcg64, items: &mut [T]) {
     for i in (1..items.len()).rev() {
         items.swap(i, below(rng, i as u64 + 1) as usize);

@@ -4,8 +4,7 @@ use meshless_voronoi::{Dimensionality, VoronoiIntegrator};
 
 use super::*;
 
-/// Relative loss of volume above which a tessellation is rejected; rounding
-/// leaves about 1e-14.
+/// Relative loss of volume above which a tessellation is rejected; rounding leaves about 1e-14.
 const VOLUME_TOLERANCE: f64 = 1e-9;
 
 /// How often a block's points are drawn anew when their cells come out
@@ -38,8 +37,7 @@ pub struct Tessellation {
 /// space stretched as the shape of the cells asks for.
 ///
 /// # Errors
-/// A side that is not positive; the last attempt's fault, if every attempt
-/// gave degenerate cells.
+/// A side that is not positive; the last attempt's fault, if every attempt gave degenerate cells.
 pub fn random_cells(
     count: usize,
     cube: &Cube,
@@ -152,9 +150,8 @@ fn tessellate(points: &[Vector], sides: Vector, side: f64, origin: Vector) -> Ce
     CellComplex::new(vertices, cells)
 }
 
-/// Scales a vertex from the unit cube, putting it exactly on the sides it
-/// lies on. The cube's sides are numbered x = 0, x = 1, y = 0, ... as the
-/// first six clipping planes of every cell are.
+/// Scales a vertex from the unit cube, putting it exactly on the sides it lies on. The cube's sides
+/// are numbered x = 0, x = 1, y = 0, ... as the first six clipping planes of every cell are.
 fn place(
     mut at: [f64; 3],
     on: impl Iterator<Item = usize>,
@@ -309,9 +306,8 @@ mod tests {
 
     #[test]
     fn merging_nearly_coincident_vertices_loses_nothing() {
-        // A grid shaken by a millionth of its spacing: around each of its
-        // vertices, inside and on the sides of the block, lie several
-        // vertices a hundredth of a micrometre apart.
+        // A grid shaken by a millionth of its spacing: around each of its vertices, inside and on
+        // the sides of the block, lie several vertices a hundredth of a micrometre apart.
         let n = 4;
         let mut rng = stream(3, "nearly regular");
         let points: Vec<Vector> = random_points(n * n * n, &mut rng)

@@ -1,12 +1,10 @@
-//! Confidence intervals without a distribution assumed: resampling what was
-//! measured.
+//! Confidence intervals without a distribution assumed: resampling what was measured.
 
 use super::*;
 use crate::grains::streams::{below, stream};
 
-/// Resamples of an interval: its ends are then known to about a fiftieth of
-/// its width (Efron & Tibshirani 1993, *An Introduction to the Bootstrap*,
-/// section 13.3 asks for a thousand at least).
+/// Resamples of an interval: its ends are then known to about a fiftieth of its width (Efron &
+/// Tibshirani 1993, *An Introduction to the Bootstrap*, section 13.3 asks for a thousand at least).
 const RESAMPLES: usize = 4000;
 
 /// The percentile bootstrap interval of a mean (Efron & Tibshirani 1993,

@@ -46,10 +46,9 @@ impl Container {
 
     /// Whether a grain belongs to the content of the cylinder.
     ///
-    /// It does when its centroid lies within the radius, above the floor, and
-    /// below the rim plus one equivalent diameter of that grain: a grain may
-    /// rest heaped on others that stand out of the cylinder, but one flying
-    /// higher is still on its way.
+    /// It does when its centroid lies within the radius, above the floor, and below the rim plus
+    /// one equivalent diameter of that grain: a grain may rest heaped on others that stand out of
+    /// the cylinder, but one flying higher is still on its way.
     pub fn holds(&self, centroid: &Point, equivalent_diameter: f64) -> bool {
         let (x, y) = (centroid.x - self.centre_x, centroid.y);
         x * x + y * y < self.radius * self.radius

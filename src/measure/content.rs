@@ -28,8 +28,7 @@ pub fn content(specimen: &Specimen, container: &Container) -> Content {
     }
 }
 
-/// Mean height in m of the centroids of the grains with the given indices;
-/// `None` for no grains.
+/// Mean height in m of the centroids of the grains with the given indices; `None` for no grains.
 ///
 /// Numerical creep is the change of this mean over one fixed list of grains: a grain
 /// that leaves the list would move the mean without anything sinking.

@@ -50,8 +50,7 @@ pub fn grain_energy(specimen: &Specimen, gravity: f64, table_velocity: &Vector) 
     sum
 }
 
-/// Largest speed of any grain's centroid relative to the table, in m/s; 0
-/// without grains.
+/// Largest speed of any grain's centroid relative to the table, in m/s; 0 without grains.
 pub fn largest_speed(specimen: &Specimen, table_velocity: &Vector) -> f64 {
     specimen
         .present()

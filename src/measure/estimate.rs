@@ -1,5 +1,4 @@
-//! A mean and how far it can be trusted: standard errors, and differences of
-//! runs that go in pairs.
+//! A mean and how far it can be trusted: standard errors, and differences of runs that go in pairs.
 //!
 //! The unit of a result is that of the values.
 
@@ -28,9 +27,8 @@ impl Estimate {
         Some(Self { mean, standard_error, count: values.len() })
     }
 
-    /// Half of the confidence interval of a confidence such as 0.95: Student's t
-    /// for one degree of freedom less than there are values, times the standard
-    /// error. `None` of a single value.
+    /// Half of the confidence interval of a confidence such as 0.95: Student's t for one degree of
+    /// freedom less than there are values, times the standard error. `None` of a single value.
     pub fn half_width(&self, confidence: f64) -> Option<f64> {
         let freedom = self.count.checked_sub(1).filter(|f| *f > 0)? as f64;
         Some(t_quantile(0.5 + confidence / 2.0, freedom)? * self.standard_error?)
@@ -57,9 +55,8 @@ impl Estimate {
     }
 }
 
-/// Mean of `a` less `b` over what both have, by the number that names a pair:
-/// what the members of a pair have in common falls out of the scatter. `None`
-/// without a pair.
+/// Mean of `a` less `b` over what both have, by the number that names a pair: what the members of a
+/// pair have in common falls out of the scatter. `None` without a pair.
 pub fn paired_difference(a: &[(u32, f64)], b: &[(u32, f64)]) -> Option<Estimate> {
     let differences: Vec<f64> = a
         .iter()

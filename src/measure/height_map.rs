@@ -14,12 +14,11 @@ const MOST_ACROSS: usize = 4000;
 /// The height of the highest solid point over every cell of a square grid
 /// laid over the cylinder's cross-section.
 ///
-/// The grid is centred on the cylinder's axis: cell (i, j) of an n × n grid
-/// has its centre at (i − (n−1)/2, j − (n−1)/2) times the cell's side from the
-/// axis, and belongs to the map when that centre lies within the radius. The
-/// surface is taken at cell centres only; it is exact there, but for rounded polyhedra, whose edges
-/// and corners are those of their mesh, up to 3 % of their radius lower. Where there is
-/// no grain the height is 0, the floor.
+/// The grid is centred on the cylinder's axis: cell (i, j) of an n × n grid has its centre at (i −
+/// (n−1)/2, j − (n−1)/2) times the cell's side from the axis, and belongs to the map when that
+/// centre lies within the radius. The surface is taken at cell centres only; it is exact there, but
+/// for rounded polyhedra, whose edges and corners are those of their mesh, up to 3 % of their
+/// radius lower. Where there is no grain the height is 0, the floor.
 #[derive(Debug, Clone)]
 pub struct HeightMap {
     cell: f64,
@@ -32,17 +31,15 @@ pub struct HeightMap {
 pub struct StandingHeight {
     /// Mean of the height map: volume under the surface over cross-section.
     pub mean_surface: f64,
-    /// 95th percentile of the height map by nearest rank: 5 % of the
-    /// cross-section lies higher.
+    /// 95th percentile of the height map by nearest rank: 5 % of the cross-section lies higher.
     pub p95: f64,
     /// Highest point of any grain, 0 without grains.
     pub highest: f64,
 }
 
 impl HeightMap {
-    /// Maps the grains in the cylinder (see [`Container::members`]) with cells
-    /// of side `cell` in m. Parts of grains that stand out of the circle are
-    /// left out; parts below the floor read 0.
+    /// Maps the grains in the cylinder (see [`Container::members`]) with cells of side `cell` in m.
+    /// Parts of grains that stand out of the circle are left out; parts below the floor read 0.
     ///
     /// # Errors
     /// [`MeasureError::BadContainer`]; [`MeasureError::BadCell`] when the
@@ -54,8 +51,7 @@ impl HeightMap {
         Self::of_poses(&specimen.grains, &poses, container, cell)
     }
 
-    /// Maps copies of grains, each by its number and its pose, over the
-    /// container's cross-section.
+    /// Maps copies of grains, each by its number and its pose, over the container's cross-section.
     ///
     /// # Errors
     /// As [`HeightMap::of`].
@@ -224,10 +220,9 @@ mod tests {
         assert_eq!(got, StandingHeight { mean_surface: 0.0, p95: 0.0, highest: 0.0 });
     }
 
-    /// Law: the sum over the map times the cell's area tends to the volume
-    /// under the surface; for a cone of slope k within the radius that is the
-    /// cone's own volume, and its 95th percentile lies where 5 % of the area
-    /// is higher. The table's displacement moves the map along.
+    /// Law: the sum over the map times the cell's area tends to the volume under the surface; for a
+    /// cone of slope k within the radius that is the cone's own volume, and its 95th percentile
+    /// lies where 5 % of the area is higher. The table's displacement moves the map along.
     #[test]
     fn pyramid_on_the_floor() {
         let n = 64;

@@ -7,12 +7,10 @@ use super::*;
 pub struct WorldHull {
     /// Vertices in m.
     pub(super) vertices: Vec<Vector>,
-    /// Outward unit normal of each face, and the farthest that any vertex
-    /// lies along it, in m.
+    /// Outward unit normal of each face, and the farthest that any vertex lies along it, in m.
     ///
-    /// For exactly plane faces that is the face's own offset; taking the
-    /// farthest vertex keeps the result right for the hull of the vertices
-    /// when a face is plane only within rounding.
+    /// For exactly plane faces that is the face's own offset; taking the farthest vertex keeps the
+    /// result right for the hull of the vertices when a face is plane only within rounding.
     pub(super) faces: Vec<(Vector, f64)>,
     /// Edges.
     pub(super) edges: Vec<Edge>,

@@ -79,22 +79,19 @@ pub fn wilson_interval(met: usize, count: usize) -> [f64; 2] {
 /// Outcome of Page's test.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PageTest {
-    /// Page's L: the sum over columns of the column's number, from 1, times
-    /// its sum of ranks.
+    /// Page's L: the sum over columns of the column's number, from 1, times its sum of ranks.
     pub l: f64,
-    /// Probability of an L as large, or larger, where there is no trend:
-    /// exact, one-sided.
+    /// Probability of an L as large, or larger, where there is no trend: exact, one-sided.
     pub p: f64,
 }
 
 /// Columns for which every permutation is looked at: 8! = 40 320.
 const MOST_COLUMNS: usize = 8;
 
-/// Page's trend test (E. B. Page 1963, *Journal of the American Statistical
-/// Association* 58, 216–230): whether values rise from column to column, by
-/// their ranks within each row. Ties share their mean rank. The p-value is
-/// exact for rows without ties, from the distribution of L over all orders of
-/// each row; with ties it is a little too large.
+/// Page's trend test (E. B. Page 1963, *Journal of the American Statistical Association* 58,
+/// 216–230): whether values rise from column to column, by their ranks within each row. Ties share
+/// their mean rank. The p-value is exact for rows without ties, from the distribution of L over all
+/// orders of each row; with ties it is a little too large.
 ///
 /// `None` of fewer than two rows, fewer than three columns or more than eight,
 /// rows of unequal length, or a value that is not finite.
@@ -172,10 +169,9 @@ fn permutations(order: &mut [usize], from: usize, visit: &mut impl FnMut(&[usize
 /// Probability that a two-sided one-sample t-test of `count` values finds a
 /// mean that is `effect` standard deviations from 0, at the level 1 − confidence.
 ///
-/// The power of the t-test (Cohen 1988, *Statistical Power Analysis for the
-/// Behavioral Sciences*, chapter 2): the mass of the noncentral t distribution
-/// beyond the quantile, integrated over the distribution of the sample's
-/// standard deviation. `None` of fewer than two values.
+/// The power of the t-test (Cohen 1988, *Statistical Power Analysis for the Behavioral Sciences*,
+/// chapter 2): the mass of the noncentral t distribution beyond the quantile, integrated over the
+/// distribution of the sample's standard deviation. `None` of fewer than two values.
 pub fn t_test_power(effect: f64, count: usize, confidence: f64) -> Option<f64> {
     if count < 2 || !effect.is_finite() {
         return None;
@@ -202,9 +198,8 @@ pub fn t_test_power(effect: f64, count: usize, confidence: f64) -> Option<f64> {
 /// Most values that are asked for.
 const MOST_VALUES: usize = 100_000;
 
-/// Least number of values with which a two-sided one-sample t-test finds a mean
-/// `effect` standard deviations from 0 with a probability of `power`; `None`
-/// where even 100 000 are too few.
+/// Least number of values with which a two-sided one-sample t-test finds a mean `effect` standard
+/// deviations from 0 with a probability of `power`; `None` where even 100 000 are too few.
 pub fn values_needed(effect: f64, confidence: f64, power: f64) -> Option<usize> {
     let enough = |n: usize| t_test_power(effect, n, confidence).is_some_and(|p| p >= power);
     if !enough(MOST_VALUES) {

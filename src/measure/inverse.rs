@@ -1,10 +1,9 @@
 //! Where a line through scattered results reaches a wanted value, and how well
 //! that place is known: inverse prediction.
 //!
-//! Results come in blocks: one and the same specimen (a configuration) at each
-//! of several values of x. What a specimen has of its own is in all of its
-//! results, so that results are not independent, and lines are fitted block by
-//! block.
+//! Results come in blocks: one and the same specimen (a configuration) at each of several values of
+//! x. What a specimen has of its own is in all of its results, so that results are not independent,
+//! and lines are fitted block by block.
 
 use super::*;
 
@@ -37,13 +36,12 @@ pub struct InversePrediction {
 
 /// Fits a line to each block and finds where their mean reaches `wanted`.
 ///
-/// `blocks` holds one result an abscissa of `xs` each. Their lines are taken
-/// for a sample of independent, normally distributed pairs (height at the mean
-/// abscissa, slope), so that for every x the lines' heights there less the
-/// wanted value are an ordinary sample, whose mean Student's t-test holds
-/// against 0. The values of x at which it is not refused are the interval: the
-/// theorem of E. C. Fieller (1954, *Journal of the Royal Statistical Society*
-/// B 16, 175–185) for the quotient of two means that go in pairs.
+/// `blocks` holds one result an abscissa of `xs` each. Their lines are taken for a sample of
+/// independent, normally distributed pairs (height at the mean abscissa, slope), so that for every
+/// x the lines' heights there less the wanted value are an ordinary sample, whose mean Student's
+/// t-test holds against 0. The values of x at which it is not refused are the interval: the theorem
+/// of E. C. Fieller (1954, *Journal of the Royal Statistical Society* B 16, 175–185) for the
+/// quotient of two means that go in pairs.
 ///
 /// `None` of fewer than two blocks or two distinct abscissae, of blocks of
 /// another length than `xs`, of what is not finite, or of a slope of exactly 0.
@@ -135,8 +133,7 @@ mod tests {
     use super::super::testing::assert_near;
     use super::*;
 
-    /// Two abscissae 1 apart on either side of 0, and blocks made of heights
-    /// and slopes.
+    /// Two abscissae 1 apart on either side of 0, and blocks made of heights and slopes.
     fn blocks(lines: &[(f64, f64)], xs: &[f64]) -> Vec<Vec<f64>> {
         lines.iter().map(|(h, s)| xs.iter().map(|x| h + s * x).collect()).collect()
     }

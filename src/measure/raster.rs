@@ -29,8 +29,7 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// A flat surface at height 0 within a circle of the given diameter in
-    /// cells, at least 1.
+    /// A flat surface at height 0 within a circle of the given diameter in cells, at least 1.
     pub fn flat(diameter: f64) -> Self {
         let across = diameter.ceil() as usize;
         let middle = (across - 1) as f64 / 2.0;
@@ -146,9 +145,8 @@ impl Surface {
         }
     }
 
-    /// Raises all cells whose centres lie under a face to that face, when the
-    /// face looks upwards; says whether it raised any. Vertices have
-    /// x and y in cells, z in m.
+    /// Raises all cells whose centres lie under a face to that face, when the face looks upwards;
+    /// says whether it raised any. Vertices have x and y in cells, z in m.
     ///
     /// Every row's crossing with an edge is computed from the same end points
     /// in the same order by both faces that share it, and both count their
@@ -207,8 +205,7 @@ impl Surface {
     }
 }
 
-/// Widens the span of every row that an edge crosses, rows counted from
-/// `first_row`.
+/// Widens the span of every row that an edge crosses, rows counted from `first_row`.
 fn cross_rows(p: &Vector, q: &Vector, first_row: i32, rows: &mut [(f64, f64)]) {
     let (low, high) = if p.y < q.y { (p.y, q.y) } else { (q.y, p.y) };
     let from = whole_above(low).max(first_row);
@@ -233,9 +230,8 @@ fn cross_rows(p: &Vector, q: &Vector, first_row: i32, rows: &mut [(f64, f64)]) {
     }
 }
 
-/// Smallest whole number not below a value, 0 for negative ones. Written out
-/// because `ceil` is a call on processors without SSE 4.1, and this is the
-/// innermost but one loop.
+/// Smallest whole number not below a value, 0 for negative ones. Written out because `ceil` is a
+/// call on processors without SSE 4.1, and this is the innermost but one loop.
 fn whole_above(x: f64) -> i32 {
     let x = if x > 0.0 { x } else { 0.0 };
     let below = x as i32;

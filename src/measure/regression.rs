@@ -34,9 +34,8 @@ pub struct LinearFit {
 }
 
 impl LinearModel {
-    /// Fits rows of factors and results. `None` with fewer than two values more than
-    /// coefficients, where factors cannot be told apart, one does not vary, or a number is not
-    /// finite.
+    /// Fits rows of factors and results. `None` with fewer than two values more than coefficients,
+    /// where factors cannot be told apart, one does not vary, or a number is not finite.
     pub fn fit(rows: &[(Vec<f64>, f64)]) -> Option<Self> {
         let factors = rows.first()?.0.len();
         let terms = factors + 1;

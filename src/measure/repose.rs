@@ -19,13 +19,12 @@
 //!   base radius r = √(3V / πh) and the slope h/r. It depends on one grain, the
 //!   highest, and is there as a check.
 //!
-//! Sectors side by side share grains, so that their angles are no independent
-//! samples. The confidence interval is that of batch means: neighbouring
-//! sectors are put together into [`BATCHES`] parts of the circumference, each
-//! several grains wide, and Student's t interval is taken over the parts (as
-//! in the analysis of correlated series: Law & Kelton, *Simulation Modeling
-//! and Analysis*, chapter 9). It says how well the slope of *this* pile is
-//! known; piles of other grains scatter besides.
+//! Sectors side by side share grains, so that their angles are no independent samples. The
+//! confidence interval is that of batch means: neighbouring sectors are put together into
+//! [`BATCHES`] parts of the circumference, each several grains wide, and Student's t interval is
+//! taken over the parts (as in the analysis of correlated series: Law & Kelton, *Simulation
+//! Modeling and Analysis*, chapter 9). It says how well the slope of *this* pile is known; piles of
+//! other grains scatter besides.
 
 use std::f64::consts::{PI, TAU};
 
@@ -292,8 +291,7 @@ impl Line {
     }
 }
 
-/// Half of the confidence interval of the mean slope, from the means of parts
-/// of the circumference.
+/// Half of the confidence interval of the mean slope, from the means of parts of the circumference.
 fn half_width(lines: &[Option<Line>]) -> Option<f64> {
     let batches: Vec<f64> = lines
         .chunks(SECTORS / BATCHES)

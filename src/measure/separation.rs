@@ -1,26 +1,21 @@
 //! How far two convex polyhedra, rounded or not, or spheres are apart, or how deep they are in each other.
 //!
-//! For a unit vector n let s(n) be the gap between A and B seen along n:
-//! lowest point of B minus highest point of A. Translating B by −s(n) along n
-//! brings the two to touch, so that the penetration depth — the length of the
-//! smallest translation that separates them — is the minimum of −s(n) over all
-//! n. −s is the support function of the Minkowski difference A − B about the
-//! origin, and its minimum is met at a face of that polyhedron. Those faces
-//! are the faces of A, the faces of B turned round, and the parallelograms
-//! spanned by an edge of A and an edge of B whose arcs on the Gauss sphere
-//! cross (van den Bergen, "Collision Detection in Interactive 3D
-//! Environments", 2004; Gregorius, "The Separating Axis Test between Convex
-//! Polyhedra", GDC 2013).
+//! For a unit vector n let s(n) be the gap between A and B seen along n: lowest point of B minus
+//! highest point of A. Translating B by −s(n) along n brings the two to touch, so that the
+//! penetration depth — the length of the smallest translation that separates them — is the minimum
+//! of −s(n) over all n. −s is the support function of the Minkowski difference A − B about the
+//! origin, and its minimum is met at a face of that polyhedron. Those faces are the faces of A, the
+//! faces of B turned round, and the parallelograms spanned by an edge of A and an edge of B whose
+//! arcs on the Gauss sphere cross (van den Bergen, "Collision Detection in Interactive 3D
+//! Environments", 2004; Gregorius, "The Separating Axis Test between Convex Polyhedra", GDC 2013).
 
 use super::*;
 
-/// Sine of the angle within which an arc end counts as lying on the other
-/// arc's great circle.
+/// Sine of the angle within which an arc end counts as lying on the other arc's great circle.
 ///
-/// Accepting too many edge pairs costs time, never correctness (each is
-/// verified with the true supports); rejecting one that belongs would. Faces
-/// may be out of plane by 1e-5 of the body (`geometry`), so that the normals
-/// of narrow faces are uncertain by several times that.
+/// Accepting too many edge pairs costs time, never correctness (each is verified with the true
+/// supports); rejecting one that belongs would. Faces may be out of plane by 1e-5 of the body
+/// (`geometry`), so that the normals of narrow faces are uncertain by several times that.
 const ARC_TOLERANCE: f64 = 1e-4;
 
 /// Sine of the angle between two edges below which they count as parallel.

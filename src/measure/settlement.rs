@@ -9,9 +9,8 @@
 
 use super::MeasureError;
 
-/// How far a series may begin late or end early, in s: one reading interval
-/// of the paper (section 4, "every 0.08 seconds"). Within it the first or
-/// last sample stands for the missing moment.
+/// How far a series may begin late or end early, in s: one reading interval of the paper (section
+/// 4, "every 0.08 seconds"). Within it the first or last sample stands for the missing moment.
 const SLACK: f64 = 0.08;
 
 /// Rounding of times that are sums of steps, in s.
@@ -46,23 +45,20 @@ pub struct Settlement {
     pub at_end: f64,
     /// At the end of the last period, in m, while what the table has thrown up still moves.
     pub end_of_shaking: f64,
-    /// After the first 5 s of vibration, in m, rests between periods not
-    /// counted; at the end of a period it is read in the rest that follows. `None` when the
-    /// vibration is shorter.
+    /// After the first 5 s of vibration, in m, rests between periods not counted; at the end of a
+    /// period it is read in the rest that follows. `None` when the vibration is shorter.
     pub after_5_s: Option<f64>,
     /// `after_5_s` over `at_end`; `None` where there is no settlement to
     /// share out (`at_end` zero or negative).
     pub share_after_5_s: Option<f64>,
-    /// After each period, in m, read where the laboratory read it: "between
-    /// two successive vibration periods" (paper, section 4), that is just
-    /// before the next period begins, and at the end of the series for the
-    /// last one. Without rests this is the end of the period.
+    /// After each period, in m, read where the laboratory read it: "between two successive
+    /// vibration periods" (paper, section 4), that is just before the next period begins, and at
+    /// the end of the series for the last one. Without rests this is the end of the period.
     pub after_each_period: Vec<f64>,
 }
 
-/// Reads the settlement off a series; heights between samples by linear
-/// interpolation. The series ends where the final reading is taken: leave out
-/// what comes after (a rest test).
+/// Reads the settlement off a series; heights between samples by linear interpolation. The series
+/// ends where the final reading is taken: leave out what comes after (a rest test).
 ///
 /// # Errors
 /// [`MeasureError::EmptySeries`], [`MeasureError::BadSample`],
@@ -169,9 +165,8 @@ mod tests {
         bounds.iter().map(|&(start, end)| Period { start, end }).collect()
     }
 
-    /// Law: for a height h₀ − s(1 − exp(−t/τ)), sampled every 0.08 s from 3 s
-    /// before the vibration, the readings are those of the formula; linear
-    /// interpolation errs by at most Δt²/8 · s/τ².
+    /// Law: for a height h₀ − s(1 − exp(−t/τ)), sampled every 0.08 s from 3 s before the vibration,
+    /// the readings are those of the formula; linear interpolation errs by at most Δt²/8 · s/τ².
     #[test]
     fn continuous_vibration() {
         let (begin, sink, tau) = (3.0, 0.018, 3.0);

@@ -7,8 +7,7 @@ pub fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// Sample standard deviation, with n − 1 in the denominator; `None` of fewer
-/// than two values.
+/// Sample standard deviation, with n − 1 in the denominator; `None` of fewer than two values.
 pub fn sample_standard_deviation(values: &[f64]) -> Option<f64> {
     if values.len() < 2 {
         return None;

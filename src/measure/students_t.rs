@@ -4,8 +4,7 @@ use statrs::distribution::ContinuousCDF;
 
 use super::*;
 
-/// Quantile of Student's t distribution; `None` for a probability outside 0 to
-/// 1 or no freedom.
+/// Quantile of Student's t distribution; `None` for a probability outside 0 to 1 or no freedom.
 pub fn t_quantile(probability: f64, freedom: f64) -> Option<f64> {
     if !(probability > 0.0 && probability < 1.0) {
         return None;

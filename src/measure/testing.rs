@@ -218,9 +218,8 @@ pub fn specimen_of(parts: Vec<(ConvexPolyhedron, Pose)>) -> Specimen {
     }
 }
 
-/// A bed of `count` random grains of about 10.5 mm equivalent diameter in a
-/// cylinder of 57.5 mm radius, dense enough that neighbours overlap: as much
-/// work to measure as the paper's specimen.
+/// A bed of `count` random grains of about 10.5 mm equivalent diameter in a cylinder of 57.5 mm
+/// radius, dense enough that neighbours overlap: as much work to measure as the paper's specimen.
 pub fn dense_bed(count: usize) -> Specimen {
     let mut rng = random(7);
     let pitch = 0.0102;

@@ -32,8 +32,7 @@ pub enum Path {
     Recorded {
         /// The rows.
         rows: Arc<RecordedMotion>,
-        /// From when on, in s, it dies away within the ramp; none where it goes on to its last
-        /// row.
+        /// From when on, in s, it dies away within the ramp; none where it goes on to its last row.
         slows_from: Option<f64>,
     },
 }

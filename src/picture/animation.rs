@@ -17,8 +17,7 @@ pub struct Animation {
     pub shot: Shot,
     /// The stage, by number from 0 or name; the whole run if none.
     pub stage: Option<String>,
-    /// Simulated time from one frame to the next, in s; frames that were not kept
-    /// cannot be shown.
+    /// Simulated time from one frame to the next, in s; frames that were not kept cannot be shown.
     pub every_s: f64,
     /// Frames shown in a second.
     pub frames_per_second: u16,
@@ -76,8 +75,7 @@ fn check(animation: &Animation) -> Result<(), PictureError> {
     in_range("limit-mb", *limit_mb, *limit_mb > 0.0, "a number above 0")
 }
 
-/// The frames to show: in each interval of `every_s` the first one kept, and the
-/// last of all.
+/// The frames to show: in each interval of `every_s` the first one kept, and the last of all.
 fn chosen(run: &Playback, animation: &Animation) -> Result<Vec<At>, PictureError> {
     let only = animation.stage.as_deref().map(|asked| stage_of(run, asked)).transpose()?;
     let all = frames_of(run, only);
@@ -142,8 +140,7 @@ impl<'a> Film<'a> {
     }
 }
 
-/// The few points that frame all of them: the outermost in 64 directions across
-/// the line of sight.
+/// The few points that frame all of them: the outermost in 64 directions across the line of sight.
 fn outermost(points: &[Point], shot: &Shot) -> Vec<Point> {
     let [right, up, back] = shot.view.axes();
     let directions = (0..64).flat_map(|n| {

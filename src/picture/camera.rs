@@ -6,9 +6,8 @@ use std::fmt;
 use super::*;
 use crate::units::from_deg;
 
-/// Half the angle between the picture's farther sides, in degrees: a mild
-/// telephoto lens (about 80 mm on 35 mm film), so that heights are seen
-/// nearly as in a drawing.
+/// Half the angle between the picture's farther sides, in degrees: a mild telephoto lens (about 80
+/// mm on 35 mm film), so that heights are seen nearly as in a drawing.
 const HALF_ANGLE_DEG: f64 = 12.0;
 
 /// Share of the picture left free on each side.
@@ -53,8 +52,7 @@ impl View {
     }
 }
 
-/// Height over width of a picture that these points fill, seen from far off; 1
-/// without points.
+/// Height over width of a picture that these points fill, seen from far off; 1 without points.
 pub fn aspect(points: &[Point], view: &View) -> f64 {
     let [right, up, _] = view.axes();
     let extent = |axis: Vector| {
@@ -78,8 +76,7 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// The camera of a view that has all of the points in the picture, as large
-    /// as that allows.
+    /// The camera of a view that has all of the points in the picture, as large as that allows.
     pub fn framing(points: &[Point], view: &View, width: u32, height: u32) -> Self {
         let axes = view.axes();
         let (width, height) = (f64::from(width.max(1)), f64::from(height.max(1)));
@@ -122,8 +119,7 @@ impl Camera {
     }
 
     #[cfg(test)]
-    /// Where a point is seen, in pixels from the upper left corner; none behind
-    /// the camera.
+    /// Where a point is seen, in pixels from the upper left corner; none behind the camera.
     pub fn project(&self, point: &Point) -> Option<(f64, f64)> {
         let away = point.coords - self.eye;
         let depth = -away.dot(&self.axes[2]);

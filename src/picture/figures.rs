@@ -13,8 +13,7 @@ use crate::specimen::FunnelState;
 const WIDTH: u32 = 1400;
 /// Panels in a row.
 const COLUMNS: u32 = 2;
-/// From where apparatus and specimens are seen: nearly level, so that heights can
-/// be compared.
+/// From where apparatus and specimens are seen: nearly level, so that heights can be compared.
 const LEVEL: View = View { azimuth_deg: 20.0, elevation_deg: 16.0 };
 /// How high the funnel hangs over the cylinder where no pouring tells, in m.
 const LIFTED: f64 = 0.05;

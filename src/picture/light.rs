@@ -1,9 +1,8 @@
 //! Light: a lamp with soft shadows and a sky that crevices see little of.
 //!
-//! Every pixel takes few samples, pixel by pixel others, and each surface is
-//! averaged over a square of pixels that together hold them all (Keller and
-//! Heidrich 2001, "Interleaved sampling"). Nothing is drawn at random: the same
-//! scene gives the same picture.
+//! Every pixel takes few samples, pixel by pixel others, and each surface is averaged over a square
+//! of pixels that together hold them all (Keller and Heidrich 2001, "Interleaved sampling").
+//! Nothing is drawn at random: the same scene gives the same picture.
 
 use std::f64::consts::TAU;
 
@@ -43,8 +42,7 @@ pub struct Light {
 }
 
 impl Light {
-    /// Lamp and sky for a camera's axes; beyond some `reach` (m) nothing takes
-    /// light from the sky.
+    /// Lamp and sky for a camera's axes; beyond some `reach` (m) nothing takes light from the sky.
     pub fn new(axes: &[Vector; 3], reach: f64) -> Self {
         // From behind the camera's left shoulder.
         let level = axes[0].cross(&Vector::z());

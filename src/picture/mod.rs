@@ -1,9 +1,8 @@
 //! Pictures of specimens and apparatus, by ray casting: no display, no graphics
 //! card, the same pixels on any number of threads.
 //!
-//! A moment of a run becomes a `Scene` of convex solids; a
-//! camera on an orbit around it casts rays; grains are coloured by what is asked
-//! for; a key and notes stand beside the picture.
+//! A moment of a run becomes a `Scene` of convex solids; a camera on an orbit around it casts rays;
+//! grains are coloured by what is asked for; a key and notes stand beside the picture.
 
 mod animation;
 mod camera;

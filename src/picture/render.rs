@@ -18,8 +18,7 @@ const GROUND: u32 = u32::MAX - 1;
 const GROUND_REACH: f64 = 3.0;
 /// Share of the picture's sides over which shadows on the ground fade away.
 const FADE: f32 = 0.10;
-/// Neighbouring pixels through which glass lets so unlike shares of the light
-/// lie on an edge of it.
+/// Neighbouring pixels through which glass lets so unlike shares of the light lie on an edge of it.
 const GLASS_EDGE: f32 = 0.03;
 
 /// What a ray sees.
@@ -203,8 +202,7 @@ impl Grid<'_> {
         })
     }
 
-    /// The light on a surface over the pixels around one that show it; none where
-    /// none does.
+    /// The light on a surface over the pixels around one that show it; none where none does.
     fn mean(&self, seen: &Seen, x: usize, y: usize, back: usize, ahead: usize) -> Option<Lit> {
         let (mut sum, mut count) = (Lit::default(), 0);
         for n in self.around(x, y, back, ahead).filter(|&n| seen.same_face(&self.seen[n])) {

@@ -52,8 +52,7 @@ impl BvhLeafCost for Hit {
 pub struct Scene {
     /// The bodies.
     pub bodies: Vec<Body>,
-    /// Height of the ground in m, which shows nothing but shadows; none where
-    /// there is no ground.
+    /// Height of the ground in m, which shows nothing but shadows; none where there is no ground.
     pub ground: Option<f64>,
     opaque: Tree,
     glass: Tree,
@@ -139,8 +138,7 @@ impl Scene {
         found.map(|(_, hit)| hit)
     }
 
-    /// Whether an opaque body other than `own` stands on a ray nearer than
-    /// `most` (m).
+    /// Whether an opaque body other than `own` stands on a ray nearer than `most` (m).
     pub fn is_shaded(&self, ray: &Ray, own: u32, most: f64) -> bool {
         let mut shaded = false;
         self.opaque.each_near(ray, most, |body| {
@@ -187,9 +185,8 @@ impl Boxes {
         Self { origin: ray.origin, inverse: ray.direction.map(|d| 1.0 / d) }
     }
 
-    /// Where the ray comes into a node's box, 0 inside it; `f64::MAX` where it
-    /// does not up to `most`. Boxes touched within a face count as met: min
-    /// and max leave out the NaN of 0 · ∞.
+    /// Where the ray comes into a node's box, 0 inside it; `f64::MAX` where it does not up to
+    /// `most`. Boxes touched within a face count as met: min and max leave out the NaN of 0 · ∞.
     #[inline]
     fn enters(&self, node: &BvhNode, most: f64) -> f64 {
         let (low, high) = (node.mins(), node.maxs());

@@ -17,9 +17,8 @@ pub enum Walls {
     Hidden,
 }
 
-/// Drawn thickness of walls, in inner radii of the cylinder. The simulated walls
-/// are thicker outwards, so that no grain can pass them; their inner faces are
-/// where they are drawn.
+/// Drawn thickness of walls, in inner radii of the cylinder. The simulated walls are thicker
+/// outwards, so that no grain can pass them; their inner faces are where they are drawn.
 const WALL_THICKNESS: f64 = 0.05;
 
 /// Length of glass that lets 1/e of the light through, in drawn thicknesses.

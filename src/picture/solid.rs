@@ -1,5 +1,4 @@
-//! Convex solids as spheres and the half-spaces that bound them, and where a ray goes
-//! through one.
+//! Convex solids as spheres and the half-spaces that bound them, and where a ray goes through one.
 
 use super::*;
 use crate::geometry::Sphere;
@@ -121,10 +120,9 @@ pub fn stretch_in(ball: Option<&Sphere>, planes: &[Plane], ray: &Ray) -> Option<
 
 /// Where a ray runs behind all of the planes; `None` where it never does.
 ///
-/// Each plane that the ray goes in through moves the entry farther, each that it
-/// comes out of brings the exit nearer (Cyrus and Beck 1978, "Generalized two-
-/// and three-dimensional clipping"). That is exact for a convex solid; a ray
-/// within a face counts as inside it.
+/// Each plane that the ray goes in through moves the entry farther, each that it comes out of
+/// brings the exit nearer (Cyrus and Beck 1978, "Generalized two- and three-dimensional clipping").
+/// That is exact for a convex solid; a ray within a face counts as inside it.
 pub fn stretch(planes: &[Plane], ray: &Ray) -> Option<Stretch> {
     let (mut enters, mut through, mut leaves) = (f64::NEG_INFINITY, 0, f64::INFINITY);
     for (n, plane) in planes.iter().enumerate() {

@@ -10,11 +10,10 @@ use crate::specimen::{Base, FixedGrain};
 
 /// The base of a scenario, of the given radius in m.
 ///
-/// Fixed grains stand on the points of a triangular lattice whose pitch is the
-/// mean equivalent diameter, about as close as a layer of grains lies. Which
-/// grain it is and how it is turned are random, by a stream of this
-/// configuration; the middle of its height lies at z = 0, so that it is sunk
-/// into the floor by half. Neighbours may overlap: they are one solid.
+/// Fixed grains stand on the points of a triangular lattice whose pitch is the mean equivalent
+/// diameter, about as close as a layer of grains lies. Which grain it is and how it is turned are
+/// random, by a stream of this configuration; the middle of its height lies at z = 0, so that it is
+/// sunk into the floor by half. Neighbours may overlap: they are one solid.
 pub(super) fn build(
     spec: &BaseSpec,
     radius: f64,

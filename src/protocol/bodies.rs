@@ -3,8 +3,7 @@
 use super::*;
 use crate::world::RememberedContact;
 
-/// Saved contacts in terms of a new world's bodies, without those of what is
-/// not in it.
+/// Saved contacts in terms of a new world's bodies, without those of what is not in it.
 pub(super) fn remembered(
     contacts: &[SavedContact],
     parties: &HashMap<Party, BodyId>,

@@ -1,5 +1,4 @@
-//! Conditions that end stages: by themselves, on a scripted world, and in the
-//! engine.
+//! Conditions that end stages: by themselves, on a scripted world, and in the engine.
 
 use super::ending::{Condition, Ending, Endings, Rule, Subject};
 use super::testing::*;

@@ -1,10 +1,8 @@
-//! Whether a state that was read from a file can be that of a specimen in this
-//! laboratory.
+//! Whether a state that was read from a file can be that of a specimen in this laboratory.
 
 use super::*;
 
-/// How far the length of a quaternion may be from 1: engines keep some in
-/// single precision.
+/// How far the length of a quaternion may be from 1: engines keep some in single precision.
 const UNIT: f64 = 1e-3;
 
 /// Share of the energy of a free fall from the rim that what fell over it has at

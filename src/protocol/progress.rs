@@ -2,11 +2,9 @@
 
 /// Told of stages as they go on, from any thread.
 pub trait Progress: Send + Sync {
-    /// Work begins whose stages are expected to take so much simulated time in
-    /// s together.
+    /// Work begins whose stages are expected to take so much simulated time in s together.
     fn begin_work(&self, _expected: f64) {}
-    /// A stage of that work, expected to take so much simulated time in s, was
-    /// found done.
+    /// A stage of that work, expected to take so much simulated time in s, was found done.
     fn already_done(&self, _expected: f64) {}
     /// That work has ended.
     fn end_work(&self) {}

@@ -17,8 +17,7 @@ const SEGMENT_WALL: f64 = 60.0;
 /// faster machine has shorter segments; the bits must not depend on it.
 const GRAIN_STEP: f64 = 12e-6;
 
-/// Where a stage is between two of its segments: all that it needs to go on, beside
-/// its grains.
+/// Where a stage is between two of its segments: all that it needs to go on, beside its grains.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Midway {
     /// The specimen.
@@ -114,9 +113,8 @@ pub(super) fn steps_a_check(setup: &Setup, step: f64) -> u64 {
     (scale::CHECK_INTERVAL.at(&setup.scale) / step).round().max(1.0) as u64
 }
 
-/// Engine steps of a segment, by the engine's settings and the number of grains
-/// alone; none where the engine cannot be told of contacts, so that a packing
-/// would feel the seam.
+/// Engine steps of a segment, by the engine's settings and the number of grains alone; none where
+/// the engine cannot be told of contacts, so that a packing would feel the seam.
 pub(super) fn segment_steps(setup: &Setup, grains: usize) -> Option<u64> {
     let engine = &setup.engine;
     if engine.backend != Backend::Bullet || engine.contact_solver != ContactSolver::Native {
@@ -130,8 +128,7 @@ pub(super) fn segment_steps(setup: &Setup, grains: usize) -> Option<u64> {
     Some(((steps / check as f64).round() as u64).max(1).saturating_mul(check))
 }
 
-/// Engine steps of the segments of a stage; none where it is over within one at the
-/// latest.
+/// Engine steps of the segments of a stage; none where it is over within one at the latest.
 pub fn segments(setup: &Setup, grains: usize, stage: &StageSpec) -> Option<u64> {
     segment_steps(setup, grains)
         .filter(|segment| stage.longest() * setup.engine.rate_hz > *segment as f64)

@@ -24,8 +24,7 @@ pub(super) struct Ended<'a> {
 }
 
 impl<'a> Laboratory<'a> {
-    /// Runs a stage segment by segment, from where it was interrupted or else from
-    /// the specimen.
+    /// Runs a stage segment by segment, from where it was interrupted or else from the specimen.
     pub(super) fn carry_out(
         &mut self,
         specimen: Specimen,

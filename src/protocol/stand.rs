@@ -35,8 +35,7 @@ pub(super) struct Stand<'a> {
     endings: Option<Endings>,
     places: Vec<Option<Vector>>,
     keeper: Option<StressKeeper>,
-    /// Where the stage is; the specimen is in the field of that name, and the
-    /// spout is handed in.
+    /// Where the stage is; the specimen is in the field of that name, and the spout is handed in.
     midway: Midway,
 }
 

@@ -1,16 +1,14 @@
-//! Energy and speeds while a stage goes on: whether gravity and the table can
-//! have given them.
+//! Energy and speeds while a stage goes on: whether gravity and the table can have given them.
 //!
-//! Between two looks the mechanical energy of what moves (kinetic, and m g z)
-//! can rise only by the work of the table: contacts and friction take. Its work is
-//! the integral of its velocity over the momentum that it gives, and along each
-//! direction at most the larger of its velocities at the two looks times that
-//! momentum; along z what gravity has taken is given, too. What rises beyond is
-//! unexplained. It is summed up, and the sum falls, to zero at the least,
-//! where more is lost than given: it is the largest rise without a cause from
-//! any earlier moment to now. Between the pieces of a laboratory contacts are loaded springs: what
-//! pieces gave them, and what they held when the stage began, may come back; so may what they hold
-//! when a weight is laid on the top plate or taken off.
+//! Between two looks the mechanical energy of what moves (kinetic, and m g z) can rise only by the
+//! work of the table: contacts and friction take. Its work is the integral of its velocity over the
+//! momentum that it gives, and along each direction at most the larger of its velocities at the two
+//! looks times that momentum; along z what gravity has taken is given, too. What rises beyond is
+//! unexplained. It is summed up, and the sum falls, to zero at the least, where more is lost than
+//! given: it is the largest rise without a cause from any earlier moment to now. Between the pieces
+//! of a laboratory contacts are loaded springs: what pieces gave them, and what they held when the
+//! stage began, may come back; so may what they hold when a weight is laid on the top plate or
+//! taken off.
 
 use super::*;
 

@@ -1,11 +1,10 @@
 //! Analytical benchmarks: small experiments whose outcome is known from mechanics,
 //! run on an engine through the same seam as the paper's experiment.
 //!
-//! A case is a file of `scenarios/verification/`: an experiment with its
-//! numbers, the law it must obey, the expected value, the tolerance and where
-//! they come from. What an engine is known to miss stands in the case with
-//! the reason; it stays in the table as failing, and a known failure that
-//! passes is reported, so that it cannot go unnoticed.
+//! A case is a file of `scenarios/verification/`: an experiment with its numbers, the law it must
+//! obey, the expected value, the tolerance and where they come from. What an engine is known to
+//! miss stands in the case with the reason; it stays in the table as failing, and a known failure
+//! that passes is reported, so that it cannot go unnoticed.
 
 mod bench;
 mod case;

@@ -1,9 +1,8 @@
 //! How the laboratory stands in the engine's world: turned, mirrored, moving.
 //!
-//! Mechanics knows no direction, no handedness and no velocity of its own
-//! (Galilei). An experiment is therefore written once, in the laboratory's
-//! axes, and every body passes through a [`View`] on its way to the engine
-//! and back. A point x of the laboratory lies at R (S x + V t) of the world:
+//! Mechanics knows no direction, no handedness and no velocity of its own (Galilei). An experiment
+//! is therefore written once, in the laboratory's axes, and every body passes through a [`View`] on
+//! its way to the engine and back. A point x of the laboratory lies at R (S x + V t) of the world:
 //! S the mirror, V the velocity of the laboratory, R its rotation.
 
 use std::sync::Arc;
@@ -103,8 +102,7 @@ impl View {
         if self.mirrored { reflected_state(&state) } else { state }
     }
 
-    /// A body of the laboratory in the world at a time (s); in the mirror it
-    /// has the other hand.
+    /// A body of the laboratory in the world at a time (s); in the mirror it has the other hand.
     pub fn body_out(&self, body: &Body, time: f64) -> Result<Body, VerifyError> {
         let mut out = body.clone();
         out.state = self.state_out(&body.state, time);
@@ -115,8 +113,7 @@ impl View {
     }
 }
 
-/// A shape in the mirror. Its faces run the other way round, so that they
-/// still look outwards.
+/// A shape in the mirror. Its faces run the other way round, so that they still look outwards.
 fn reflected_shape(shape: &ConvexPolyhedron) -> Result<ConvexPolyhedron, VerifyError> {
     if let Some(sphere) = shape.sphere() {
         let sphere = Sphere { centre: Point::from(reflected(sphere.centre.coords)), ..sphere };
@@ -194,9 +191,8 @@ mod tests {
         }
     }
 
-    /// What a rigid body's points do is seen alike in the laboratory and in
-    /// the world: R (S x + V t) of a point is where the viewed body has it,
-    /// and its velocity the derivative of that.
+    /// What a rigid body's points do is seen alike in the laboratory and in the world: R (S x + V
+    /// t) of a point is where the viewed body has it, and its velocity the derivative of that.
     #[test]
     fn points_of_a_body_go_where_the_view_says() {
         let time = 0.5;

@@ -1,10 +1,9 @@
 //! What the page is given of a run, as one block of bytes.
 //!
-//! Little endian: the eight bytes of [`MAGIC`], the length of a JSON text as a
-//! 32-bit integer, the text (padded with blanks to a multiple of four bytes
-//! from the block's beginning), and sections of numbers. The text
-//! says where each section begins (`offset`, in bytes from the
-//! end of the text) and how many numbers of 32 bits it has (`count`):
+//! Little endian: the eight bytes of [`MAGIC`], the length of a JSON text as a 32-bit integer, the
+//! text (padded with blanks to a multiple of four bytes from the block's beginning), and sections
+//! of numbers. The text says where each section begins (`offset`, in bytes from the end of the
+//! text) and how many numbers of 32 bits it has (`count`):
 //!
 //! - `constants`: five floats per grain: fraction, sieve size mm, mass g, volume
 //!   mm³, equivalent diameter mm

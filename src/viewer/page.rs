@@ -11,10 +11,9 @@ use crate::plain::plain;
 const PAGE: &str = include_str!("../../assets/viewer/index.html");
 const STYLE: &str = include_str!("../../assets/viewer/viewer.css");
 
-/// The program of the page: modules in an order in which each uses only those
-/// before it. They are joined into one script, without their lines of `import`
-/// and without the word `export`, so that the page also works as a single file:
-/// a browser lets no page from the disk load modules.
+/// The program of the page: modules in an order in which each uses only those before it. They are
+/// joined into one script, without their lines of `import` and without the word `export`, so that
+/// the page also works as a single file: a browser lets no page from the disk load modules.
 const MODULES: [&str; 13] = [
     include_str!("../../assets/viewer/vectors.js"),
     include_str!("../../assets/viewer/data.js"),

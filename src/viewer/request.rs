@@ -156,8 +156,7 @@ impl Responder {
         self.door.token.path()
     }
 
-    /// Head and content of the answer to what has arrived of a request; none when more must
-    /// arrive.
+    /// Head and content of the answer to what has arrived of a request; none when more must arrive.
     pub fn answer(&self, received: &[u8]) -> Option<Vec<u8>> {
         self.door.answer(received).map(|answer| answer.bytes())
     }

@@ -68,8 +68,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// Serves a page on a port of the loopback address, on a free one if the
-    /// port is 0.
+    /// Serves a page on a port of the loopback address, on a free one if the port is 0.
     ///
     /// # Errors
     /// When the port is taken or not allowed, or the system gives no random numbers.

@@ -25,9 +25,8 @@ impl Shape {
         Self { vertices: polyhedron.vertices().to_vec(), faces: polyhedron.faces().to_vec() }
     }
 
-    /// Pieces in their places as one shape. Where two pieces meet in the same
-    /// polygon, neither face is kept: seen through a transparent wall they
-    /// would look like spokes.
+    /// Pieces in their places as one shape. Where two pieces meet in the same polygon, neither face
+    /// is kept: seen through a transparent wall they would look like spokes.
     pub fn of_pieces(pieces: &[Piece]) -> Self {
         let mut whole = Self::default();
         let mut meeting: HashMap<Vec<[i64; 3]>, u32> = HashMap::new();

@@ -1,5 +1,4 @@
-//! Shapes as glTF meshes: flat faces, each with vertices of its own, so that
-//! edges stay sharp.
+//! Shapes as glTF meshes: flat faces, each with vertices of its own, so that edges stay sharp.
 
 use std::collections::HashMap;
 
@@ -19,8 +18,7 @@ pub struct Meshes {
 type Shape = (Vec<[u64; 3]>, Vec<Vec<u32>>, usize);
 
 impl Meshes {
-    /// The mesh of a grain's shape, in its own frame; one of all grains of that
-    /// shape and material.
+    /// The mesh of a grain's shape, in its own frame; one of all grains of that shape and material.
     pub fn of_shape(
         &mut self,
         shape: &ConvexPolyhedron,
@@ -77,8 +75,7 @@ impl Meshes {
     }
 }
 
-/// Unit normal of a flat polygon (Newell's sum), outwards where its corners run
-/// counter-clockwise.
+/// Unit normal of a flat polygon (Newell's sum), outwards where its corners run counter-clockwise.
 fn normal(face: &[Point]) -> Option<Vector> {
     let next = face.iter().cycle().skip(1);
     let sum: Vector = face.iter().zip(next).map(|(a, b)| a.coords.cross(&b.coords)).sum();

@@ -1,6 +1,5 @@
-//! A specimen as one binary glTF 2.0 file (`.glb`), still or moving: a node a
-//! grain and a part of the apparatus, a mesh a shape, a material a sieve
-//! fraction.
+//! A specimen as one binary glTF 2.0 file (`.glb`), still or moving: a node a grain and a part of
+//! the apparatus, a mesh a shape, a material a sieve fraction.
 
 mod animation;
 mod buffers;

@@ -67,9 +67,8 @@ pub fn apparatus(moment: &Moment, parts: &[Part]) -> PolyData {
     data
 }
 
-/// A grain's number, or a negative one for what is no grain: -1 top plate,
-/// -2 cylinder, -3 floor, -4 funnel or lid, -5 a pile's base; -10 and below the
-/// pieces of a laboratory.
+/// A grain's number, or a negative one for what is no grain: -1 top plate, -2 cylinder, -3 floor,
+/// -4 funnel or lid, -5 a pile's base; -10 and below the pieces of a laboratory.
 pub fn party_number(setup: &Setup, party: Party) -> i32 {
     let floor = setup.cylinder.pieces.len().saturating_sub(1);
     match party {
@@ -117,9 +116,8 @@ struct Bond {
     points: Vec<Vector>,
 }
 
-/// Lines of force: one for every two bodies that bear on each other, between
-/// their centroids; where one is no grain, from the grain's centroid to the
-/// mean point of contact.
+/// Lines of force: one for every two bodies that bear on each other, between their centroids; where
+/// one is no grain, from the grain's centroid to the mean point of contact.
 pub fn chains(setup: &Setup, state: &SpecimenState) -> PolyData {
     let key = |party: Party| match party {
         Party::Grain(n) => (n, 0, 0),

@@ -153,9 +153,8 @@ impl Appended {
             self.bytes.len()
         );
         let plain = numbers.as_flattened();
-        // Head of an array: number of blocks, size of a block, size of a last
-        // block that is not full, then the compressed size of each block. An
-        // array is one full block here, or none.
+        // Head of an array: number of blocks, size of a block, size of a last block that is not
+        // full, then the compressed size of each block. An array is one full block here, or none.
         let blocks = u64::from(!plain.is_empty());
         for number in [blocks, plain.len() as u64, 0] {
             self.bytes.extend(number.to_le_bytes());

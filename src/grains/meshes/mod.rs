@@ -1,5 +1,4 @@
-//! Grains from meshes: scanned grains, read, checked, made convex, and drawn
-//! by sieve fractions.
+//! Grains from meshes: scanned grains, read, checked, made convex, and drawn by sieve fractions.
 //!
 //! The way of a mesh: a file is read into objects ([`read`]); of each the
 //! vertices are joined and the surface is checked ([`surface`]); it becomes a
@@ -45,8 +44,7 @@ pub(super) struct Prototype {
     pub sieve_size: f64,
 }
 
-/// Makes grains with the shapes of meshes. The same files, scenario and seed
-/// give the same bits.
+/// Makes grains with the shapes of meshes. The same files, scenario and seed give the same bits.
 ///
 /// # Errors
 /// Every fault of every file, each with the file, the object, what was found

@@ -177,8 +177,7 @@ fn solid_cone(radius: f64, height: f64) -> ConvexPolyhedron {
     ConvexPolyhedron::new(vertices, faces).expect("a cone")
 }
 
-/// Law: heights are above the mean height of the base, and the base is none of
-/// the pile.
+/// Law: heights are above the mean height of the base, and the base is none of the pile.
 #[test]
 fn the_surface_of_a_specimen_stands_on_its_base() {
     let (radius, height) = (0.08, 0.06);

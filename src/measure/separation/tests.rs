@@ -197,9 +197,8 @@ fn coplanar_faces_agree_with_brute_force() {
     }
 }
 
-/// Law: moved apart by a hair more than the depth along the axis, the two
-/// have no volume in common; by a hair less, they have. And no direction
-/// whatever separates them with less.
+/// Law: moved apart by a hair more than the depth along the axis, the two have no volume in common;
+/// by a hair less, they have. And no direction whatever separates them with less.
 #[test]
 fn depth_is_the_smallest_separating_translation() {
     let mut rng = random(24);

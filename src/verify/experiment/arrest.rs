@@ -1,24 +1,21 @@
 //! A body whose approach to a floor is arrested by something else.
 //!
-//! It comes fast, is caught a little above the floor, rests there, and is then let
-//! down. The coefficient of restitution belongs to the velocity of the
-//! impact itself: what the body had before it was caught is gone. Let down at a
-//! steady velocity u it leaves the floor with at most e u, and with nothing
-//! where u is below the threshold of restitution. Gravity takes that away within
-//! u e/g, less than a step of most engines: at the ends of steps the upward velocity is
-//! between 0 and e u. Let go instead, it falls freely by the distance d that is
-//! left, with √(2 g d), and rises to e² d; little gravity makes that last many
-//! steps.
+//! It comes fast, is caught a little above the floor, rests there, and is then let down. The
+//! coefficient of restitution belongs to the velocity of the impact itself: what the body had
+//! before it was caught is gone. Let down at a steady velocity u it leaves the floor with at most e
+//! u, and with nothing where u is below the threshold of restitution. Gravity takes that away
+//! within u e/g, less than a step of most engines: at the ends of steps the upward velocity is
+//! between 0 and e u. Let go instead, it falls freely by the distance d that is left, with √(2 g
+//! d), and rises to e² d; little gravity makes that last many steps.
 //!
-//! Or the floor comes up to the block at a steady velocity U and goes on. What
-//! holds the block does not pull, so that only the floor's impulse acts: seen from the
-//! floor the block arrives with U, leaves with e U, and rises by (e U)²/2g
-//! (Newton's coefficient; one flat impact without slip, where Poisson's and Stronge's are
-//! the same). Because U may be large, gravity leaves the rebound visible. This value is
-//! exact in both directions; "at most e u" also holds for a solver that never rebounds.
-//! A block that sinks therefore counts only if more than half of the gap is left before it is let
-//! down, and if the same block, caught in the same way and met by the floor, rebounds with at least
-//! half of e and at most half as much again.
+//! Or the floor comes up to the block at a steady velocity U and goes on. What holds the block does
+//! not pull, so that only the floor's impulse acts: seen from the floor the block arrives with U,
+//! leaves with e U, and rises by (e U)²/2g (Newton's coefficient; one flat impact without slip,
+//! where Poisson's and Stronge's are the same). Because U may be large, gravity leaves the rebound
+//! visible. This value is exact in both directions; "at most e u" also holds for a solver that
+//! never rebounds. A block that sinks therefore counts only if more than half of the gap is left
+//! before it is let down, and if the same block, caught in the same way and met by the floor,
+//! rebounds with at least half of e and at most half as much again.
 
 use super::*;
 

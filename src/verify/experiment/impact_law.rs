@@ -1,17 +1,15 @@
 //! Impact of a rigid body on a floor at one point, with friction.
 //!
-//! With the impulse p at an arm r from the centroid the velocity of the point
-//! changes by K p, K = 1/m − [r]× I⁻¹ [r]×. While the point slips the
-//! impulse grows along n − μ t, t the direction of slip (Routh 1905, "Dynamics of a
-//! System of Rigid Bodies", chapter V; Stronge 2000, "Impact Mechanics"). Where the
-//! point sticks from beginning to end, or slips in one direction from
-//! beginning to end, the normal velocity is linear in the normal impulse, so
-//! that Newton's, Poisson's and Stronge's coefficients of restitution are one and
-//! the same, and a contact solver that
-//! first brings the normal velocity to zero and then adds the restitution is exact. Where slip
-//! stops on the way they agree as long as nothing rebounds: both parts of
-//! the velocity are zero at the end, and p = −K⁻¹ u. Otherwise, where slip stops or
-//! reverses, they disagree; no energy may come from it, and the impulse stays in the cone.
+//! With the impulse p at an arm r from the centroid the velocity of the point changes by K p, K =
+//! 1/m − [r]× I⁻¹ [r]×. While the point slips the impulse grows along n − μ t, t the direction of
+//! slip (Routh 1905, "Dynamics of a System of Rigid Bodies", chapter V; Stronge 2000, "Impact
+//! Mechanics"). Where the point sticks from beginning to end, or slips in one direction from
+//! beginning to end, the normal velocity is linear in the normal impulse, so that Newton's,
+//! Poisson's and Stronge's coefficients of restitution are one and the same, and a contact solver
+//! that first brings the normal velocity to zero and then adds the restitution is exact. Where slip
+//! stops on the way they agree as long as nothing rebounds: both parts of the velocity are zero at
+//! the end, and p = −K⁻¹ u. Otherwise, where slip stops or reverses, they disagree; no energy may
+//! come from it, and the impulse stays in the cone.
 //!
 //! Of the three Stronge's is the one that says what it costs: the work of the normal
 //! impulse in restitution is e² of that in compression. In a plane of symmetry that has a closed
@@ -105,8 +103,7 @@ impl Impact {
         Some((in_time, compliance.try_inverse()?))
     }
 
-    /// Impulse without rebound where slip stops before the body does, and
-    /// does not begin again.
+    /// Impulse without rebound where slip stops before the body does, and does not begin again.
     pub fn slip_stops(&self) -> Option<Vector> {
         let (in_time, inverse) = self.slip_ends_in_time()?;
         let impulse = -(inverse * self.velocity);
@@ -323,9 +320,8 @@ mod tests {
         }
     }
 
-    /// Newton's coefficient with the friction that the end asks for creates
-    /// energy where slip reverses (Kane 1984, "A dynamics puzzle"): the
-    /// case of the suite can find it.
+    /// Newton's coefficient with the friction that the end asks for creates energy where slip
+    /// reverses (Kane 1984, "A dynamics puzzle"): the case of the suite can find it.
     #[test]
     fn where_slip_reverses_newton_would_create_energy() {
         let impact = rod(-0.1, 0.3, 1.0);

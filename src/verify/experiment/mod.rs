@@ -135,8 +135,7 @@ pub enum Experiment {
     Projectile { speed_m_per_s: [f64; 3], duration_s: f64 },
     /// An irregular grain turning freely.
     Tumbling { spin_rad_per_s: [f64; 3], duration_s: f64, quantity: Tumbling },
-    /// A box spun about its middle axis: time of the first flip over that of
-    /// Euler's equations.
+    /// A box spun about its middle axis: time of the first flip over that of Euler's equations.
     Flip { spin_rad_per_s: f64, disturbance: f64 },
     /// Two grains collide without gravity: relative change of momentum, in %.
     Collision { speed_m_per_s: f64, friction: f64, restitution: f64 },
@@ -147,8 +146,7 @@ pub enum Experiment {
     /// A block on a shaking table: largest distance in mm between its travel
     /// on the table and the law's.
     BlockOnTable(table::BlockOnTable),
-    /// A cube dropped flat: restitution from the rebound height, the rate
-    /// with the largest error.
+    /// A cube dropped flat: restitution from the rebound height, the rate with the largest error.
     Rebound { restitution: f64, height_mm: f64, rates_hz: Vec<f64> },
     /// A cube bounces: restitution from the heights of successive peaks, the
     /// one with the largest error.

@@ -36,8 +36,7 @@ pub enum Quantity {
     /// Furthest that a vertex gets beyond a wall's inner face while shaken, in mm,
     /// with the grains added in several orders.
     BeyondWalls,
-    /// Mean grain height with the grains added in other orders over that in
-    /// the first order.
+    /// Mean grain height with the grains added in other orders over that in the first order.
     OtherOrders,
     /// Difference of mean grain height in mm, after the duration, between
     /// going on and going on from poses and velocities alone.

@@ -1,11 +1,10 @@
 //! A body that falls over an edge or a corner.
 //!
-//! Friction holds the edge or corner, and the body is a physical pendulum
-//! that stands upside down: Iₒ φ'' = m g R sin φ, R from the pivot to the
-//! centroid, Iₒ = I + m R². For a block on its edge Iₒ = 4/3 m R²; for a cube
-//! of side s on its corner R² = 3/4 s² and Iₒ = 11/12 m s² about every axis
-//! through the corner across its diagonal, because a cube's inertia is the
-//! same about all axes. The equation is integrated by Runge-Kutta.
+//! Friction holds the edge or corner, and the body is a physical pendulum that stands upside down:
+//! Iₒ φ'' = m g R sin φ, R from the pivot to the centroid, Iₒ = I + m R². For a block on its edge
+//! Iₒ = 4/3 m R²; for a cube of side s on its corner R² = 3/4 s² and Iₒ = 11/12 m s² about every
+//! axis through the corner across its diagonal, because a cube's inertia is the same about all
+//! axes. The equation is integrated by Runge-Kutta.
 
 use super::*;
 

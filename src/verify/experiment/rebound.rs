@@ -12,8 +12,7 @@ fn dropped(bench: &Bench, restitution: f64, height: f64) -> Result<(Scene, BodyI
     Ok((scene, id))
 }
 
-/// A cube falls flat from rest at a height h under its lower face; it rises
-/// again to e²h.
+/// A cube falls flat from rest at a height h under its lower face; it rises again to e²h.
 pub(super) fn rebound(bench: &Bench, restitution: f64, height: f64, rates: &[f64]) -> Measured {
     let height = from_mm(height);
     let fall = (2.0 * height / GRAVITY).sqrt();

@@ -1,13 +1,11 @@
 //! A block that rocks from edge to edge.
 //!
-//! Housner (1963), "The behavior of inverted pendulum structures during
-//! earthquakes", Bull. Seism. Soc. Am. 53, 403. A block of half width B and
-//! half height H, tan α = B/H, R² = B² + H², tilted by θ and held by friction,
-//! turns about its edge: Iₒ θ'' = −m g R sin(α − θ) with Iₒ = 4/3 m R², so that
-//! ω²/2 + p² cos(α − |θ|) is constant, p² = 3g/4R. When it is upright it meets
-//! the floor with the other edge, which takes the whole impulse without
-//! rebound. The angular momentum about that edge is kept:
-//! m R² (1/3 + cos 2α) ω = 4/3 m R² ω', and ω'/ω = 1 − 3/2 sin² α.
+//! Housner (1963), "The behavior of inverted pendulum structures during earthquakes", Bull. Seism.
+//! Soc. Am. 53, 403. A block of half width B and half height H, tan α = B/H, R² = B² + H², tilted
+//! by θ and held by friction, turns about its edge: Iₒ θ'' = −m g R sin(α − θ) with Iₒ = 4/3 m R²,
+//! so that ω²/2 + p² cos(α − |θ|) is constant, p² = 3g/4R. When it is upright it meets the floor
+//! with the other edge, which takes the whole impulse without rebound. The angular momentum about
+//! that edge is kept: m R² (1/3 + cos 2α) ω = 4/3 m R² ω', and ω'/ω = 1 − 3/2 sin² α.
 
 use super::*;
 
@@ -32,9 +30,8 @@ pub struct RockingBlock {
 pub enum Comes {
     /// Let go from rest, it falls back over its edge.
     Rocking,
-    /// It flies without gravity, so that at the impact each of its points has the
-    /// velocity that it would have turning about its edge, and the edge
-    /// just meets the floor with none.
+    /// It flies without gravity, so that at the impact each of its points has the velocity that it
+    /// would have turning about its edge, and the edge just meets the floor with none.
     Flying,
 }
 
@@ -76,9 +73,8 @@ impl Housner {
         self.peak(self.upright(tilt, 0.0) * self.ratio().powi(2))
     }
 
-    /// Time in s from a tilt at rest to upright or back (Housner's
-    /// equation with the sine itself, by the midpoint rule in the tilt,
-    /// with a substitution that takes the root away at the end).
+    /// Time in s from a tilt at rest to upright or back (Housner's equation with the sine itself,
+    /// by the midpoint rule in the tilt, with a substitution that takes the root away at the end).
     fn quarter(&self, tilt: f64) -> f64 {
         const PARTS: u32 = 2000;
         let speed = |t: f64| (self.upright(tilt, 0.0) - self.upright(t, 0.0)).max(0.0).sqrt();
@@ -95,9 +91,8 @@ impl Housner {
 /// Tilt (rad) and angular velocity (rad/s) over time (s).
 type Rocking = Vec<(f64, f64, f64)>;
 
-/// ω'/ω by the states
-/// nearest to the impact in which the block is clearly on one edge, each
-/// brought to where it is upright by the energy.
+/// ω'/ω by the states nearest to the impact in which the block is clearly on one edge, each brought
+/// to where it is upright by the energy.
 fn first_impact(law: &Housner, motion: &Rocking, start: f64) -> Option<f64> {
     let clear = 0.1 * start.abs();
     let sign = start.signum();

@@ -3,8 +3,7 @@
 use super::spin_law::Slide;
 use super::*;
 
-/// A thin block with a velocity along its side and an angular velocity about
-/// the vertical.
+/// A thin block with a velocity along its side and an angular velocity about the vertical.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpinSlide {
@@ -41,9 +40,8 @@ pub enum Quantity {
     Time,
 }
 
-/// Time (s) at which a motion that is given at the ends of steps (time, size)
-/// has ended: the last two of them that move, carried on in a straight line.
-/// A block decelerates evenly at the end.
+/// Time (s) at which a motion that is given at the ends of steps (time, size) has ended: the last
+/// two of them that move, carried on in a straight line. A block decelerates evenly at the end.
 fn stop(motion: &[(f64, f64)]) -> Option<f64> {
     const REST: f64 = 1e-3;
     let least = REST * motion.first()?.1;

@@ -1,15 +1,12 @@
-//! A thin rectangular block that slides and spins, by Coulomb's law at its
-//! four corners.
+//! A thin rectangular block that slides and spins, by Coulomb's law at its four corners.
 //!
-//! Each corner i bears a quarter of the weight and is resisted by
-//! −μ m g/4 · vᵢ/|vᵢ| with vᵢ = v + ω × rᵢ. Sliding and spinning are coupled:
-//! friction has one direction at each corner, and what is used against the
-//! spin is lacking against the sliding, so that a block that spins slides
-//! further (Goyal, Ruina and Papadopoulos 1991, "Planar sliding with dry
-//! friction", Wear 143; for the disc Farkas et al. 2003, Phys. Rev. Lett. 90,
-//! 248302). Both end at the same time. There is no closed solution but
-//! for one of them alone; the equations are integrated by Runge-Kutta with
-//! steps that shrink with the motion that is left.
+//! Each corner i bears a quarter of the weight and is resisted by −μ m g/4 · vᵢ/|vᵢ| with vᵢ = v +
+//! ω × rᵢ. Sliding and spinning are coupled: friction has one direction at each corner, and what is
+//! used against the spin is lacking against the sliding, so that a block that spins slides further
+//! (Goyal, Ruina and Papadopoulos 1991, "Planar sliding with dry friction", Wear 143; for the disc
+//! Farkas et al. 2003, Phys. Rev. Lett. 90, 248302). Both end at the same time. There is no closed
+//! solution but for one of them alone; the equations are integrated by Runge-Kutta with steps that
+//! shrink with the motion that is left.
 
 use super::*;
 

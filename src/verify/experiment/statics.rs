@@ -1,22 +1,19 @@
 //! Assemblies of blocks that stand by friction alone, and the least
 //! coefficient of friction with which they do.
 //!
-//! Both are mechanisms of one degree of freedom in which two contacts must
-//! slip at once. With more friction than the value at which both are fully
-//! used, friction against the motion is more than what drives it, so that the
-//! assembly stands; with less no forces in the cones keep it.
+//! Both are mechanisms of one degree of freedom in which two contacts must slip at once. With more
+//! friction than the value at which both are fully used, friction against the motion is more than
+//! what drives it, so that the assembly stands; with less no forces in the cones keep it.
 //!
-//! **Arch.** A keystone of weight W hangs between two blocks of weight w each,
-//! on faces that lean by β from the vertical; these stand on the floor. Each face
-//! bears the vertical W/2; the force leans by at most φ = atan μ from the
-//! face's normal, so that its horizontal part is at least W/2 · cot(β + φ).
-//! The floor resists with at most μ (w + W/2). The arch stands where
-//! cot(β + φ) W/2 ≤ μ (w + W/2).
+//! **Arch.** A keystone of weight W hangs between two blocks of weight w each, on faces that lean
+//! by β from the vertical; these stand on the floor. Each face bears the vertical W/2; the force
+//! leans by at most φ = atan μ from the face's normal, so that its horizontal part is at least W/2
+//! · cot(β + φ). The floor resists with at most μ (w + W/2). The arch stands where cot(β + φ) W/2 ≤
+//! μ (w + W/2).
 //!
-//! **Ladder.** A bar of length L and thickness t leans at an angle θ from the
-//! floor against a wall, on the two corners of its lower face. With both
-//! used, the wall's N₂ = μ N₁, N₁ + μ N₂ = W, and moments about the foot give
-//! W (L/2 cos θ − t/2 sin θ) = N₂ (L sin θ + μ L cos θ).
+//! **Ladder.** A bar of length L and thickness t leans at an angle θ from the floor against a wall,
+//! on the two corners of its lower face. With both used, the wall's N₂ = μ N₁, N₁ + μ N₂ = W, and
+//! moments about the foot give W (L/2 cos θ − t/2 sin θ) = N₂ (L sin θ + μ L cos θ).
 
 use std::convert::Infallible;
 

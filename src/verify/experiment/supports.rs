@@ -1,20 +1,18 @@
 //! Impact at several points at once, without gravity.
 //!
-//! **Flat.** A block that falls flat on its four corners, and slides: all corners
-//! come with one velocity and leave with e times it, so that the block does not
-//! turn, v_z' = −e v_z. Friction slips throughout: |v_x'| = |v_x| − μ (1 + e) |v_z|.
-//! Its moment about the centroid, half the height times the friction, is borne by
-//! corners in front that push more than those behind; none pulls as long as
-//! μ h < L.
+//! **Flat.** A block that falls flat on its four corners, and slides: all corners come with one
+//! velocity and leave with e times it, so that the block does not turn, v_z' = −e v_z. Friction
+//! slips throughout: |v_x'| = |v_x| − μ (1 + e) |v_z|. Its moment about the centroid, half the
+//! height times the friction, is borne by corners in front that push more than those behind; none
+//! pulls as long as μ h < L.
 //!
 //! **Bar on two supports.** Level, with a support on either side of the centroid:
 //! two points that both leave with −e times the approach leave no rigid
 //! bar a turn, wherever they are; both impulses push.
 //!
-//! **Bar on supports at one side.** Two points x₁ < x₂ on the same side: the one
-//! nearer to the centroid stops the bar, which then turns about it so that the
-//! farther one leaves by itself and bears nothing. p = (1 + e) m v/(1 + x₁²/k²),
-//! v' = −v + p/m, ω' = x₁ p/I.
+//! **Bar on supports at one side.** Two points x₁ < x₂ on the same side: the one nearer to the
+//! centroid stops the bar, which then turns about it so that the farther one leaves by itself and
+//! bears nothing. p = (1 + e) m v/(1 + x₁²/k²), v' = −v + p/m, ω' = x₁ p/I.
 
 use super::*;
 
@@ -30,8 +28,7 @@ pub struct ImpactAtSeveralPoints {
     pub friction: f64,
     /// Coefficients of restitution; the worst result counts.
     pub restitutions: Vec<f64>,
-    /// Where narrow supports begin and end along x, in mm from the centroid;
-    /// none is a floor.
+    /// Where narrow supports begin and end along x, in mm from the centroid; none is a floor.
     pub supports_mm: Vec<[f64; 2]>,
 }
 

@@ -1,5 +1,4 @@
-//! A block on a shaking table: Newmark's sliding block, with the table moving
-//! both ways.
+//! A block on a shaking table: Newmark's sliding block, with the table moving both ways.
 
 use super::friction::BLOCK;
 use super::*;
@@ -28,10 +27,9 @@ impl Table {
     }
 }
 
-/// Travel of the block on the table by Coulomb's law: it sticks while the
-/// table's acceleration stays below μg, and slides with μg against its
-/// relative speed until that is nothing (Newmark 1965), integrated in steps
-/// small enough to count as exact.
+/// Travel of the block on the table by Coulomb's law: it sticks while the table's acceleration
+/// stays below μg, and slides with μg against its relative speed until that is nothing (Newmark
+/// 1965), integrated in steps small enough to count as exact.
 fn newmark(table: Table, friction: f64, times: &[f64]) -> Vec<f64> {
     const STEP: f64 = 2e-6;
     let limit = friction * GRAVITY;

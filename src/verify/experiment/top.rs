@@ -1,12 +1,11 @@
 //! A top on its tip: a square pyramid that stands on its apex.
 //!
-//! A square pyramid of base s and height h has its centroid at l = 3/4 h from
-//! the apex, I₃ = m s²/10 about its axis and I₁ = m (s²/20 + 3 h²/80) about every
-//! axis across it: a symmetric top, though it is a polyhedron. With the apex
-//! held by friction it precesses steadily at the tilt θ where
-//! I₁' Ω² cos θ − I₃ ω₃ Ω + m g l = 0, I₁' = I₁ + m l² (Goldstein, "Classical
-//! Mechanics", section 5.7); Ω ≈ m g l/(I₃ ω₃) where it is fast. The slow root is taken.
-//! A point contact bears no moment: upright, the spin stays what it is.
+//! A square pyramid of base s and height h has its centroid at l = 3/4 h from the apex, I₃ = m
+//! s²/10 about its axis and I₁ = m (s²/20 + 3 h²/80) about every axis across it: a symmetric top,
+//! though it is a polyhedron. With the apex held by friction it precesses steadily at the tilt θ
+//! where I₁' Ω² cos θ − I₃ ω₃ Ω + m g l = 0, I₁' = I₁ + m l² (Goldstein, "Classical Mechanics",
+//! section 5.7); Ω ≈ m g l/(I₃ ω₃) where it is fast. The slow root is taken. A point contact bears
+//! no moment: upright, the spin stays what it is.
 
 use super::*;
 

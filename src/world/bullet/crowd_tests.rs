@@ -1,6 +1,5 @@
-//! The speeds of velocity-based AABB margins (`cpp/crowd.h`): no pair that may come
-//! within the speculative margin in the step is missed, and bodies that move together have
-//! small margins.
+//! The speeds of velocity-based AABB margins (`cpp/crowd.h`): no pair that may come within the
+//! speculative margin in the step is missed, and bodies that move together have small margins.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

@@ -1,5 +1,4 @@
-//! The native contact solver: the same bits whoever computes them, and a
-//! restart that goes on.
+//! The native contact solver: the same bits whoever computes them, and a restart that goes on.
 
 use std::collections::BTreeSet;
 

@@ -121,9 +121,8 @@ impl HullPair {
         self.0.pin_mut().forget();
     }
 
-    /// The widest gap; `all_edges` looks at every pair of edges, else only at
-    /// those near the faces that are closest. Both agree wherever the bodies
-    /// overlap.
+    /// The widest gap; `all_edges` looks at every pair of edges, else only at those near the faces
+    /// that are closest. Both agree wherever the bodies overlap.
     pub fn widest_gap(&mut self, a: &Pose, b: &Pose, all_edges: bool) -> ProbeGap {
         let found = self.0.pin_mut().widest_gap(&body_pose(a), &body_pose(b), all_edges);
         ProbeGap { gap: found.gap, axis: found.axis.into() }

@@ -105,8 +105,7 @@ fn told(specimen: &Specimen, order: &[usize]) -> (BulletBackend, Vec<BodyId>) {
     (world, ids)
 }
 
-/// A contact seen from the other body; features and points are numbered as in
-/// `cpp/hull_memory.h`.
+/// A contact seen from the other body; features and points are numbered as in `cpp/hull_memory.h`.
 fn turned(c: &RememberedContact) -> RememberedContact {
     let exchanged = |bits: u32| (bits & 0x3fff) << 14 | bits >> 14 & 0x3fff;
     let [feature, id] = c.feature;

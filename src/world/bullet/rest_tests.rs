@@ -40,8 +40,7 @@ fn a_heap_comes_to_rest() {
                 }
             }
         }
-        // Between two points a grain swings like a pendulum: no friction of points
-        // resists it.
+        // Between two points a grain swings like a pendulum: no friction of points resists it.
         let points = loaded_points(&world, bodies.len());
         let bearing = fastest.iter().zip(&points).enumerate().filter(|(_, (_, n))| **n >= 3);
         let (mut seen, mut worst) = (0, (0.0, 0));

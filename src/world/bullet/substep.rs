@@ -5,9 +5,8 @@ use super::BulletBackend;
 /// The contact problem of one sub-step as the native solver had it, and what it
 /// found, in the engine's unit of length.
 ///
-/// Bodies turn in it by the root of their inertia times their spin, s = √I ω, so
-/// that kinetic energy is ½ m v² + ½ s². Bodies that do not move have an inverse
-/// mass of 0.
+/// Bodies turn in it by the root of their inertia times their spin, s = √I ω, so that kinetic
+/// energy is ½ m v² + ½ s². Bodies that do not move have an inverse mass of 0.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SubstepRecord {
     /// [`SubstepRecord::BODY`] numbers a body: inverse mass (1/kg); v and s with

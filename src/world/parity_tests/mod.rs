@@ -1,7 +1,6 @@
-//! Laws that every engine has to keep: one body of code, run over all of
-//! them, operation by operation. Here: pairs, adding and removing, refusals,
-//! determinism; in `motion`: how bodies move and touch; in `spheres`: how spheres do; in
-//! `rounded`: rounded polyhedra.
+//! Laws that every engine has to keep: one body of code, run over all of them, operation by
+//! operation. Here: pairs, adding and removing, refusals, determinism; in `motion`: how bodies move
+//! and touch; in `spheres`: how spheres do; in `rounded`: rounded polyhedra.
 
 mod motion;
 mod rounded;
@@ -23,8 +22,7 @@ struct Engine {
 
 /// Runs a test over all engines that are built in.
 fn each(test: impl Fn(&Engine)) {
-    // Bullet holds settings for the whole process: take a turn with those who
-    // use the defaults.
+    // Bullet holds settings for the whole process: take a turn with those who use the defaults.
     let _turn = shared_turn();
     let native = EngineSettings::default();
     let bullets_own = EngineSettings { contact_solver: ContactSolver::Stock, ..native.clone() };

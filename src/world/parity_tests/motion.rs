@@ -44,9 +44,8 @@ fn a_kinematic_wall_gives_its_velocity_to_what_lies_on_it() {
         // What the solver leaves at a contact: below 1 % of the speed.
         engine.expect("carried by friction", velocity.x, grain_now.linear_velocity.x, 1e-3);
         engine.expect("lifted by the contact", velocity.z, grain_now.linear_velocity.z, 1e-3);
-        // The impact that lifts it, w in speed, gives it μ w along the table at
-        // once; it then slides until it has the table's speed, by
-        // (v - μ w)² / 2μg, give or take a step's way.
+        // The impact that lifts it, w in speed, gives it μ w along the table at once; it then
+        // slides until it has the table's speed, by (v - μ w)² / 2μg, give or take a step's way.
         let slid = velocity.x * time - grain_now.pose.translation.x;
         let behind = velocity.x - 0.5 * velocity.z;
         let expected = behind * behind / (2.0 * 0.5 * 9.81);
@@ -82,10 +81,9 @@ fn a_sliding_block_stops_by_coulombs_law() {
             steps(world.as_mut(), 240);
             let end = state(world.as_ref(), block);
             let way = end.pose.translation.vector;
-            // The speed falls in steps: the way is off by half a step's, 0.5 %
-            // here. While the block tips on to its front edge it bears more
-            // than its weight, early, where that costs most way: Bullet's
-            // comes 2.1 % short. A wrong rule of friction is off by 20 %.
+            // The speed falls in steps: the way is off by half a step's, 0.5 % here. While the
+            // block tips on to its front edge it bears more than its weight, early, where that
+            // costs most way: Bullet's comes 2.1 % short. A wrong rule of friction is off by 20 %.
             let step = 2.0 * speed * world.time_step();
             engine.expect(
                 &format!("stops after v²/2μg, heading {heading}"),
@@ -111,11 +109,10 @@ fn a_body_rebounds_with_the_pairs_restitution() {
         let grain = world.add(&body).expect("added");
         steps(world.as_mut(), 48);
         let got = state(world.as_ref(), grain).linear_velocity.z / impact;
-        // Bullet lets a body that comes near close the gap in one step and
-        // takes restitution from what is left of the approach: up to one
-        // step's way over the gap at which contacts are made too much or too
-        // little. Rapier takes the speed of approach itself, and iterations once
-        // over the four corners, of which the later take from the earlier.
+        // Bullet lets a body that comes near close the gap in one step and takes restitution from
+        // what is left of the approach: up to one step's way over the gap at which contacts are
+        // made too much or too little. Rapier takes the speed of approach itself, and iterations
+        // once over the four corners, of which the later take from the earlier.
         let tolerance = match engine.backend {
             Backend::Bullet => 0.25,
             Backend::Rapier => 0.02,

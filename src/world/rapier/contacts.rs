@@ -10,9 +10,8 @@ use rapier3d_f64::{
 use super::super::Contact;
 use super::{RapierBackend, convert::Units};
 
-/// Reads all contact points of the last step. Gaps are those of the poses
-/// now: the points stay where they were found on each body, also while rapier
-/// recycles them.
+/// Reads all contact points of the last step. Gaps are those of the poses now: the points stay
+/// where they were found on each body, also while rapier recycles them.
 pub(super) fn read(world: &PhysicsWorld, units: Units, into: &mut Vec<Contact>) {
     into.clear();
     let id = |handle| world.bodies.get(handle).map(RapierBackend::id);
@@ -60,9 +59,8 @@ fn friction(
             let tangent = normal.orthonormal_vector();
             tangent * data.tangent_impulse.x + normal.cross(tangent) * data.tangent_impulse.y
         }
-        // Rapier keeps only what the last sub-step applied to the whole
-        // manifold: taken for every sub-step, and shared out by normal
-        // impulse. Exact at rest, an estimate elsewhere.
+        // Rapier keeps only what the last sub-step applied to the whole manifold: taken for every
+        // sub-step, and shared out by normal impulse. Exact at rest, an estimate elsewhere.
         FrictionModel::Simplified => {
             let points = &manifold.data.solver_contacts;
             let all: f64 = points

@@ -64,11 +64,10 @@ const SIMPLIFIED_BY: [f64; 4] = [1e-6, 1e-5, 1e-4, 1e-3];
 /// The polyhedron in engine units, with parry's border radius where it is rounded, rapier's ball for
 /// a sphere; `None` where parry's own checks fail.
 ///
-/// Its faces are given as fans of triangles, which parry joins again where
-/// their normals agree to 1.7e-4 rad (`from_convex_mesh`, 0.31). Where joining
-/// leaves a vertex with fewer than two faces, as it does beside edges of
-/// micrometres, parry refuses the mesh: then the hull of the vertices stands
-/// in, those that lie closer together than a share of the size taken as one.
+/// Its faces are given as fans of triangles, which parry joins again where their normals agree to
+/// 1.7e-4 rad (`from_convex_mesh`, 0.31). Where joining leaves a vertex with fewer than two faces,
+/// as it does beside edges of micrometres, parry refuses the mesh: then the hull of the vertices
+/// stands in, those that lie closer together than a share of the size taken as one.
 pub(super) fn shape(units: Units, polyhedron: &Arc<ConvexPolyhedron>) -> Option<SharedShape> {
     if let Some(sphere) = polyhedron.sphere() {
         return Some(SharedShape::ball(sphere.radius * units.per_metre));

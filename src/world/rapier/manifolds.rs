@@ -1,13 +1,11 @@
 //! Which corners of a face contacts are clipped against.
 //!
-//! Parry's clipping knows polygons of up to four corners. Of a larger face of
-//! a polyhedron it takes the first four it has stored
-//! (`ConvexPolyhedron::local_support_feature`, 0.31, with a note that these
-//! should be better chosen): a sliver of a round floor, and often half the
-//! face of a grain. What rests on the rest of the face is held by the deepest
-//! point alone, and rocks on it for ever. Here the four corners are chosen to
-//! span the face. All else is parry's: rapier lets a world be given another
-//! dispatcher, and parry's manifold takes any shape that names its features.
+//! Parry's clipping knows polygons of up to four corners. Of a larger face of a polyhedron it takes
+//! the first four it has stored (`ConvexPolyhedron::local_support_feature`, 0.31, with a note that
+//! these should be better chosen): a sliver of a round floor, and often half the face of a grain.
+//! What rests on the rest of the face is held by the deepest point alone, and rocks on it for ever.
+//! Here the four corners are chosen to span the face. All else is parry's: rapier lets a world be
+//! given another dispatcher, and parry's manifold takes any shape that names its features.
 
 use rapier3d_f64::{
     geometry::ContactManifoldData,

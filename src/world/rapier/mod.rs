@@ -1,16 +1,14 @@
 //! The rapier backend: the only place that knows rapier's names.
 //!
-//! Rapier 0.36 in double precision. Its solver divides a step into sub-steps;
-//! in each it starts from the impulses of the one before, pushes overlaps
-//! apart through a damped spring, moves the bodies, and takes the speed of
-//! that pushing away again. Contacts are found once a step by the collision
-//! library parry: GJK and EPA give the normal, and the faces most against it
-//! are clipped, by four corners each that `manifolds` chooses.
+//! Rapier 0.36 in double precision. Its solver divides a step into sub-steps; in each it starts
+//! from the impulses of the one before, pushes overlaps apart through a damped spring, moves the
+//! bodies, and takes the speed of that pushing away again. Contacts are found once a step by the
+//! collision library parry: GJK and EPA give the normal, and the faces most against it are clipped,
+//! by four corners each that `manifolds` chooses.
 //!
-//! Bodies do not sleep, nothing is damped unless asked for, there is no
-//! continuous collision detection, and rotation is as fast as it comes. The
-//! gyroscopic term is rapier's: one explicit step of -ω × Iω a sub-step, after
-//! which the angular momentum is scaled back to its length.
+//! Bodies do not sleep, nothing is damped unless asked for, there is no continuous collision
+//! detection, and rotation is as fast as it comes. The gyroscopic term is rapier's: one explicit
+//! step of -ω × Iω a sub-step, after which the angular momentum is scaled back to its length.
 
 mod contacts;
 mod convert;

@@ -1,5 +1,4 @@
-//! What is rapier's alone; laws that hold for every engine are in
-//! `world/parity_tests/`.
+//! What is rapier's alone; laws that hold for every engine are in `world/parity_tests/`.
 
 use super::*;
 use crate::geometry::MassProperties as Exact;
