@@ -49,7 +49,7 @@ pub(super) fn outline(rounded: &Rounded, step: f64) -> Result<ConvexPolyhedron, 
         }
         points.extend(kept.iter().map(|d| corner + d * rounded.radius));
     }
-    let none = PolyhedronError::NoVolume { volume_m3: 0.0 };
+    let none = PolyhedronError::NoVolume(0.0);
     let hull = hull(&points, usize::MAX).ok_or(none.clone())?;
     joined_polyhedron(&hull.vertices, &hull.triangles).ok_or(none)
 }

@@ -35,12 +35,9 @@ pub enum PolyhedronError {
         /// Number of faces given.
         faces: usize,
     },
-    /// A coordinate is NaN or infinite.
-    #[error("vertex {vertex} has a coordinate that is not a finite number")]
-    NotFinite {
-        /// Index of the vertex.
-        vertex: usize,
-    },
+    /// A coordinate of the vertex with this index is NaN or infinite.
+    #[error("vertex {0} has a coordinate that is not a finite number")]
+    NotFinite(usize),
     /// A face has fewer than three corners, repeats one, or names a vertex that is not there.
     #[error("face {face} is malformed: {reason}")]
     BadFace {
@@ -84,18 +81,12 @@ pub enum PolyhedronError {
         /// Centre in metres.
         centre_m: [f64; 3],
     },
-    /// The ball that rounds a polyhedron has no positive radius, or its core is rounded itself.
-    #[error("the radius of the ball is {radius_m} m: it must be positive, its core have corners")]
-    BadRounding {
-        /// Radius in metres.
-        radius_m: f64,
-    },
-    /// The enclosed volume is zero or negative.
-    #[error("the enclosed volume is {volume_m3:e} m³, it must be positive")]
-    NoVolume {
-        /// Signed volume in cubic metres.
-        volume_m3: f64,
-    },
+    /// The ball that rounds a polyhedron has no positive radius (m), or its core is rounded itself.
+    #[error("the radius of the ball is {0} m: it must be positive, its core have corners")]
+    BadRounding(f64),
+    /// The enclosed signed volume (m³) is zero or negative.
+    #[error("the enclosed volume is {0:e} m³, it must be positive")]
+    NoVolume(f64),
 }
 
 /// A closed convex polyhedron: vertices in metres, faces as loops of vertex
@@ -148,7 +139,7 @@ pub(super) fn checked(core: ConvexPolyhedron, radius: f64) -> Result<Rounded, Po
     let sharp = core.sphere.is_none() && core.rounded.is_none();
     let good = sharp && radius.is_finite() && radius > 0.0;
     let rounded = good.then_some(Rounded { core, radius });
-    rounded.ok_or(PolyhedronError::BadRounding { radius_m: radius })
+    rounded.ok_or(PolyhedronError::BadRounding(radius))
 }
 
 impl From<ConvexPolyhedron> for Raw {
@@ -233,16 +224,13 @@ impl ConvexPolyhedron {
         if let Some(vertex) =
             self.vertices.iter().position(|v| !v.coords.iter().all(|c| c.is_finite()))
         {
-            return Err(PolyhedronError::NotFinite { vertex });
+            return Err(PolyhedronError::NotFinite(vertex));
         }
         self.check_faces()?;
         self.check_closed()?;
         self.check_convex()?;
-        let volume_m3 = self.signed_volume();
-        if volume_m3 <= 0.0 {
-            return Err(PolyhedronError::NoVolume { volume_m3 });
-        }
-        Ok(())
+        let volume = self.signed_volume();
+        if volume <= 0.0 { Err(PolyhedronError::NoVolume(volume)) } else { Ok(()) }
     }
 
     fn check_faces(&self) -> Result<(), PolyhedronError> {

@@ -45,7 +45,7 @@ fn too_small() {
 fn not_finite() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let e = fault(|vertices, _| vertices[5].y = bad);
-        assert_eq!(e, PolyhedronError::NotFinite { vertex: 5 }, "coordinate {bad}");
+        assert_eq!(e, PolyhedronError::NotFinite(5), "coordinate {bad}");
     }
 }
 
@@ -99,7 +99,7 @@ fn no_volume() {
     let vertices = corners.iter().map(|&(x, y)| Point::new(x, y, 0.0)).collect();
     let faces = vec![vec![0, 1, 2], vec![0, 2, 3], vec![0, 3, 1], vec![1, 3, 2]];
     let e = ConvexPolyhedron::new(vertices, faces).unwrap_err();
-    assert_eq!(e, PolyhedronError::NoVolume { volume_m3: 0.0 });
+    assert_eq!(e, PolyhedronError::NoVolume(0.0));
 }
 
 #[test]

@@ -24,12 +24,9 @@ pub enum GrainsError {
     /// The sieve table has no rows.
     #[error("the sieve table has no rows")]
     EmptySieveTable,
-    /// The mass percentages do not add up.
-    #[error("the mass percentages of the sieve table add up to {sum}, not to 100")]
-    PercentSum {
-        /// Their sum.
-        sum: f64,
-    },
+    /// The mass percentages do not add up, but to this.
+    #[error("the mass percentages of the sieve table add up to {0}, not to 100")]
+    PercentSum(f64),
     /// A fraction's mass is less than half a grain.
     #[error(
         "the fraction {retained_mm}-{passing_mm} mm holds {volume_cm3:.4} cm³ of solids, which is \
@@ -142,12 +139,9 @@ pub enum GrainsError {
         /// Radius of the region in m.
         region_m: f64,
     },
-    /// A realisation of other grains.
-    #[error("the realisation is not a permutation of the {grains} grains")]
-    ForeignRealisation {
-        /// Number of grains.
-        grains: usize,
-    },
+    /// A realisation of other grains than so many.
+    #[error("the realisation is not a permutation of the {0} grains")]
+    ForeignRealisation(usize),
     /// Text that is no `grains.json`.
     #[error("not a grains.json: {0}")]
     Json(#[from] serde_json::Error),

@@ -240,7 +240,7 @@ fn check_table(table: &[SieveFraction]) -> Result<(), GrainsError> {
     }
     let sum: f64 = table.iter().map(|row| row.mass_percent).sum();
     if (sum - 100.0).abs() > PERCENT_TOLERANCE {
-        return Err(GrainsError::PercentSum { sum });
+        return Err(GrainsError::PercentSum(sum));
     }
     Ok(())
 }
@@ -336,7 +336,7 @@ mod tests {
         let e = fault(&table(&[(16.0, 12.0, 50.0), (10.0, 8.0, 50.0)]));
         assert!(matches!(e, GrainsError::BadSieveTable { row: 2, .. }), "gap: {e}");
         let e = fault(&table(&[(16.0, 12.0, 50.0), (12.0, 8.0, 49.0)]));
-        assert!(matches!(e, GrainsError::PercentSum { .. }), "99 %: {e}");
+        assert!(matches!(e, GrainsError::PercentSum(_)), "99 %: {e}");
         let e = fault(&table(&[(160.0, 120.0, 50.0), (120.0, 100.0, 50.0)]));
         assert!(matches!(e, GrainsError::EmptyFraction { passing_mm: 160.0, .. }), "{e}");
         let e = fault(&table(&[(1e-3, 1e-200, 100.0)]));

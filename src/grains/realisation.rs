@@ -83,7 +83,7 @@ fn check_realisation(mixed: &Realisation, grains: usize) -> Result<(), GrainsErr
     let mut order = mixed.order.clone();
     order.sort_unstable();
     if !order.into_iter().eq(0..grains) || mixed.orientations.len() != grains {
-        return Err(GrainsError::ForeignRealisation { grains });
+        return Err(GrainsError::ForeignRealisation(grains));
     }
     Ok(())
 }
@@ -297,6 +297,6 @@ mod tests {
         let mut foreign = mixed.clone();
         foreign.order[0] = foreign.order[1];
         let error = rain(&grains, &foreign, 0.1, 0.0);
-        assert!(matches!(error, Err(GrainsError::ForeignRealisation { .. })), "{error:?}");
+        assert!(matches!(error, Err(GrainsError::ForeignRealisation(_))), "{error:?}");
     }
 }

@@ -124,12 +124,9 @@ pub enum NoPile {
         /// Least height in m.
         least: f64,
     },
-    /// It does not slope down from its axis on all sides.
-    #[error("only {found} of {SECTORS} sectors about the axis have a flank that slopes down")]
-    NoFlanks {
-        /// Sectors with a flank.
-        found: usize,
-    },
+    /// It does not slope down from its axis on all sides, but in so many sectors.
+    #[error("only {0} of {SECTORS} sectors about the axis have a flank that slopes down")]
+    NoFlanks(usize),
 }
 
 /// The surface of the pile on a specimen's base; `None` where there is no base.
@@ -209,7 +206,7 @@ impl PileSurface {
         let lines = self.lines(axis, flank);
         let found: Vec<Line> = lines.iter().copied().flatten().collect();
         let falling = found.iter().filter(|line| line.slope > 0.0).count();
-        let no_flanks = NoPile::NoFlanks { found: falling };
+        let no_flanks = NoPile::NoFlanks(falling);
         if (falling as f64) < LEAST_SECTORS * SECTORS as f64 {
             return Err(no_flanks);
         }

@@ -77,15 +77,12 @@ pub enum PictureError {
         /// Which times there are.
         allowed: String,
     },
-    /// Colours that need frames which were not kept.
+    /// Colours by a quantity that needs frames which were not kept.
     #[error(
-        "colours by {what} need frames of the stage before this moment, and there are none; \
+        "colours by {0} need frames of the stage before this moment, and there are none; \
          fraction, coordination and plain need none"
     )]
-    NeedsFrames {
-        /// The quantity.
-        what: &'static str,
-    },
+    NeedsFrames(&'static str),
     /// Colours that tell of contacts, of grains that lie apart.
     #[error("grains alone have no contacts: colour them by fraction or plain")]
     NeedsRun,

@@ -76,7 +76,7 @@ pub fn paint(
 /// are not.
 pub fn values(moments: &Moments, by: ColourBy) -> Result<Vec<Option<f64>>, PictureError> {
     let now = moments.now;
-    let missing = |what| PictureError::NeedsFrames { what };
+    let missing = PictureError::NeedsFrames;
     let (from, per) = match by {
         ColourBy::Speed => {
             let before = moments.before.filter(|f| f.time < now.time);
@@ -181,7 +181,7 @@ mod tests {
         }
         let alone = Moments { before: None, began: None, ..moments };
         for by in [ColourBy::Displacement, ColourBy::Speed] {
-            assert!(matches!(values(&alone, by), Err(PictureError::NeedsFrames { .. })), "{by:?}");
+            assert!(matches!(values(&alone, by), Err(PictureError::NeedsFrames(_))), "{by:?}");
         }
     }
 

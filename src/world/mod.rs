@@ -87,7 +87,7 @@ impl Body {
             && state.pose.rotation.coords.iter().all(|x| x.is_finite())
             && state.linear_velocity.iter().all(|x| x.is_finite())
             && state.angular_velocity.iter().all(|x| x.is_finite());
-        let refuse = |reason: String| Err(WorldError::BadBody { reason });
+        let refuse = |reason: String| Err(WorldError::BadBody(reason));
         if !finite {
             return refuse("its pose or velocity is not finite".into());
         }
@@ -263,7 +263,7 @@ pub trait World {
     /// [`WorldError::NoSuchBody`]; [`WorldError::BadBody`] where they cannot be one, and for an
     /// engine whose bodies have one part.
     fn join(&mut self, _part: BodyId, _whole: BodyId) -> Result<(), WorldError> {
-        Err(WorldError::BadBody { reason: "this engine has no bodies of several parts".into() })
+        Err(WorldError::BadBody("this engine has no bodies of several parts".into()))
     }
 
     /// Reads the state of one body.

@@ -230,7 +230,7 @@ fn engine(error: cxx::Exception) -> WorldError {
 
 /// A body that the engine does not take.
 fn refused(error: cxx::Exception) -> WorldError {
-    WorldError::BadBody { reason: error.what().to_owned() }
+    WorldError::BadBody(error.what().to_owned())
 }
 
 /// A pose as it crosses the bridge.
@@ -325,7 +325,7 @@ impl World for BulletBackend {
     fn join(&mut self, part: BodyId, whole: BodyId) -> Result<(), WorldError> {
         let (a, b) = (self.read_body(part)?, self.read_body(whole)?);
         if a.pose != b.pose {
-            return Err(WorldError::BadBody { reason: "its parts differ in pose".into() });
+            return Err(WorldError::BadBody("its parts differ in pose".into()));
         }
         self.world.pin_mut().join_body(part.0, whole.0).map_err(refused)?;
         self.kinematic[part.0 as usize] = false;
@@ -396,15 +396,12 @@ impl World for BulletBackend {
             [c.point, c.normal, c.force].iter().all(|v| v.iter().all(|x| x.is_finite()))
                 && c.warm_start.is_finite()
         };
+        let refuse = |what: String| Err(WorldError::BadBody(format!("a remembered contact {what}")));
         if let Some(bad) = contacts.iter().find(|c| !finite(c)) {
-            return Err(WorldError::BadBody {
-                reason: format!("a remembered contact is not finite: {bad:?}"),
-            });
+            return refuse(format!("is not finite: {bad:?}"));
         }
         if let Some(bad) = contacts.iter().find(|c| c.warm_start < 0.0) {
-            return Err(WorldError::BadBody {
-                reason: format!("a remembered contact would pull: warm start below 0: {bad:?}"),
-            });
+            return refuse(format!("would pull: warm start below 0: {bad:?}"));
         }
         let contacts: Vec<ffi::ContactRead> = contacts
             .iter()

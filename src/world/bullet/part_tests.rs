@@ -229,7 +229,7 @@ fn what_cannot_be_one_body_is_refused() {
     };
     let (a, b, above) = (add(1.0, motion), add(1.0, motion), add(1.1, motion));
     let fixed = add(1.0, Motion::Static);
-    let refused = |got: Result<(), WorldError>| matches!(got, Err(WorldError::BadBody { .. }));
+    let refused = |got: Result<(), WorldError>| matches!(got, Err(WorldError::BadBody(_)));
     assert!(refused(world.join(above, a)), "law: one pose");
     assert!(refused(world.join(fixed, a)), "law: one motion");
     assert!(refused(world.join(a, a)), "law: another body");

@@ -171,7 +171,7 @@ fn what_only_native_contacts_do_is_refused_or_empty() {
     for refused in [pressed.map(|_| ()), turned.map(|_| ()), joined] {
         let says = "only native contacts";
         assert!(
-            matches!(&refused, Err(WorldError::BadBody { reason }) if reason.contains(says)),
+            matches!(&refused, Err(WorldError::BadBody(reason)) if reason.contains(says)),
             "law: pressed and turned bodies and bodies of parts are refused, got {refused:?}"
         );
     }

@@ -223,7 +223,7 @@ fn bad_bodies_and_settings_are_refused() {
             let mut bad = free_box(Vector::repeat(0.01), Vector::zeros());
             change(&mut bad);
             assert!(
-                matches!(world.add(&bad), Err(WorldError::BadBody { .. })),
+                matches!(world.add(&bad), Err(WorldError::BadBody(_))),
                 "{:?} must refuse bad body {number}",
                 engine.backend
             );

@@ -117,8 +117,8 @@ impl RapierBackend {
         if let Some((known, _)) = self.shapes.get(&key) {
             return Ok(known.clone());
         }
-        let made = convert::shape(self.units, shape).ok_or_else(|| WorldError::BadBody {
-            reason: "rapier can make no convex polyhedron of its shape".into(),
+        let made = convert::shape(self.units, shape).ok_or_else(|| {
+            WorldError::BadBody("rapier can make no convex polyhedron of its shape".into())
         })?;
         self.shapes.insert(key, (made.clone(), Arc::clone(shape)));
         Ok(made)
@@ -170,7 +170,7 @@ impl World for RapierBackend {
             Motion::Static | Motion::Kinematic => (WALL, FREE),
             Motion::Pressed { .. } | Motion::Turned { .. } => {
                 let reason = "rapier cannot press it along one direction".to_owned();
-                return Err(WorldError::BadBody { reason });
+                return Err(WorldError::BadBody(reason));
             }
         };
         // The mass is the body's, given exactly: the collider adds none.
