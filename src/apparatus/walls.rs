@@ -234,6 +234,7 @@ impl TopPlate {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::testing::near;
 
     fn volume(pieces: &[Piece]) -> f64 {
         pieces.iter().map(|p| p.shape.signed_volume()).sum()
@@ -245,10 +246,7 @@ mod tests {
             let corners = polygon(0.0575, sides);
             let prism = ConvexPolyhedron::prism(&corners, 0.0, 1.0).expect("a prism");
             let (expected, got) = (PI * 0.0575 * 0.0575, prism.signed_volume());
-            assert!(
-                (got / expected - 1.0).abs() < 1e-12,
-                "law: area πr² with {sides} sides, expected {expected}, got {got}, tolerance 1e-12"
-            );
+            near(&format!("area πr² with {sides} sides"), got, expected, 1e-12 * expected);
         }
     }
 
@@ -261,10 +259,7 @@ mod tests {
         let ring_area = n * (PI / n).tan() * ((inner + thick).powi(2) - inner * inner);
         let expected = ring_area * 0.2;
         let got = volume(&cylinder.pieces[..spec.wall_pieces as usize]);
-        assert!(
-            (got / expected - 1.0).abs() < 1e-9,
-            "law: the pieces fill the ring, expected {expected} m³, got {got}, tolerance 1e-9"
-        );
+        near("the pieces fill the ring", got, expected, 1e-9 * expected);
         for p in &cylinder.pieces {
             p.shape.sanity_check().expect("a sound piece");
         }
@@ -290,10 +285,7 @@ mod tests {
         let (m, r, h) = (0.104, 0.0565, 0.01);
         let expected = [m * (3.0 * r * r + h * h) / 12.0, m * r * r / 2.0];
         for (got, expected) in [(plate.inertia.x, expected[0]), (plate.inertia.z, expected[1])] {
-            assert!(
-                (got / expected - 1.0).abs() < 2e-3,
-                "law: inertia of a disc within the polygon's 0.2 %, expected {expected}, got {got}"
-            );
+            near("inertia of a disc within the polygon's 0.2 %", got, expected, 2e-3 * expected);
         }
     }
 }

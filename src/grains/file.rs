@@ -254,7 +254,8 @@ fn check_stated(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grains::{generate, tests::few_grains};
+    use crate::grains::generate;
+    use crate::grains::tests::{few_grains, near};
 
     fn written(grains: &GrainSet) -> Vec<u8> {
         let mut bytes = Vec::new();
@@ -304,10 +305,7 @@ mod tests {
         let json = GrainsJson { density_kg_per_m3: None, ..to_json(&grains) };
         let got = from_json(&json).unwrap().density;
         let expected = grains.density;
-        assert!(
-            (got - expected).abs() < 1e-9 * expected,
-            "density = mass / volume: expected {expected}, got {got} ± 1e-9 relative"
-        );
+        near("density = mass / volume", got, expected, 1e-9 * expected);
     }
 
     #[test]

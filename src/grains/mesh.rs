@@ -122,7 +122,8 @@ pub fn write_stl_of<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grains::{generate, tests::few_grains};
+    use crate::grains::generate;
+    use crate::grains::tests::{few_grains, near};
 
     fn numbers<T: std::str::FromStr>(line: &str) -> Vec<T> {
         line.split_whitespace().filter_map(|w| w.parse().ok()).collect()
@@ -138,10 +139,7 @@ mod tests {
 
     fn same_volume(format: &str, got: f64, grains: &GrainSet, tolerance: f64) {
         let expected = grains.total_volume();
-        assert!(
-            (got - expected).abs() < tolerance * expected,
-            "volume enclosed by the {format}: expected {expected:e} m³, got {got:e} ± {tolerance}"
-        );
+        near(&format!("volume enclosed by the {format}"), got, expected, tolerance * expected);
     }
 
     #[test]

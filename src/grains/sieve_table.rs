@@ -68,7 +68,8 @@ pub fn table_csv<N: AsRef<[u8]>>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grains::{generate, tests::few_grains};
+    use crate::grains::generate;
+    use crate::grains::tests::{few_grains, near};
 
     #[test]
     fn the_table_has_units_and_the_generated_mass() {
@@ -98,10 +99,7 @@ mod tests {
         for row in &rows {
             let number = |column: usize| row[column].parse::<f64>().unwrap();
             let (got, expected) = (number(11), number(12) - number(13));
-            assert!(
-                (got - expected).abs() < 2e-4,
-                "share found in a fraction = passing less finer: expected {expected} %, got {got} %"
-            );
+            near("share found in a fraction = passing less finer", got, expected, 2e-4);
         }
         let (found, finest) = (sum(11), rows.last().unwrap()[13].parse::<f64>().unwrap());
         let coarsest: f64 = 100.0 - rows[0][12].parse::<f64>().unwrap();
@@ -134,10 +132,7 @@ mod tests {
             // Mass, volume of solids, mass of the generated grains; the side of the cube.
             for (column, scale) in [(3, 1e-6), (4, 1e-6), (7, 1e-6), (8, 1e-2)] {
                 let (expected, got) = (large[column], small[column] / scale);
-                assert!(
-                    (got - expected).abs() <= 1e-3 * expected,
-                    "law: column {column} keeps its digits; expected {expected}, got {got}"
-                );
+                near(&format!("column {column} keeps its digits"), got, expected, 1e-3 * expected);
             }
         }
     }

@@ -84,6 +84,7 @@ pub fn rotation(rng: &mut Pcg64) -> UnitQuaternion<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::testing::near;
 
     #[test]
     fn same_name_and_seed_give_the_same_bits_others_do_not() {
@@ -116,10 +117,7 @@ mod tests {
         // Five standard errors: sqrt(1/12/n) and sqrt(1/180/n).
         assert!((mean - 0.5).abs() < 3.3e-3, "mean of U[0,1): expected 0.5, got {mean} ± 3.3e-3");
         let expected = 1.0 / 12.0;
-        assert!(
-            (variance - expected).abs() < 8.4e-4,
-            "variance of U[0,1): expected {expected}, got {variance} ± 8.4e-4"
-        );
+        near("variance of U[0,1)", variance, expected, 8.4e-4);
     }
 
     #[test]
@@ -173,10 +171,7 @@ mod tests {
             ("smallest mean square of an entry", square.min(), 1.0 / 3.0, 0.01),
             ("mean square of the trace", trace2, 1.0, 0.035),
         ] {
-            assert!(
-                (got - expected).abs() < tolerance,
-                "{what} of random rotations: expected {expected}, got {got} ± {tolerance}"
-            );
+            near(&format!("{what} of random rotations"), got, expected, tolerance);
         }
     }
 }

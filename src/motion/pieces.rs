@@ -163,6 +163,7 @@ impl PieceMotion {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::testing::near;
 
     const VELOCITY: Path = Path::Velocity(Vector::new(0.1, 0.0, 0.0));
 
@@ -197,10 +198,7 @@ mod tests {
                 before.map(|t| (way(&motion, t) - way(&whole, t)).abs()).fold(0.0, f64::max);
             assert!(worst < 1e-15, "law: the same before {ended} s, off by {worst} m");
             let got = way(&motion, over);
-            assert!(
-                (got - expected).abs() < 1e-12,
-                "law: ended at {ended} s, {expected} m, got {got}"
-            );
+            near(&format!("ended at {ended} s"), got, expected, 1e-12);
             let speeds = (0..1000).map(|n| {
                 let t = over * f64::from(n) / 1000.0;
                 (way(&motion, t + over / 1000.0) - way(&motion, t)) / (over / 1000.0)

@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use super::*;
+use crate::geometry::testing::near;
 
 /// The paper's intermittent vibration with rests of one second.
 fn paper() -> TableMotion {
@@ -167,10 +168,7 @@ fn a_ramp_leaves_the_middle_as_it_is() {
     let t = 0.5 + 1.0 / 12.0;
     let half = ramped().displacement(t).x / paper().displacement(t).x;
     let expected = 0.5 * (1.0 - (PI * t).cos());
-    assert!(
-        (half - expected).abs() < 1e-12,
-        "law (1 - cos πt/r)/2, expected {expected}, got {half}"
-    );
+    near("(1 - cos πt/r)/2", half, expected, 1e-12);
 }
 
 #[test]
@@ -238,10 +236,7 @@ fn the_largest_acceleration_of_a_crank_is_at_its_outer_dead_centre() {
         let at = |n: u32| motion.acceleration(f64::from(n) / 3.0 / 10_000.0).norm();
         let most = (0..10_000).map(at).fold(0.0, f64::max);
         let expected = a * (1.0 + ratio);
-        assert!(
-            (most / expected - 1.0).abs() < 1e-9,
-            "law: Aω²(1 + λ) at λ {ratio}, expected {expected}, got {most}"
-        );
+        near(&format!("Aω²(1 + λ) at λ {ratio}"), most, expected, 1e-9 * expected);
     }
 }
 
@@ -257,10 +252,7 @@ fn video_frames_hold_a_pose_and_jump_to_the_next_in_one_step() {
         let frame = (f64::from(n) * 25.0 / 480.0 - 1e-9).ceil();
         let got = motion.displacement(time).x;
         let expected = if frame >= 50.0 { 0.0 } else { smooth.displacement(frame / 25.0).x };
-        assert!(
-            (got - expected).abs() < 1e-12,
-            "law: the pose of frame {frame} at step {n}, expected {expected}, got {got}"
-        );
+        near(&format!("the pose of frame {frame} at step {n}"), got, expected, 1e-12);
         let velocity = motion.velocity(time, STEP).x;
         let way = got - motion.displacement(time - STEP).x;
         assert!((velocity * STEP - way).abs() < 1e-15, "law: the whole way in one step");

@@ -140,6 +140,7 @@ impl Camera {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::testing::near;
 
     fn cloud() -> Vec<Point> {
         let mut points = Vec::new();
@@ -173,10 +174,7 @@ mod tests {
                     }
                     let filled = (x.1 - x.0).max(y.1 - y.0);
                     let expected = 1.0 - 2.0 * MARGIN;
-                    assert!(
-                        (filled - expected).abs() < 1e-9,
-                        "law: one side is filled, expected {expected}, got {filled} ({view})"
-                    );
+                    near(&format!("one side is filled, {view}"), filled, expected, 1e-9);
                 }
             }
         }

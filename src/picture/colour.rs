@@ -82,6 +82,7 @@ pub fn round_up(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::testing::near;
 
     #[test]
     fn bytes_come_back() {
@@ -119,10 +120,7 @@ mod tests {
             (870.0, 1000.0),
         ] {
             let got = round_up(value);
-            assert!(
-                (got / expected - 1.0).abs() < 1e-12,
-                "of {value}: expected {expected}, got {got}"
-            );
+            near(&format!("of {value}"), got, expected, 1e-12 * expected);
         }
     }
 }

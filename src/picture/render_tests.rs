@@ -1,7 +1,7 @@
 //! Pictures of small scenes against what they must show.
 
 use super::*;
-use crate::geometry::{ConvexPolyhedron, Pose};
+use crate::geometry::{ConvexPolyhedron, Pose, testing::near};
 use crate::picture::camera::View;
 use crate::picture::scene::Body;
 use crate::picture::solid::Solid;
@@ -50,10 +50,7 @@ fn the_silhouette_of_a_ball_has_its_area() {
     let pixels_per_tangent = (x1 - x0) * d;
     let expected = std::f64::consts::PI * pixels_per_tangent.powi(2) / (d * d - 1.0);
     let got = covered(&image);
-    assert!(
-        (got / expected - 1.0).abs() < 4e-3,
-        "law: silhouette of a ball, expected {expected} pixels, got {got}, tolerance 0.4 %"
-    );
+    near("silhouette of a ball", got, expected, 4e-3 * expected);
 }
 
 #[test]
@@ -67,10 +64,7 @@ fn a_face_on_covers_what_its_corners_enclose() {
     let got = covered(&image);
     // Nine rays a pixel: a straight edge is off by up to a sixth of a pixel.
     let most = 2.0 * (high.0 - low.0 + low.1 - high.1) / 6.0;
-    assert!(
-        (got - expected).abs() < most,
-        "law: width times height, expected {expected}, got {got}"
-    );
+    near("width times height", got, expected, most);
 }
 
 #[test]

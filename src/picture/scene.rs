@@ -209,7 +209,7 @@ mod tests {
 
     use super::super::solid::stretch;
     use super::*;
-    use crate::geometry::{ConvexPolyhedron, Pose};
+    use crate::geometry::{ConvexPolyhedron, Pose, testing::near};
 
     fn many(glass: bool) -> (Vec<Body>, rand_pcg::Pcg64Mcg) {
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(3);
@@ -277,10 +277,7 @@ mod tests {
                 .map(|s| (s.leaves.min(1.2) - s.enters.max(0.0)).max(0.0))
                 .sum();
             let got = scene.glass_on(&ray, 1.2);
-            assert!(
-                (got - expected).abs() < 1e-12,
-                "law: lengths add up, expected {expected}, got {got}, tolerance 1e-12"
-            );
+            near("lengths add up", got, expected, 1e-12);
         }
     }
 

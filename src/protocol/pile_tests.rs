@@ -100,11 +100,7 @@ fn grains_are_fed_at_their_rate_above_the_pile_and_clear_of_each_other() {
         }
     }
     let expected = DROP + set.rain_clearance();
-    assert!(
-        (lowest - expected).abs() < 1e-12,
-        "law: the first sphere begins the drop height above the base, expected {expected} m, got \
-         {lowest} m"
-    );
+    near("the first sphere begins the drop height above the base", lowest, expected, 1e-12);
 }
 
 #[test]
@@ -158,10 +154,7 @@ fn fixed_grains_cover_the_base_and_are_sunk_to_half() {
     // A triangular lattice has one point in √3/2 pitch².
     let expected = std::f64::consts::PI * 0.01 / (3f64.sqrt() / 2.0 * pitch * pitch);
     let got = base.fixed_grains.len() as f64;
-    assert!(
-        (got / expected - 1.0).abs() < 0.05,
-        "law: area over the lattice's cell, expected about {expected:.0}, got {got}, tolerance 5 %"
-    );
+    near("area over the lattice's cell", got, expected, 0.05 * expected);
     for fixed in &base.fixed_grains {
         let (low, high) = set.grains[fixed.grain].shape.transformed(&fixed.pose).bounding_box();
         let middle = f64::midpoint(low.z, high.z);

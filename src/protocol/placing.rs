@@ -127,10 +127,7 @@ mod tests {
         // A uniform disc of radius R has the mean squared radius R²/2; its standard error here is 3 %.
         let mean = offsets.iter().map(|o| o.norm_squared()).sum::<f64>() / 400.0;
         let expected = (0.8 * clearance).powi(2) / 2.0;
-        assert!(
-            (mean / expected - 1.0).abs() < 0.12,
-            "law: uniform on a disc, expected {expected}, got {mean}, tolerance 12 %"
-        );
+        near("uniform on a disc", mean, expected, 0.12 * expected);
         assert_ne!(placing(", \"placement\": 1", 1), placing(", \"placement\": 1", 2));
         let own = placing(", \"placement\": 3, \"offset_mm\": 0, \"rotation_deg\": 0", 1);
         assert_eq!((own.offset, own.turn), (Vector::zeros(), 0.0), "law: no limit, no draw");

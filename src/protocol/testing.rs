@@ -5,6 +5,7 @@ use std::sync::{Arc, atomic::AtomicBool};
 pub(super) use serde_json::{Value, json};
 
 use super::*;
+pub(super) use crate::geometry::testing::near;
 use crate::grains::generate;
 use crate::scenario::{GrainsSpec, Scenario};
 use crate::world::{World, scripted::ScriptedWorld};
@@ -55,15 +56,6 @@ pub(super) fn scripted_worlds(
 ) -> impl Fn(&EngineSettings, Vector, &PairTable) -> Result<Box<dyn World + Send>, WorldError> + Sync
 {
     move |_, _, _| Ok(Box::new(make()) as Box<dyn World + Send>)
-}
-
-/// Asserts that a number is what it should be, to a tolerance.
-#[track_caller]
-pub(super) fn near(what: &str, got: f64, expected: f64, tolerance: f64) {
-    assert!(
-        (got - expected).abs() <= tolerance,
-        "law: {what}: expected {expected} to {tolerance}, got {got}"
-    );
 }
 
 /// Sees nothing.

@@ -159,10 +159,7 @@ fn the_table_is_moved_to_the_exact_sinusoid_at_the_end_of_each_step() {
     assert!(end, "law: the end of shaking is seen");
     for (time, x) in seen.0 {
         let expected = motion.displacement(time).x;
-        assert!(
-            (x - expected).abs() < 1e-15,
-            "law x(t) = A sin 2πft at {time} s: expected {expected}, got {x}"
-        );
+        near(&format!("x(t) = A sin 2πft at {time} s"), x, expected, 1e-15);
     }
 }
 
@@ -174,10 +171,7 @@ fn the_plate_is_let_go_just_above_the_highest_grain() {
     let plate = outcome.expect("placed").specimen.state.top_plate.expect("a plate");
     let gap = plate.pose.translation.z - 0.005 - highest;
     let expected = 1e-4 * 10.0 / 8.0;
-    assert!(
-        (gap - expected).abs() < 1e-12,
-        "law: 0.0125 of the smallest grains, of 10 mm; expected {expected} m, got {gap} m"
-    );
+    near("0.0125 of the smallest grains, of 10 mm", gap, expected, 1e-12);
     assert_eq!(plate.pose.rotation.angle(), 0.0, "level");
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde_json::Value;
 
 use super::*;
-use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+use crate::geometry::{ConvexPolyhedron, Pose, Vector, testing::near};
 use crate::grains::{Block, Grain, GrainSet};
 use crate::protocol::Setup;
 use crate::record::Frame;
@@ -107,11 +107,8 @@ fn everything_of_the_run_is_in_the_block() {
     let constants = read.floats("/constants");
     assert_eq!(constants.len(), 3 * CONSTANTS);
     let expected = [0.0, 10.0, 2.65, 1000.0, 12.4];
-    for (n, (got, expected)) in constants.iter().zip(expected).enumerate() {
-        assert!(
-            (got - expected).abs() <= 0.01 * expected,
-            "law: constant {n} of a cube of 10 mm, expected {expected}, got {got}, tolerance 1 %"
-        );
+    for (n, (&got, expected)) in constants.iter().zip(expected).enumerate() {
+        near(&format!("constant {n} of a cube of 10 mm"), got.into(), expected, 0.01 * expected);
     }
 
     assert_eq!(read.integers("/stages/0/coordination"), [1, 1, 0], "law: two touch, one is alone");

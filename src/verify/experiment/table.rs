@@ -93,6 +93,7 @@ impl BlockOnTable {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::testing::near;
 
     #[test]
     fn a_block_sticks_below_and_slides_above_the_friction_limit() {
@@ -111,9 +112,6 @@ mod tests {
         let time = 0.37;
         let expected = table.speed(0.0) * time - table.place(time);
         let got = newmark(table, 0.0, &[time])[0];
-        assert!(
-            (got - expected).abs() < 1e-8,
-            "law: x = v₀t in space, expected travel {expected}, got {got}, tolerance 1e-8"
-        );
+        near("x = v₀t in space", got, expected, 1e-8);
     }
 }

@@ -396,7 +396,7 @@ impl World for BulletBackend {
             [c.point, c.normal, c.force].iter().all(|v| v.iter().all(|x| x.is_finite()))
                 && c.warm_start.is_finite()
         };
-        let refuse = |what: String| Err(WorldError::BadBody(format!("a remembered contact {what}")));
+        let refuse = |how: String| Err(WorldError::BadBody(format!("a remembered contact {how}")));
         if let Some(bad) = contacts.iter().find(|c| !finite(c)) {
             return refuse(format!("is not finite: {bad:?}"));
         }

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::tests::{free_box, shared_turn, slab, snapshot, state, steps, uniform};
 use super::*;
+use crate::geometry::testing::near;
 use crate::scenario::NativeSettings;
 
 const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
@@ -99,10 +100,7 @@ fn a_body_with_more_pairs_than_colours_rests_on_all_of_them() {
     assert!(bears > 63, "the check sees more pairs than colours, {bears}");
     let plate = state.last().expect("bodies").expect("a plate");
     let height = 1e3 * plate.pose.translation.z;
-    assert!(
-        (height - 12.0).abs() < 0.01,
-        "law: the plate lies on the boxes, at 12 mm to 0.01 mm, got {height:.4} mm"
-    );
+    near("the plate lies on the boxes, at 12 mm to 0.01 mm", height, 12.0, 0.01);
     let speed = 1e3 * plate.linear_velocity.norm();
     assert!(speed < 0.1, "law: at rest after half a second, to 0.1 mm/s, got {speed:.4} mm/s");
     for (threads, portable) in [(2, false), (3, true)] {
@@ -200,10 +198,7 @@ fn a_joint_is_not_felt_and_a_step_is() {
     );
     for step in [0.05, 0.2, 1.0] {
         let got = slid_over_a_joint(10.0, step);
-        assert!(
-            (got - 10.0).abs() < 0.05,
-            "law: a step of {step} mm stops it at 10 mm to 0.05 mm, got {got:.3} mm"
-        );
+        near(&format!("a step of {step} mm stops it at 10 mm to 0.05 mm"), got, 10.0, 0.05);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::tests::{exclusive_turn, free_box, shared_turn, slab, state, steps, uniform};
 use super::*;
+use crate::geometry::testing::near;
 use crate::scenario::{ContactSolver, InertiaRule, StockSettings};
 use crate::units::from_mm;
 
@@ -33,11 +34,7 @@ fn a_margin_keeps_both_surfaces_apart() {
         steps(&mut world, 480);
         let got = 1e3 * state(&world, cube).pose.translation.z;
         let expected = 5.0 + 2.0 * margin_mm;
-        assert!(
-            (got - expected).abs() < 0.05,
-            "law: a cube of 10 mm rests at 5 mm and both margins, {expected} mm; got {got} mm, \
-             tolerance 0.05 mm"
-        );
+        near("a cube of 10 mm rests at 5 mm and both margins", got, expected, 0.05);
         let held = world.effective()["collision_margin_m"].as_f64().expect("a number");
         assert!((held - from_mm(margin_mm)).abs() < 1e-9, "read back: {held} m");
     }
@@ -117,10 +114,7 @@ fn a_relative_threshold_is_held_as_one() {
         let settings =
             on(StockSettings { relative_contact_threshold: relative, ..Default::default() });
         let held = world(&settings).effective()["relative_contact_threshold"].as_f64();
-        assert!(
-            (held.expect("a number") - relative).abs() < 1e-7,
-            "asked {relative}, held {held:?}"
-        );
+        near(&format!("asked {relative}, held {held:?}"), held.expect("a number"), relative, 1e-7);
     }
 }
 

@@ -3,6 +3,7 @@
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use super::*;
+use crate::geometry::testing::near;
 use crate::scenario::{ContactSolver, NativeSettings};
 pub(super) use crate::world::testing::{contacts, free_box, slab, snapshot, state, steps, uniform};
 
@@ -48,10 +49,7 @@ fn settings_are_read_back_from_the_engine() {
         [("iterations", 37.0), ("time_step_s", 1.0 / 960.0), ("collision_margin_m", 0.0)]
     {
         let got = held[name].as_f64().expect("a number");
-        assert!(
-            (got - expected).abs() < 1e-9,
-            "setting {name}: expected {expected}, got {got}, tolerance 1e-9"
-        );
+        near(&format!("setting {name}"), got, expected, 1e-9);
     }
     let directions = |n| {
         let world = super::super::create(
@@ -102,10 +100,7 @@ fn native_worlds_read_back_no_setting_of_stock_contacts() {
         ("restitution_speed_m_per_s", defaults.restitution_velocity_threshold_m_per_s),
     ] {
         let got = native[name].as_f64().expect("a number");
-        assert!(
-            (got - expected).abs() < 1e-9,
-            "setting {name}: expected {expected}, got {got}, tolerance 1e-9"
-        );
+        near(&format!("setting {name}"), got, expected, 1e-9);
     }
 }
 
@@ -131,11 +126,7 @@ fn free_fall_is_the_discrete_solution_at_every_length_scale() {
         let expected = 5.0 - 9.81 * dt * dt * f64::from(n * (n + 1)) / 2.0;
         let got = state(&world, id).pose.translation.z;
         let tolerance = precision(1e-12, 2e-5);
-        assert!(
-            (got - expected).abs() < tolerance,
-            "law z0 - g dt² n(n+1)/2 at scale {length_scale}: expected {expected}, got {got}, \
-             tolerance {tolerance}"
-        );
+        near(&format!("z0 - g dt² n(n+1)/2 at scale {length_scale}"), got, expected, tolerance);
     }
 }
 
@@ -190,8 +181,5 @@ fn the_manifold_path_holds_a_box_at_its_four_corners() {
     assert!(contacts.is_empty(), "law: contacts go with their body, left are {contacts:?}");
     let held = world.effective();
     let speculative_margin = held["native_speculative_margin_m"].as_f64().expect("a number");
-    assert!(
-        (speculative_margin - 0.2e-3).abs() < 1e-9,
-        "speculative_margin: expected 0.2e-3 m, got {speculative_margin}"
-    );
+    near("speculative_margin", speculative_margin, 0.2e-3, 1e-9);
 }

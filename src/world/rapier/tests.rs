@@ -1,7 +1,7 @@
 //! What is rapier's alone; laws that hold for every engine are in `world/parity_tests/`.
 
 use super::*;
-use crate::geometry::MassProperties as Exact;
+use crate::geometry::{MassProperties as Exact, testing::near};
 use crate::scenario::{Backend, FrictionModel, RapierSettings};
 use crate::world::Material;
 use crate::world::testing::{contacts, free, free_box, slab, state, steps, uniform};
@@ -91,10 +91,7 @@ fn every_setting_is_read_back_from_the_engine() {
         ("angular_damping_per_s", 0.223_143_551_314_209_76),
     ] {
         let got = held.get(name).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
-        assert!(
-            (got - expected).abs() <= 1e-12 * expected.abs(),
-            "setting {name}: expected {expected}, got {got}, tolerance 1e-12 of it"
-        );
+        near(&format!("setting {name}"), got, expected, 1e-12 * expected.abs());
     }
     for (name, expected) in [
         ("speed_limit", false),
