@@ -137,7 +137,6 @@ fn of_mesh(part: &MeshPart) -> Result<Piece, PolyhedronError> {
     ConvexPolyhedron::new(corners, part.faces.clone()).map(piece)
 }
 
-/// A block between two corners.
 fn block(low: [f64; 3], high: [f64; 3]) -> Result<Piece, PolyhedronError> {
     let outline = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])];
     ConvexPolyhedron::prism(&outline, low[2], high[2]).map(piece)

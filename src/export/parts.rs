@@ -114,7 +114,6 @@ pub fn parts(
     Ok(found)
 }
 
-/// A face's corners.
 pub(super) fn corners<'a>(
     shape: &'a ConvexPolyhedron,
     face: &'a [u32],

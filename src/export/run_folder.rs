@@ -213,12 +213,10 @@ impl Manifest {
         Ok(Self { folder: folder.to_owned(), ..manifest })
     }
 
-    /// The laboratory of the scenario.
     pub(super) fn setup(&self) -> Result<Setup, ExportError> {
         Setup::new(&self.scenario).map_err(|reason| ExportError::apparatus(&self.folder, reason))
     }
 
-    /// The grains of the run.
     pub(super) fn grains(&self) -> Result<GrainSet, FileError> {
         let path = run_file(&self.folder, "grains.json");
         let json = self.read(&path)?;

@@ -13,7 +13,6 @@ use super::{Point, Vector, convex::mean, used};
 /// are taken to lie on it. Meshes of single precision are no finer.
 const ROUNDING: f64 = 1e-7;
 
-/// A convex hull.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Hull {
     /// Its vertices, in the order of the points they are.

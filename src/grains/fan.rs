@@ -29,7 +29,6 @@ const SHORTEST: f64 = 1e-11;
 /// What [`SLACK`] and [`SHORTEST`] can do to what is found on the arcs, as a fraction of it.
 pub(super) const ROUNDING: f64 = 1e-10;
 
-/// The arcs of one edge.
 #[derive(Debug, Clone)]
 pub(super) struct EdgeFan {
     /// Unit vector along the edge.
@@ -217,7 +216,6 @@ impl Shadow {
         least
     }
 
-    /// Outward unit normals of the sides.
     fn normals(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         let next = self.outline.iter().cycle().skip(1);
         self.outline.iter().zip(next).filter_map(|(p, q)| {

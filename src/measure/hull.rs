@@ -12,7 +12,6 @@ pub struct WorldHull {
     /// For exactly plane faces that is the face's own offset; taking the farthest vertex keeps the
     /// result right for the hull of the vertices when a face is plane only within rounding.
     pub(super) faces: Vec<(Vector, f64)>,
-    /// Edges.
     pub(super) edges: Vec<Edge>,
     /// Corners of the bounding box in m.
     pub(super) low: Vector,

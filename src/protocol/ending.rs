@@ -40,7 +40,6 @@ pub(super) enum Subject {
     Displacement(Vec<usize>, Option<Vector>),
     /// Angle by which pieces have turned since the stage began, in the mean.
     Turn(Vec<usize>),
-    /// Flow through an opening.
     Flow(Opening),
 }
 
@@ -150,7 +149,6 @@ impl Endings {
         each.filter(|each| !each.is_empty()).map(|each| Self { rule, each })
     }
 
-    /// What is reported of them.
     pub(super) fn found(&self, judged: &Judged) -> UntilFound {
         let at_s = judged.reached_s;
         let whole = UntilFound { reached: at_s.is_some(), at_s, ..UntilFound::default() };

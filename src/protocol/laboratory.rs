@@ -159,7 +159,6 @@ impl Laboratory<'_> {
         Ok(())
     }
 
-    /// Moves pieces as prescribed.
     pub(super) fn move_pieces(&mut self, mut specimen: Specimen) -> StageResult {
         let (StageSpec::Move { pieces: names, keep_mean_stress, .. }, Some(motion)) =
             (self.stage, self.stage.piece_motion())
@@ -291,7 +290,6 @@ impl Laboratory<'_> {
         self.until_settled(specimen, *time_limit_s, "moving freely")
     }
 
-    /// Takes pieces away.
     pub(super) fn remove(&mut self, mut specimen: Specimen) -> StageResult {
         let StageSpec::Remove { pieces: names, time_limit_s, .. } = self.stage else {
             return Err(self.refused("it needs pieces"));

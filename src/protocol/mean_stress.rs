@@ -21,7 +21,6 @@ const LARGEST_CHANGE: f64 = 0.1;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct StressKeeper {
     region: Region,
-    /// What the region is called.
     name: String,
     /// Numbers of the pieces that keep it.
     pieces: Vec<usize>,

@@ -81,7 +81,6 @@ impl<'a> Laboratory<'a> {
         Ok(ended)
     }
 
-    /// Why the stage cannot be done now.
     pub(super) fn refused(&self, reason: &'static str) -> StageError {
         StageError::OutOfOrder { stage: self.stage.name(), reason }
     }

@@ -45,7 +45,6 @@ pub(super) enum SegmentEnd {
     OfPart { settled: bool },
     /// Because its time was up.
     Seam,
-    /// Because it was asked to stop.
     Cancelled,
 }
 
@@ -370,7 +369,6 @@ impl<'a> Stand<'a> {
         self.midway.part_began as f64 * self.world.time_step()
     }
 
-    /// Keeps a finding for the reader.
     pub(super) fn warn(&mut self, warning: String) {
         self.midway.warnings.push(warning);
     }

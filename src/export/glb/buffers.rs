@@ -5,7 +5,6 @@ use super::*;
 /// What the bytes of a stretch of the buffer are for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Use {
-    /// Positions of vertices.
     Positions,
     /// Their normals.
     Normals,

@@ -99,7 +99,6 @@ impl Rounded {
         self.core.surface() + bends * r + 4.0 * std::f64::consts::PI * r * r
     }
 
-    /// The edges of the core.
     pub(in crate::geometry) fn edges(&self) -> Vec<CoreEdge> {
         let core = &self.core;
         let normals = normals(core);

@@ -43,7 +43,6 @@ pub(super) fn draw(
 /// Sieves (retaining and passed, in m) and grains of a block.
 type PlannedBlock = ((f64, f64), Vec<Drawn>);
 
-/// The blocks.
 fn plan(
     spec: &MeshGrains,
     seed: u64,

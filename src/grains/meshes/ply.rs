@@ -66,7 +66,6 @@ fn list(property: &Property) -> Option<Vec<i64>> {
     })
 }
 
-/// Reads the grains of a PLY file.
 pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Object>, ReadError> {
     let parser = Parser::<Element>::new();
     let unusable = |error: ParseError| {

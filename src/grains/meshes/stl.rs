@@ -13,7 +13,6 @@ use super::*;
 const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
 
-/// Reads the solids of an STL file.
 pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Object>, ReadError> {
     let announced = bytes
         .get(80..HEADER)

@@ -23,7 +23,6 @@ use super::*;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ApproachArrested {
-    /// What catches it.
     pub caught_by: Catch,
     /// Gap to the floor where it is caught, in mm.
     pub gap_mm: f64,
@@ -31,7 +30,6 @@ pub struct ApproachArrested {
     pub fall_mm: f64,
     /// Downward velocity with which it begins, in m/s.
     pub speed_m_per_s: f64,
-    /// Gravitational acceleration in m/s².
     pub gravity_m_per_s2: f64,
     /// Coefficient of restitution on the floor.
     pub restitution: f64,
@@ -43,11 +41,9 @@ pub struct ApproachArrested {
     pub rest_s: f64,
     /// How far it is lifted before, in mm.
     pub lift_mm: f64,
-    /// How it is let down.
     pub then: LetDown,
 }
 
-/// What catches a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Catch {
@@ -65,7 +61,6 @@ pub enum Catch {
 pub enum LetDown {
     /// Steadily: largest upward velocity afterwards, in mm/s.
     Sinks {
-        /// Its velocity in mm/s.
         speed_mm_per_s: f64,
     },
     /// What held it is pulled away: √(rise/fall).

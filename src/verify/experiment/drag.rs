@@ -7,7 +7,6 @@ use super::*;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Dragged {
-    /// Sides of the block in mm.
     pub sides_mm: [f64; 3],
     /// Friction coefficient on the floor; the pusher has none.
     pub friction: f64,

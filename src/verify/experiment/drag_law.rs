@@ -29,7 +29,6 @@ pub(super) struct Drag {
     pub half_length: f64,
     /// Its height, h.
     pub height: f64,
-    /// Friction coefficient.
     pub friction: f64,
     /// Step down, s.
     pub step: f64,

@@ -8,18 +8,14 @@ use super::*;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImpactTilted {
-    /// Sides in mm.
     pub sides_mm: [f64; 3],
     /// Roll, pitch and yaw in degrees. Pitch alone: it falls on an edge, whose
     /// two corners act as one point in the plane of symmetry.
     pub turn_deg: [f64; 3],
-    /// Velocity in m/s.
     pub velocity_m_per_s: [f64; 3],
-    /// Friction coefficient.
     pub friction: f64,
     /// Coefficients of restitution; the worst result counts.
     pub restitutions: Vec<f64>,
-    /// What the point does.
     pub regime: Regime,
 }
 
@@ -27,7 +23,6 @@ pub struct ImpactTilted {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Regime {
-    /// It sticks throughout.
     Sticks,
     /// It slips in one direction throughout.
     Slips,

@@ -44,9 +44,7 @@ pub(super) struct Impact {
     pub arm: Vector,
     /// Velocity in m/s; the body does not turn.
     pub velocity: Vector,
-    /// Friction coefficient.
     pub friction: f64,
-    /// Coefficient of restitution.
     pub restitution: f64,
 }
 

@@ -9,11 +9,8 @@ use super::*;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InnerEdge {
-    /// Sides of the block in mm.
     pub sides_mm: [f64; 3],
-    /// Friction coefficient.
     pub friction: f64,
-    /// Velocity in m/s.
     pub speed_m_per_s: f64,
     /// Angular velocity about the vertical in rad/s.
     pub spin_rad_per_s: f64,

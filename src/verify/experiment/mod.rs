@@ -203,7 +203,6 @@ pub enum Experiment {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Tumbling {
-    /// Angular momentum.
     AngularMomentum,
     /// Kinetic energy.
     Energy,
@@ -215,7 +214,6 @@ pub enum Tumbling {
 pub enum RestingBody {
     /// A cube of 10 mm.
     Cube,
-    /// An irregular grain.
     Grain,
 }
 
@@ -294,7 +292,6 @@ fn floored(mut scene: Scene, half_width: f64) -> Result<Scene> {
     Ok(scene)
 }
 
-/// Lengths in m from lengths in mm.
 fn in_m(mm: [f64; 3]) -> Vector {
     Vector::from(mm).map(from_mm)
 }

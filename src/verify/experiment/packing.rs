@@ -21,7 +21,6 @@ pub struct OfGrains {
     quantity: Quantity,
 }
 
-/// What is measured of a packing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
@@ -102,7 +101,6 @@ impl Packing {
         Ok(())
     }
 
-    /// States of the grains.
     pub fn states(&mut self) -> Result<Vec<BodyState>> {
         self.scene.states(&self.ids)
     }

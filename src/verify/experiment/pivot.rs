@@ -12,11 +12,8 @@ use super::*;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pivot {
-    /// Sides in mm.
     pub sides_mm: [f64; 3],
-    /// What it stands on.
     pub on: Support,
-    /// Friction coefficient.
     pub friction: f64,
     /// Angle between the vertical and the line from the pivot to the
     /// centroid when it is let go, in degrees.
@@ -25,13 +22,11 @@ pub struct Pivot {
     pub to_deg: f64,
 }
 
-/// What a block stands on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Support {
     /// One of its edges along y.
     Edge,
-    /// One of its corners.
     Corner,
 }
 

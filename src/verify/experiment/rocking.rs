@@ -15,11 +15,9 @@ use super::*;
 pub struct RockingBlock {
     /// Width (across the edges), depth (along them) and height in mm.
     pub sides_mm: [f64; 3],
-    /// Friction coefficient.
     pub friction: f64,
     /// Tilt at which it is let go, as a share of α.
     pub tilt: f64,
-    /// How it comes to the impact.
     pub comes: Comes,
 }
 

@@ -27,15 +27,11 @@ fn rounded(core: Vector, radius_mm: f64) -> Result<ConvexPolyhedron> {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BallOnPlane {
-    /// Radius in mm.
     pub radius_mm: f64,
-    /// Angle of the slope in degrees.
     pub slope_deg: f64,
-    /// Friction coefficient.
     pub friction: f64,
     /// Speed down the slope at the beginning, without spin.
     pub speed_m_per_s: f64,
-    /// For how long.
     pub duration_s: f64,
 }
 
@@ -85,23 +81,17 @@ impl BallOnPlane {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SlidesOff {
-    /// Radius in mm of the ball.
     pub radius_mm: f64,
-    /// What it lies on.
     pub on: On,
     /// Angle from the top at which it is let go, in degrees.
     pub from_deg: f64,
 }
 
-/// What a ball lies on.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum On {
-    /// Another ball, of a radius in mm.
     BallMm(f64),
-    /// The edge of a block.
     Edge,
-    /// The corner of a block.
     Corner,
     /// The edge of a block that is rounded by a radius in mm.
     RoundedEdgeMm(f64),
@@ -171,9 +161,7 @@ pub struct CornersMeet {
     pub radius_mm: f64,
     /// Their relative speed.
     pub speed_m_per_s: f64,
-    /// Coefficient of restitution.
     pub restitution: f64,
-    /// Friction coefficient.
     pub friction: f64,
 }
 

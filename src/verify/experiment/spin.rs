@@ -10,13 +10,9 @@ pub struct SpinSlide {
     /// Length, width and height in mm; the height small beside the others, so
     /// that all corners bear alike.
     pub sides_mm: [f64; 3],
-    /// Friction coefficient.
     pub friction: f64,
-    /// Velocity in m/s.
     pub speed_m_per_s: f64,
-    /// Angular velocity in rad/s.
     pub spin_rad_per_s: f64,
-    /// What is measured.
     pub quantity: Quantity,
 }
 
@@ -24,7 +20,6 @@ pub struct SpinSlide {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpinSlides {
-    /// The blocks.
     pub blocks: Vec<SpinSlide>,
 }
 

@@ -15,7 +15,6 @@ use super::*;
 pub(super) struct Slide {
     /// Half the sides in m.
     pub half: Vector2<f64>,
-    /// Friction coefficient.
     pub friction: f64,
     /// Velocity along x in m/s.
     pub speed: f64,

@@ -24,7 +24,6 @@ use super::*;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CriticalFriction {
-    /// What stands or falls.
     pub assembly: Assembly,
     /// Time in s in which it must not move.
     pub duration_s: f64,

@@ -20,11 +20,9 @@ use super::*;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImpactAtSeveralPoints {
-    /// Sides in mm.
     pub sides_mm: [f64; 3],
     /// Horizontal velocity along x and downward velocity in m/s.
     pub velocity_m_per_s: [f64; 2],
-    /// Friction coefficient.
     pub friction: f64,
     /// Coefficients of restitution; the worst result counts.
     pub restitutions: Vec<f64>,

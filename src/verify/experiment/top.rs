@@ -13,23 +13,17 @@ use super::*;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Top {
-    /// Side of the square in mm.
     pub side_mm: f64,
-    /// Height in mm.
     pub height_mm: f64,
     /// Angular velocity about its axis, in rad/s.
     pub spin_rad_per_s: f64,
     /// Angle of its axis with the vertical in degrees.
     pub tilt_deg: f64,
-    /// Friction coefficient.
     pub friction: f64,
-    /// Time in s.
     pub duration_s: f64,
-    /// What is measured.
     pub quantity: Quantity,
 }
 
-/// What is measured of a top.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {

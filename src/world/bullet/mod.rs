@@ -228,12 +228,10 @@ fn engine(error: cxx::Exception) -> WorldError {
     WorldError::Engine(error.what().to_owned())
 }
 
-/// A body that the engine does not take.
 fn refused(error: cxx::Exception) -> WorldError {
     WorldError::BadBody(error.what().to_owned())
 }
 
-/// A pose as it crosses the bridge.
 fn body_pose(pose: &Pose) -> ffi::BodyPose {
     let q = pose.rotation.coords;
     ffi::BodyPose { position: pose.translation.vector.into(), rotation: [q.x, q.y, q.z, q.w] }

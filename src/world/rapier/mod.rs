@@ -41,7 +41,6 @@ const VERSION: &str = "0.36.1";
 const FREE: Group = Group::GROUP_1;
 const WALL: Group = Group::GROUP_2;
 
-/// A body that is in the world.
 struct Present {
     body: RigidBodyHandle,
     collider: ColliderHandle,
