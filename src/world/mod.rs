@@ -221,9 +221,6 @@ pub trait World {
     fn add(&mut self, body: &Body) -> Result<BodyId, WorldError>;
 
     /// Removes a body with its contacts.
-    ///
-    /// # Errors
-    /// [`WorldError::NoSuchBody`].
     fn remove(&mut self, id: BodyId) -> Result<(), WorldError>;
 
     /// Says where a kinematic body is at the end of the next step. It stays
@@ -267,9 +264,6 @@ pub trait World {
     }
 
     /// Reads the state of one body.
-    ///
-    /// # Errors
-    /// [`WorldError::NoSuchBody`].
     fn read_body(&self, id: BodyId) -> Result<BodyState, WorldError> {
         let mut all = Vec::new();
         self.read(&mut all);
@@ -277,9 +271,6 @@ pub trait World {
     }
 
     /// Advances by one time step.
-    ///
-    /// # Errors
-    /// [`WorldError::Engine`].
     fn step(&mut self) -> Result<(), WorldError>;
 
     /// Length of a step in s.
@@ -332,9 +323,6 @@ pub trait World {
     }
 
     /// The coefficients that a contact between these bodies gets.
-    ///
-    /// # Errors
-    /// [`WorldError::NoSuchBody`].
     fn pair_coefficients(&self, a: BodyId, b: BodyId) -> Result<PairCoefficients, WorldError>;
 
     /// Every engine setting as read back from the engine.
