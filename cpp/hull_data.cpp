@@ -125,8 +125,8 @@ void HullData::allocate(int loop_length) {
     const int v = padded(vertices);
     const int f = padded(faces);
     const int e = padded(edges);
-    bytes = 3 * reals(v) + 4 * reals(f) + 3 * reals(e) + words(4 * edges) + words(faces + 1) +
-            3 * words(loop_length) + words(vertices + 1);
+    const std::size_t bytes = 3 * reals(v) + 4 * reals(f) + 3 * reals(e) + words(4 * edges) +
+                              words(faces + 1) + 3 * words(loop_length) + words(vertices + 1);
     block_.reset(new LaneRoom[bytes / sizeof(LaneRoom)]);
     char *next = reinterpret_cast<char *>(block_.get());
     const auto take = [&next](auto *&array, std::size_t size) {

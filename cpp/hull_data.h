@@ -54,10 +54,9 @@ class HullData {
     int vertices = 0;
     int faces = 0;
     int edges = 0;
-    float radius = 0;      // of the sphere about the origin that holds the hull
-    double sphere = 0;     // radius of a sphere; 0 for a polyhedron
-    double rounding = 0;   // radius of the ball that sweeps the core; 0 for a polyhedron as it is
-    std::size_t bytes = 0; // of the block that holds all arrays
+    float radius = 0;    // of the sphere about the origin that holds the hull
+    double sphere = 0;   // radius of a sphere; 0 for a polyhedron
+    double rounding = 0; // radius of the ball that sweeps the core; 0 for a polyhedron as it is
 
     // Vertices; the padding repeats the first.
     float *vx, *vy, *vz;

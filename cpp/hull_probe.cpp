@@ -1,11 +1,10 @@
-// Runs the hull–hull test on one pair outside any world, for tests and benchmarks.
+// Runs the hull–hull test on one pair outside any world, for tests.
 #include "hull_probe.h"
 
 #include "pluvia/src/world/bullet/ffi.rs.h"
 #include "shapes.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdint>
 #include <stdexcept>
 
@@ -91,25 +90,6 @@ HullProbeGap HullProbe::widest_gap(const BodyPose &a, const BodyPose &b, bool al
         axis = three(edges.axis);
     }
     return {units_.metres(gap), array(pose_a.turn(axis))};
-}
-
-double HullProbe::time_steps(rust::Slice<const BodyPose> poses, std::size_t rounds, bool remember) {
-    const Rigid origin = rigid(btTransform::getIdentity());
-    std::vector<Rigid> moved;
-    for (const BodyPose &pose : poses) {
-        moved.push_back(rigid(units_.pose(pose.position, pose.rotation)));
-    }
-    const auto begin = std::chrono::steady_clock::now();
-    for (std::size_t round = 0; round < rounds; ++round) {
-        for (const Rigid &pose : moved) {
-            if (!remember) {
-                forget();
-            }
-            find(origin, pose);
-        }
-    }
-    const std::chrono::duration<double, std::nano> spent = std::chrono::steady_clock::now() - begin;
-    return spent.count() / static_cast<double>(rounds * std::max<std::size_t>(1, moved.size()));
 }
 
 namespace {

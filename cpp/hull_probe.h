@@ -1,6 +1,5 @@
 // One pair of hulls outside any world: what the narrow phase finds for given
-// poses, step after step. Tests compare it with exact references, benchmarks
-// time it.
+// poses, step after step. Tests compare it with exact references.
 #pragma once
 
 #include "convert.h"
@@ -32,11 +31,6 @@ class HullProbe {
     // The widest gap and its axis, with all pairs of edges or only those that
     // the pruning leaves.
     HullProbeGap widest_gap(const BodyPose &a, const BodyPose &b, bool all_edges);
-    // Mean time in ns of a step over `rounds` runs through all poses of B, A
-    // standing at the origin; with `remember` off each step forgets the one before.
-    double time_steps(rust::Slice<const BodyPose> poses, std::size_t rounds, bool remember);
-    // Bytes of both hulls' data.
-    std::size_t bytes() const { return a_->bytes + b_->bytes; }
 
   private:
     Units units_;

@@ -349,13 +349,6 @@ mod bridge {
             b: &BodyPose,
             all_edges: bool,
         ) -> HullProbeGap;
-        fn time_steps(
-            self: Pin<&mut HullProbe>,
-            poses: &[BodyPose],
-            rounds: usize,
-            remember: bool,
-        ) -> f64;
-        fn bytes(self: &HullProbe) -> usize;
 
         include!("pluvia/cpp/part_probe.h");
 

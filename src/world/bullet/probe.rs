@@ -1,9 +1,9 @@
 //! One pair of hulls outside any world: what the native contact solver finds
 //! for given poses, step after step.
 //!
-//! For tests, which compare it with exact references, and for benchmarks. And the
-//! threads of a world without the world, the speeds of velocity-based AABB margins,
-//! the memory that the process holds, and what happens within the step of a world.
+//! For tests, which compare it with exact references. And the threads of a world without the
+//! world, the speeds of velocity-based AABB margins, the memory that the process holds, and what
+//! happens within the step of a world.
 
 use super::{BulletBackend, body_pose, definition::tolerances, engine, ffi, flat};
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
@@ -126,18 +126,6 @@ impl HullPair {
     pub fn widest_gap(&mut self, a: &Pose, b: &Pose, all_edges: bool) -> ProbeGap {
         let found = self.0.pin_mut().widest_gap(&body_pose(a), &body_pose(b), all_edges);
         ProbeGap { gap: found.gap, axis: found.axis.into() }
-    }
-
-    /// Mean time in ns of a step, over `rounds` times all poses of B, with A
-    /// at the origin; without `remember` every step is the first.
-    pub fn time_steps(&mut self, poses: &[Pose], rounds: usize, remember: bool) -> f64 {
-        let poses: Vec<_> = poses.iter().map(body_pose).collect();
-        self.0.pin_mut().time_steps(&poses, rounds, remember)
-    }
-
-    /// Bytes of both shapes' data.
-    pub fn bytes(&self) -> usize {
-        self.0.bytes()
     }
 }
 
