@@ -59,13 +59,12 @@ impl CellComplex {
     /// of a face has short edges at both ends, and with only one of them gone
     /// its normal would point anywhere. What spoils a cell is undone.
     ///
-    /// Nearly coincident vertices are where four planes almost meet in a point;
-    /// their edges have no meaningful direction, which spoils edge-edge tests in
-    /// collision detection. With a ten-thousandth of a grain (`scale::MERGE_DISTANCE`), a
-    /// merged vertex lies up to half of that beside the planes it belongs to, and
-    /// [`ConvexPolyhedron::new`] accepts 1e-5 of the bounding radius: of the edges
-    /// between 0.1 and 1 µm of 8 mm grains only a part can go; of 10⁵ cells none kept
-    /// an edge below 0.1 µm.
+    /// Nearly coincident vertices are where four planes almost meet in a point; their edges have no
+    /// meaningful direction, which spoils edge-edge tests in collision detection. With a
+    /// ten-thousandth of a grain (`scale::MERGE_DISTANCE`), a merged vertex lies up to half of that
+    /// beside the planes it belongs to, and [`ConvexPolyhedron::new`] accepts 1e-5 of the bounding
+    /// radius: of the edges between 0.1 and 1 µm of 8 mm grains only a part can go; of 10⁵ cells
+    /// none kept an edge below 0.1 µm.
     pub fn merge_short_edges(&mut self, distance: f64) -> usize {
         // From a thousandth upwards, so that a cluster that is too wide to
         // merge as a whole can still lose its shortest edges.

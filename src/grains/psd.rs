@@ -54,9 +54,8 @@ impl ParticleSizeDistribution {
     /// the paper's table it gives 1457 where Σn is 1456.05.)
     ///
     /// # Errors
-    /// Values that are not positive, rows out of order, percentages that do
-    /// not add up to 100, fractions of less than half a grain, and more than
-    /// [`MOST_GRAINS`] grains.
+    /// Values that are not positive, rows out of order, percentages that do not add up to 100,
+    /// fractions of less than half a grain, and more than [`MOST_GRAINS`] grains.
     pub fn new(spec: &SievedGrains) -> Result<Self, GrainsError> {
         positive("total_mass_g", spec.total_mass_g)?;
         positive("density_kg_per_m3", spec.density_kg_per_m3)?;

@@ -13,8 +13,7 @@ pub struct Body {
     pub solid: Solid,
     /// Its colour.
     pub colour: Colour,
-    /// From this plane on, the planes are sections it was cut along, shown in
-    /// [`Colour::SECTION`].
+    /// From this plane on, the planes are sections it was cut along, shown in [`Colour::SECTION`].
     pub sections_from: usize,
     /// Whether light and view go through it.
     pub glass: bool,

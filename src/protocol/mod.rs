@@ -1,9 +1,8 @@
 //! The laboratory procedure: stages that take a specimen and give a specimen.
 //!
-//! A stage builds a fresh world from the specimen it is given, runs it and
-//! reads it back, so that it does not matter whether the specimen came
-//! straight from the stage before or from a file. A long stage does the same
-//! between its segments.
+//! A stage builds a fresh world from the specimen it is given, runs it and reads it back, so that
+//! it does not matter whether the specimen came straight from the stage before or from a file. A
+//! long stage does the same between its segments.
 
 mod base;
 mod bodies;
@@ -95,9 +94,8 @@ pub trait Observer {
     /// Called at the start of a stage, then every sample interval, then at its end.
     fn observe(&mut self, specimen: &Specimen, moment: Moment);
 
-    /// Called at the end of every segment but the last, after what was observed
-    /// there, with what the stage can go on from. `Break` ends the stage as if
-    /// it had been cancelled.
+    /// Called at the end of every segment but the last, after what was observed there, with what
+    /// the stage can go on from. `Break` ends the stage as if it had been cancelled.
     fn seam(&mut self, _midway: &Midway) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
@@ -125,9 +123,8 @@ pub struct Moment {
 pub struct StageOutcome {
     /// The specimen at the end.
     pub specimen: Specimen,
-    /// Every grain's shape as the engine held it at the end, in
-    /// the order of the grain set; `None` for a grain that was not there, all
-    /// missing where the engine cannot be asked.
+    /// Every grain's shape as the engine held it at the end, in the order of the grain set; `None`
+    /// for a grain that was not there, all missing where the engine cannot be asked.
     pub corners: Vec<Option<HeldShape>>,
     /// Engine steps taken.
     pub steps: u64,

@@ -1,8 +1,7 @@
 //! The one seam between the experiment and a physics engine.
 //!
-//! Everything crossing this trait is in SI units and double precision,
-//! whatever units and precision the engine uses inside: length scaling and
-//! rounding are the backend's private business.
+//! Everything crossing this trait is in SI units and double precision, whatever units and precision
+//! the engine uses inside: length scaling and rounding are the backend's private business.
 
 pub mod bullet;
 mod error;
@@ -195,8 +194,7 @@ pub struct RememberedContact {
     /// Share of that force with which the next step is warm-started; less than 1 after an
     /// impact, which says nothing about the force that follows.
     pub warm_start: f64,
-    /// Which faces or edges touch, and which of their points this is, in the
-    /// engine's own numbers.
+    /// Which faces or edges touch, and which of their points this is, in the engine's own numbers.
     pub feature: [u32; 2],
 }
 
@@ -241,8 +239,7 @@ pub trait World {
     }
 
     /// Sets the force in N on a pressed body along its direction, or the moment in N m on a turned
-    /// one about its axis, from the next step on; 0 in
-    /// the beginning.
+    /// one about its axis, from the next step on; 0 in the beginning.
     ///
     /// # Errors
     /// [`WorldError::NoSuchBody`]; [`WorldError::NotPressed`].
@@ -282,9 +279,8 @@ pub trait World {
     /// Reads all contact points into `into`, replacing its content.
     fn contacts(&self, into: &mut Vec<Contact>);
 
-    /// Reads the loaded contacts into `into`, replacing its content: what a new
-    /// world must know beside the bodies to go on without a jump. Empty for an
-    /// engine that cannot be told.
+    /// Reads the loaded contacts into `into`, replacing its content: what a new world must know
+    /// beside the bodies to go on without a jump. Empty for an engine that cannot be told.
     fn remember(&self, into: &mut Vec<RememberedContact>) {
         into.clear();
     }
@@ -299,11 +295,10 @@ pub trait World {
         Ok(())
     }
 
-    /// Reads the corners of the shape that each body has in the engine, without
-    /// any collision margin, in m and body coordinates, in order of [`BodyId`]
-    /// into `into`, replacing its content; `None` where a body was removed.
-    /// Of a sphere one, on its surface; of a rounded polyhedron those of its core. Empty for an
-    /// engine that cannot be asked.
+    /// Reads the corners of the shape that each body has in the engine, without any collision
+    /// margin, in m and body coordinates, in order of [`BodyId`] into `into`, replacing its
+    /// content; `None` where a body was removed. Of a sphere one, on its surface; of a rounded
+    /// polyhedron those of its core. Empty for an engine that cannot be asked.
     fn corners(&self, into: &mut Vec<Option<HeldShape>>) {
         into.clear();
     }

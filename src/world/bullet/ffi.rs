@@ -1,12 +1,11 @@
 //! The bridge to the C++ shims. All values are SI in double precision; the
 //! shims scale them to engine units (`cpp/convert.h`).
 //!
-//! To add a binding: declare it here, implement it as a method of
-//! `BulletWorld` in `cpp/world.{h,cpp}` (or a file of its own for a new
-//! concern, named in `build.rs`), return `Result` when it can throw, pass
-//! many values in one slice, and validate in Rust (`world/bullet/mod.rs`)
-//! before crossing. What returns no `Result` can fail by lack of memory alone,
-//! which ends the program as it does in Rust; `shim_tests.rs` lists these.
+//! To add a binding: declare it here, implement it as a method of `BulletWorld` in
+//! `cpp/world.{h,cpp}` (or a file of its own for a new concern, named in `build.rs`), return
+//! `Result` when it can throw, pass many values in one slice, and validate in Rust
+//! (`world/bullet/mod.rs`) before crossing. What returns no `Result` can fail by lack of memory
+//! alone, which ends the program as it does in Rust; `shim_tests.rs` lists these.
 
 #![allow(unsafe_code)] // cxx generates it; every function below is safe to call
 

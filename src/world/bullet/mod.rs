@@ -94,9 +94,8 @@ impl BulletBackend {
     /// world then holds.
     ///
     /// # Errors
-    /// [`WorldError::BadSetting`] for a value Bullet cannot take or did not
-    /// keep; [`WorldError::Engine`] when another world in this process holds
-    /// other process-wide settings.
+    /// [`WorldError::BadSetting`] for a value Bullet cannot take or did not keep;
+    /// [`WorldError::Engine`] when another world in this process holds other process-wide settings.
     pub fn new(
         settings: &EngineSettings,
         gravity: Vector,

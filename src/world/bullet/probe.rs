@@ -133,8 +133,7 @@ impl HullPair {
 /// `threads` threads of the engine comes to it.
 ///
 /// # Errors
-/// [`WorldError::Engine`] when a thread comes to the number `fails_at`, or when
-/// work was lost.
+/// [`WorldError::Engine`] when a thread comes to the number `fails_at`, or when work was lost.
 pub fn shared_sum(
     threads: u16,
     size: usize,
