@@ -1,9 +1,10 @@
 //! What a few values say of the many that were not measured: confidence
 //! intervals, tests of a trend, and how many more would be needed.
 //!
-//! Distributions are those of the crate `statrs`.
+//! Distributions and ranks are those of the crate `statrs`.
 
 use statrs::distribution::{ChiSquared, Continuous, ContinuousCDF, Normal};
+use statrs::statistics::{Data, OrderStatistics, RankTieBreaker};
 
 pub use super::students_t::{t_quantile, two_sided_p};
 use super::*;
@@ -103,6 +104,7 @@ pub fn page_test(rows: &[Vec<f64>]) -> Option<PageTest> {
     if !sound {
         return None;
     }
+    let ranks = |row: &Vec<f64>| Data::new(row.clone()).ranks(RankTieBreaker::Average);
     let l: f64 = rows
         .iter()
         .flat_map(|row| ranks(row).into_iter().enumerate().map(|(i, r)| (i + 1) as f64 * r))
@@ -111,18 +113,6 @@ pub fn page_test(rows: &[Vec<f64>]) -> Option<PageTest> {
     // With ties L may lie half way between two values; the lower one is the safe side.
     let p = all.iter().enumerate().filter(|(i, _)| *i as f64 >= f64::floor(l)).map(|(_, p)| p);
     Some(PageTest { l, p: p.sum() })
-}
-
-/// Mean ranks from 1.
-fn ranks(values: &[f64]) -> Vec<f64> {
-    values
-        .iter()
-        .map(|v| {
-            let below = values.iter().filter(|o| *o < v).count() as f64;
-            let same = values.iter().filter(|o| *o == v).count() as f64;
-            below + (same + 1.0) / 2.0
-        })
-        .collect()
 }
 
 /// Probability of each L of so many independent rows: those of one row convolved.
