@@ -87,10 +87,7 @@ fn edges(shape: &ConvexPolyhedron, vertices: &[Vector], normals: &[Vector]) -> V
     // two half edges of an edge together, the one running upwards first.
     let mut halves: Vec<(u32, u32, bool, usize)> = Vec::with_capacity(6 * vertices.len());
     for (face, corners) in shape.faces().iter().enumerate() {
-        for (i, &a) in corners.iter().enumerate() {
-            let b = corners[(i + 1) % corners.len()];
-            halves.push((a.min(b), a.max(b), a > b, face));
-        }
+        halves.extend(edges_of(corners).map(|(a, b)| (a.min(b), a.max(b), a > b, face)));
     }
     halves.sort_unstable();
     halves

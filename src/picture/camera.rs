@@ -68,7 +68,8 @@ pub fn aspect(points: &[Point], view: &View) -> f64 {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     eye: Vector,
-    axes: [Vector; 3],
+    /// Unit vectors to the right, upwards, and towards the camera.
+    pub axes: [Vector; 3],
     // Length of a pixel on the plane at distance 1.
     pixel: f64,
     width: f64,
@@ -129,11 +130,6 @@ impl Camera {
         let scale = 1.0 / (depth * self.pixel);
         let x = self.width / 2.0 + away.dot(&self.axes[0]) * scale;
         Some((x, self.height / 2.0 - away.dot(&self.axes[1]) * scale))
-    }
-
-    /// Unit vectors to the right, upwards, and towards the camera.
-    pub fn axes(&self) -> [Vector; 3] {
-        self.axes
     }
 }
 

@@ -51,7 +51,7 @@ struct Studio<'a> {
 /// of the light through.
 pub fn render(scene: &Scene, camera: &Camera, width: u32, height: u32, glass_depth: f64) -> Image {
     let radius = scene.radius();
-    let light = Light::new(&camera.axes(), 0.3 * radius);
+    let light = Light::new(&camera.axes, 0.3 * radius);
     let size = [width as f32, height as f32];
     let studio = Studio { scene, camera, light, radius, glass_depth, size };
     let (columns, rows) = (width as usize, height as usize);

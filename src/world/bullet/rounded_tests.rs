@@ -112,7 +112,11 @@ fn a_block_on_its_face_keeps_four_points() {
     }
 }
 
-fn world(pair: PairCoefficients, gravity: Vector, native: NativeSettings) -> BulletBackend {
+pub(super) fn world(
+    pair: PairCoefficients,
+    gravity: Vector,
+    native: NativeSettings,
+) -> BulletBackend {
     let settings = EngineSettings { native, ..Default::default() };
     BulletBackend::new(&settings, gravity, &PairTable::uniform(pair)).expect("a world")
 }
@@ -125,6 +129,12 @@ fn free(shape: &ConvexPolyhedron, at: Vector, turn: UnitQuaternion<f64>) -> Body
         Motion::Free { mass: 2500.0 * found.volume, inertia: frame.moments_per_density * 2500.0 };
     let state = BodyState::at_rest(Pose::from_parts(at.into(), turn));
     Body { shape, motion, material: crate::world::Material::Grain, state }
+}
+
+/// On exactly so many threads, by the instructions of every processor or the fastest.
+pub(super) fn on_threads(threads: u32, portable: bool) -> NativeSettings {
+    let threads = Some(threads);
+    NativeSettings { threads, may_leave_threads: false, portable, ..Default::default() }
 }
 
 pub(super) fn floor() -> Body {
@@ -142,14 +152,9 @@ pub(super) fn floor() -> Body {
 fn a_heap_settles_and_threads_and_instructions_change_no_bit() {
     let _turn = shared_turn();
     let run = |threads: u32, portable: bool| {
-        let native = NativeSettings {
-            threads: Some(threads),
-            may_leave_threads: false,
-            portable,
-            ..Default::default()
-        };
         let pair = PairCoefficients { friction: 0.5, restitution: 0.3 };
-        let mut world = world(pair, Vector::new(0.0, 0.0, -9.81), native);
+        let down = Vector::new(0.0, 0.0, -9.81);
+        let mut world = world(pair, down, on_threads(threads, portable));
         world.add(&floor()).expect("added");
         let mut rng = stream(5, "gravel");
         let mut masses = Vec::new();

@@ -1,7 +1,7 @@
 //! Contacts of spheres with spheres and hulls: gaps, normals and points are exact.
 
 use super::probe::{HullPair, ProbePoint, ProbeSettings};
-use super::rounded_tests::floor;
+use super::rounded_tests::{floor, on_threads, world as world_of};
 use super::tests::{shared_turn, snapshot, steps};
 use super::*;
 use crate::geometry::testing::near;
@@ -142,12 +142,6 @@ fn world(gravity: Vector, native: NativeSettings) -> BulletBackend {
     world_of(PairCoefficients { friction: 0.0, restitution: 1.0 }, gravity, native)
 }
 
-fn world_of(pair: PairCoefficients, gravity: Vector, native: NativeSettings) -> BulletBackend {
-    let pairs = PairTable::uniform(pair);
-    let settings = EngineSettings { native, ..Default::default() };
-    BulletBackend::new(&settings, gravity, &pairs).expect("a world")
-}
-
 fn ball(radius: f64, at: Vector, velocity: Vector) -> Body {
     let shape = ConvexPolyhedron::ball(radius);
     let mass = 2500.0 * shape.signed_volume();
@@ -210,14 +204,9 @@ fn oblique_collisions_have_the_line_of_centres() {
 fn threads_and_instructions_change_no_bit_of_spheres() {
     let _turn = shared_turn();
     let run = |threads: u32, portable: bool| {
-        let native = NativeSettings {
-            threads: Some(threads),
-            may_leave_threads: false,
-            portable,
-            ..Default::default()
-        };
         let pair = PairCoefficients { friction: 0.5, restitution: 0.3 };
-        let mut world = world_of(pair, Vector::new(0.0, 0.0, -9.81), native);
+        let down = Vector::new(0.0, 0.0, -9.81);
+        let mut world = world_of(pair, down, on_threads(threads, portable));
         world.add(&floor()).expect("added");
         let mut rng = stream(5, "beads");
         for n in 0..300 {
@@ -243,9 +232,8 @@ fn threads_and_instructions_change_no_bit_of_spheres() {
 #[test]
 fn remembered_contacts_of_spheres_go_on() {
     let _turn = shared_turn();
-    let pairs = PairTable::uniform(PairCoefficients { friction: 0.5, restitution: 0.0 });
-    let gravity = Vector::new(1.0, 0.0, -9.81);
-    let new = || BulletBackend::new(&EngineSettings::default(), gravity, &pairs).expect("a world");
+    let pair = PairCoefficients { friction: 0.5, restitution: 0.0 };
+    let new = || world_of(pair, Vector::new(1.0, 0.0, -9.81), NativeSettings::default());
     let mut first = new();
     first.add(&floor()).expect("added");
     let body = ball(0.005, Vector::new(0.0, 0.0, 0.005), Vector::zeros());
