@@ -271,8 +271,5 @@ fn spheres_that_cannot_be_are_refused() {
     }
     let mut bad = ball(0.005, Vector::zeros(), Vector::zeros());
     bad.shape = Arc::new(bad.shape.transformed(&Pose::translation(0.001, 0.0, 0.0)));
-    assert!(
-        matches!(world.add(&bad), Err(WorldError::BadBody(_))),
-        "law: centre at the origin"
-    );
+    assert!(matches!(world.add(&bad), Err(WorldError::BadBody(_))), "law: centre at the origin");
 }
