@@ -83,8 +83,8 @@ class ContactSolver {
     // Natural-map residual of the last sub-step of the step inspected last, over
     // its impulses, both in the kinetic norm; 0 before the first.
     double residual() const { return residual_; }
-    // Has the last sub-step of every step from now on recorded, or none any more.
-    void record(bool on) { recording_ = on; }
+    // Has the last sub-step of every step recorded from now on.
+    void record() { recording_ = true; }
     const SubstepRecord &recorded() const { return recorded_; }
     Kernels kernels() const { return kernels_; }
 

@@ -71,7 +71,7 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     void recall_contacts(rust::Slice<const ContactRead> contacts);
     // Of the last solution, see ContactSolver.
     double solver_residual() const { return solver_.residual(); }
-    void record_substeps(bool on) { solver_.record(on); }
+    void record_substeps() { solver_.record(); }
     void read_substep(rust::Vec<double> &bodies, rust::Vec<double> &contacts) const;
 
   private:

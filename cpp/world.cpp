@@ -280,9 +280,9 @@ double BulletWorld::solver_residual() const {
     return impl_->native != nullptr ? impl_->native->solver_residual() : -1;
 }
 
-void BulletWorld::record_substeps(bool on) {
+void BulletWorld::record_substeps() {
     if (impl_->native != nullptr) {
-        impl_->native->record_substeps(on);
+        impl_->native->record_substeps();
     }
 }
 

@@ -55,7 +55,7 @@ class BulletWorld {
     void recall_contacts(rust::Slice<const ContactRead> contacts);
     PhaseTimes phases() const;
     double solver_residual() const;
-    void record_substeps(bool on);
+    void record_substeps();
     void read_substep(rust::Vec<double> &bodies, rust::Vec<double> &contacts) const;
     PairValue pair_value(std::uint32_t a, std::uint32_t b) const;
     rust::Vec<EngineSetting> effective() const;

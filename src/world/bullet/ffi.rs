@@ -318,7 +318,8 @@ mod bridge {
         fn phases(self: &BulletWorld) -> PhaseTimes;
         /// See `World::solver_residual`; negative with stock Bullet contacts.
         fn solver_residual(self: &BulletWorld) -> f64;
-        fn record_substeps(self: Pin<&mut BulletWorld>, on: bool);
+        /// From now on.
+        fn record_substeps(self: Pin<&mut BulletWorld>);
         /// The last sub-step recorded: numbers of `SubstepRecord` in cpp/contact_residual.h.
         fn read_substep(self: &BulletWorld, bodies: &mut Vec<f64>, contacts: &mut Vec<f64>);
         fn effective(self: &BulletWorld) -> Vec<EngineSetting>;

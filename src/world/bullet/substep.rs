@@ -30,7 +30,7 @@ impl SubstepRecord {
 impl BulletBackend {
     /// Has the contact problem of every step's last sub-step recorded from now on.
     pub fn record_substeps(&mut self) {
-        self.world.pin_mut().record_substeps(true);
+        self.world.pin_mut().record_substeps();
     }
 
     /// The contact problem of the last step's last sub-step, and its solution; see
