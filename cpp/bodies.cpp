@@ -15,7 +15,7 @@ BodyPtr make_body(const Units &units, const WorldDefinition &world,
     const btScalar mass = free ? static_cast<btScalar>(definition.mass) : btScalar(0);
     const btVector3 inertia = free ? units.inertia(definition.inertia) : btVector3(0, 0, 0);
     btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape, inertia);
-    info.m_startWorldTransform = units.pose(definition.position, definition.rotation);
+    info.m_startWorldTransform = units.pose(definition);
     info.m_linearDamping = static_cast<btScalar>(world.linear_damping);
     info.m_angularDamping = static_cast<btScalar>(world.angular_damping);
     info.m_additionalDamping = false;

@@ -42,11 +42,12 @@ class Units {
     btVector3 inertia(const std::array<double, 3> &kg_m2) const {
         return vector(three(kg_m2.data()) * (scale_ * scale_));
     }
-    btTransform pose(const std::array<double, 3> &metres, const std::array<double, 4> &xyzw) const {
-        return btTransform(
-            btQuaternion(static_cast<btScalar>(xyzw[0]), static_cast<btScalar>(xyzw[1]),
-                         static_cast<btScalar>(xyzw[2]), static_cast<btScalar>(xyzw[3])),
-            length(metres));
+    // Of whatever has a position and a rotation.
+    template <class Placed> btTransform pose(const Placed &of) const {
+        const auto &q = of.rotation; // x, y, z, w
+        return btTransform(btQuaternion(static_cast<btScalar>(q[0]), static_cast<btScalar>(q[1]),
+                                        static_cast<btScalar>(q[2]), static_cast<btScalar>(q[3])),
+                           length(of.position));
     }
 
     double metres(double units) const { return units / scale_; }

@@ -19,8 +19,8 @@ HullProbe::HullProbe(double scale, const Tolerances &tolerances, bool portable,
 }
 
 rust::Vec<HullProbePoint> HullProbe::step(const BodyPose &a, const BodyPose &b) {
-    const Rigid pose_a = rigid(units_.pose(a.position, a.rotation));
-    const Rigid pose_b = rigid(units_.pose(b.position, b.rotation));
+    const Rigid pose_a = rigid(units_.pose(a));
+    const Rigid pose_b = rigid(units_.pose(b));
     // Counts steps in what a point hands on to the one that continues it, and no solver reads here.
     for (Load &load : state_.loads) {
         load.warm_start += 1;
@@ -68,8 +68,8 @@ void HullProbe::set_impulse(std::size_t point, double normal,
 void HullProbe::forget() { state_ = PairState(); }
 
 HullProbeGap HullProbe::widest_gap(const BodyPose &a, const BodyPose &b, bool all_edges) {
-    const Rigid pose_a = rigid(units_.pose(a.position, a.rotation));
-    const Rigid pose_b = rigid(units_.pose(b.position, b.rotation));
+    const Rigid pose_a = rigid(units_.pose(a));
+    const Rigid pose_b = rigid(units_.pose(b));
     const Relative pose = Rigid::between(pose_b, pose_a).rounded();
     AxisScratch &scratch = scratch_.axis;
     scratch.fit(*a_, *b_);
@@ -92,24 +92,11 @@ HullProbeGap HullProbe::widest_gap(const BodyPose &a, const BodyPose &b, bool al
     return {units_.metres(gap), array(pose_a.turn(axis))};
 }
 
-namespace {
-
-std::unique_ptr<const HullData> hull(double scale, const HullProbeShape &shape) {
-    if (shape.radius > 0 && shape.coordinates.empty()) {
-        return std::make_unique<const HullData>(shape.radius * scale);
-    }
-    const auto slice = [](const auto &list) { return rust::Slice(list.data(), list.size()); };
-    return make_hull_data(
-        Units(scale),
-        polyhedron(slice(shape.coordinates), slice(shape.face_starts), slice(shape.face_vertices)),
-        shape.radius);
-}
-
-} // namespace
-
 std::unique_ptr<HullProbe> new_hull_probe(double scale, const Tolerances &tolerances, bool portable,
-                                          const HullProbeShape &a, const HullProbeShape &b) {
-    return std::make_unique<HullProbe>(scale, tolerances, portable, hull(scale, a), hull(scale, b));
+                                          const ShapeDefinition &a, const ShapeDefinition &b) {
+    const Units units(scale);
+    return std::make_unique<HullProbe>(scale, tolerances, portable, make_hull_data(units, a),
+                                       make_hull_data(units, b));
 }
 
 } // namespace pluvia

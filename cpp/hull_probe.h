@@ -14,7 +14,7 @@ namespace pluvia {
 struct HullProbeGap;
 struct HullProbePoint;
 struct BodyPose;
-struct HullProbeShape;
+struct ShapeDefinition;
 struct Tolerances;
 
 class HullProbe {
@@ -42,9 +42,8 @@ class HullProbe {
     void find(const Rigid &pose_a, const Rigid &pose_b);
 };
 
-// `scale`: engine units in a metre. Throws std::runtime_error
-// when a surface is not closed.
+// `scale`: engine units in a metre. Throws as `make_hull_data`.
 std::unique_ptr<HullProbe> new_hull_probe(double scale, const Tolerances &tolerances, bool portable,
-                                          const HullProbeShape &a, const HullProbeShape &b);
+                                          const ShapeDefinition &a, const ShapeDefinition &b);
 
 } // namespace pluvia

@@ -2,6 +2,8 @@
 // aligned boxes.
 #include "shapes.h"
 
+#include "pluvia/src/world/bullet/ffi.rs.h"
+
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 
 #include <algorithm>
@@ -36,76 +38,73 @@ void TightHull::finish(std::unique_ptr<const HullData> data) {
     data_ = std::move(data);
 }
 
-Polyhedron polyhedron(rust::Slice<const double> coordinates,
-                      rust::Slice<const std::uint32_t> face_starts,
-                      rust::Slice<const std::uint32_t> face_vertices) {
-    const bool finite = std::all_of(coordinates.begin(), coordinates.end(),
-                                    [](double x) { return std::isfinite(x); });
-    if (coordinates.empty() || coordinates.size() % 3 != 0 || !finite) {
+std::unique_ptr<const HullData> make_hull_data(const Units &units, const ShapeDefinition &shape) {
+    const auto &starts = shape.face_starts;
+    if (shape.coordinates.empty() && starts.empty()) {
+        if (!(std::isfinite(shape.radius) && shape.radius > 0)) {
+            throw std::runtime_error("the radius of a sphere is not positive");
+        }
+        return std::make_unique<const HullData>(shape.radius * units.scale());
+    }
+    if (!(std::isfinite(shape.radius) && shape.radius >= 0)) {
+        throw std::runtime_error("the radius of a rounded polyhedron is negative");
+    }
+    std::vector<double> scaled(shape.coordinates.begin(), shape.coordinates.end());
+    const bool finite =
+        std::all_of(scaled.begin(), scaled.end(), [](double x) { return std::isfinite(x); });
+    if (scaled.empty() || scaled.size() % 3 != 0 || !finite) {
         throw std::runtime_error("the vertices of a hull are not three finite numbers each");
     }
-    const bool whole = face_starts.size() > 1 && face_starts.front() == 0 &&
-                       face_starts.back() == face_vertices.size() &&
-                       std::adjacent_find(face_starts.begin(), face_starts.end(),
+    const bool whole = starts.size() > 1 && starts.front() == 0 &&
+                       starts.back() == shape.face_vertices.size() &&
+                       std::adjacent_find(starts.begin(), starts.end(),
                                           [](std::uint32_t begin, std::uint32_t end) {
                                               return end < begin || end - begin < 3;
-                                          }) == face_starts.end();
+                                          }) == starts.end();
     if (!whole) {
         throw std::runtime_error("the faces of a hull do not follow one another with three "
                                  "corners each or more");
     }
-    return {coordinates.data(), coordinates.size() / 3, face_starts.data(), face_starts.size() - 1,
-            face_vertices.data()};
-}
-
-std::unique_ptr<const HullData> make_hull_data(const Units &units, Polyhedron p, double rounding) {
-    if (!(std::isfinite(rounding) && rounding >= 0)) {
-        throw std::runtime_error("the radius of a rounded polyhedron is negative");
-    }
-    std::vector<double> scaled(p.coordinates, p.coordinates + 3 * p.vertices);
     for (double &x : scaled) {
         x *= units.scale();
     }
-    p.coordinates = scaled.data();
-    return std::make_unique<const HullData>(p, rounding * units.scale());
+    return std::make_unique<const HullData>(Polyhedron{scaled.data(), scaled.size() / 3,
+                                                       starts.data(), starts.size() - 1,
+                                                       shape.face_vertices.data()},
+                                            shape.radius * units.scale());
 }
 
-std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyhedron,
-                                     double margin, double rounding) {
-    auto hull = std::make_unique<TightHull>();
-    // Before the box is computed: Bullet's cached box keeps the margin that
-    // the shape had at that moment (btPolyhedralConvexShape.cpp, 3.24).
-    hull->setMargin(units.length(margin));
-    for (std::size_t i = 0; i < polyhedron.vertices; ++i) {
-        const double *p = polyhedron.coordinates + 3 * i;
-        hull->addPoint(units.length({p[0], p[1], p[2]}), false);
-    }
-    if (hull->getMargin() != units.length(margin)) {
-        throw std::runtime_error("Bullet did not keep the collision margin of a hull");
-    }
-    if (static_cast<std::size_t>(hull->getNumPoints()) != polyhedron.vertices) {
-        throw std::runtime_error("Bullet did not keep every vertex of a hull");
-    }
-    hull->finish(make_hull_data(units, polyhedron, rounding));
-    return hull;
-}
-
-std::unique_ptr<btConvexInternalShape> make_sphere(const Units &units, double radius, bool native) {
-    if (!(std::isfinite(radius) && radius > 0)) {
-        throw std::runtime_error("the radius of a sphere is not positive");
-    }
-    if (!native) {
-        auto sphere = std::make_unique<btSphereShape>(units.length(radius));
-        if (sphere->getRadius() != units.length(radius)) {
+std::unique_ptr<btConvexInternalShape> make_shape(const Units &units, const WorldDefinition &world,
+                                                  const ShapeDefinition &shape) {
+    auto data = make_hull_data(units, shape);
+    const btScalar radius = units.length(shape.radius);
+    if (data->is_sphere() && !world.own_collision) {
+        auto sphere = std::make_unique<btSphereShape>(radius);
+        if (sphere->getRadius() != radius) {
             throw std::runtime_error("Bullet did not keep the radius of a sphere");
         }
         return sphere;
     }
-    auto sphere = std::make_unique<TightHull>();
-    sphere->setMargin(units.length(radius));
-    sphere->addPoint(btVector3(0, 0, 0), false);
-    sphere->finish(std::make_unique<const HullData>(radius * units.scale()));
-    return sphere;
+    auto hull = std::make_unique<TightHull>();
+    // Before the box is computed: Bullet's cached box keeps the margin that the shape had at that
+    // moment (btPolyhedralConvexShape.cpp, 3.24).
+    const btScalar margin = data->is_plain() ? units.length(world.collision_margin) : radius;
+    hull->setMargin(margin);
+    if (data->is_sphere()) {
+        hull->addPoint(btVector3(0, 0, 0), false);
+    }
+    for (std::size_t i = 0; i < shape.coordinates.size(); i += 3) {
+        const double *p = &shape.coordinates[i];
+        hull->addPoint(units.length({p[0], p[1], p[2]}), false);
+    }
+    if (hull->getMargin() != margin) {
+        throw std::runtime_error("Bullet did not keep the collision margin of a hull");
+    }
+    if (hull->getNumPoints() != data->vertices) {
+        throw std::runtime_error("Bullet did not keep every vertex of a hull");
+    }
+    hull->finish(std::move(data));
+    return hull;
 }
 
 btScalar bounding_radius(const btCollisionShape &shape) {

@@ -13,6 +13,9 @@
 
 namespace pluvia {
 
+struct ShapeDefinition;
+struct WorldDefinition;
+
 // Bullet's convex hull, with the axis-aligned box of the hull itself where
 // Bullet's own takes the box of the rotated local box: about half as many
 // candidate pairs for round bodies, the same contacts. In a native world also a sphere: one point
@@ -36,26 +39,16 @@ class TightHull final : public btConvexHullShape {
     std::unique_ptr<const HullData> data_;
 };
 
-// A polyhedron as it crosses the bridge, in metres, from three lists. Throws std::runtime_error
-// where one leads out of another, or a coordinate is not finite.
-Polyhedron polyhedron(rust::Slice<const double> coordinates,
-                      rust::Slice<const std::uint32_t> face_starts,
-                      rust::Slice<const std::uint32_t> face_vertices);
+// A shape in engine units for the narrow phase. Throws std::runtime_error where one list leads out
+// of another, a coordinate is not finite, a surface is not closed, or the radius cannot be.
+std::unique_ptr<const HullData> make_hull_data(const Units &units, const ShapeDefinition &shape);
 
-// The polyhedron in engine units for the narrow phase, swept by a ball of a radius in metres.
-// Throws std::runtime_error when its surface is not closed or the radius negative.
-std::unique_ptr<const HullData> make_hull_data(const Units &units, Polyhedron polyhedron,
-                                               double rounding);
-
-// A hull over the polyhedron's vertices, with a collision margin in metres; swept by a ball with a
-// radius in metres, which is then the margin as well, for Bullet a part of the shape. Throws
-// std::runtime_error when Bullet does not keep the margin or a vertex.
-std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyhedron,
-                                     double margin, double rounding = 0);
-
-// A sphere with a radius in metres: `native`, a TightHull; else Bullet's sphere shape. Throws
-// std::runtime_error when the radius is not positive.
-std::unique_ptr<btConvexInternalShape> make_sphere(const Units &units, double radius, bool native);
+// A shape for Bullet, too: a hull over the vertices with the collision margin of the world or, of a
+// rounded one, with the radius as its margin, for Bullet a part of the shape; a sphere is a
+// TightHull in a native world, else Bullet's sphere shape. Throws std::runtime_error, also when
+// Bullet does not keep the margin, a vertex or the radius.
+std::unique_ptr<btConvexInternalShape> make_shape(const Units &units, const WorldDefinition &world,
+                                                  const ShapeDefinition &shape);
 
 // Radius of the sphere about the origin that holds a shape made here, with its margin.
 btScalar bounding_radius(const btCollisionShape &shape);

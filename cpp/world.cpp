@@ -11,7 +11,6 @@
 #include "stock_world.h"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -74,11 +73,6 @@ class BulletWorld::Impl {
         return *native;
     }
 
-    std::uint32_t keep(std::unique_ptr<btConvexInternalShape> shape) {
-        shapes.push_back(std::move(shape));
-        return static_cast<std::uint32_t>(shapes.size() - 1);
-    }
-
     WorldDefinition definition;
     Units units;
     btScalar time_step;
@@ -111,29 +105,10 @@ BulletWorld::~BulletWorld() {
     impl_.reset();
 }
 
-std::uint32_t BulletWorld::add_shape(rust::Slice<const double> coordinates,
-                                     rust::Slice<const std::uint32_t> face_starts,
-                                     rust::Slice<const std::uint32_t> face_vertices) {
+std::uint32_t BulletWorld::add_shape(const ShapeDefinition &definition) {
     const std::lock_guard<std::mutex> lock(construction_mutex());
-    return impl_->keep(make_hull(impl_->units, polyhedron(coordinates, face_starts, face_vertices),
-                                 impl_->definition.collision_margin));
-}
-
-std::uint32_t BulletWorld::add_rounded(rust::Slice<const double> coordinates,
-                                       rust::Slice<const std::uint32_t> face_starts,
-                                       rust::Slice<const std::uint32_t> face_vertices,
-                                       double radius) {
-    const std::lock_guard<std::mutex> lock(construction_mutex());
-    if (!(std::isfinite(radius) && radius > 0)) {
-        throw std::runtime_error("the radius of a rounded polyhedron is not positive");
-    }
-    return impl_->keep(make_hull(impl_->units, polyhedron(coordinates, face_starts, face_vertices),
-                                 radius, radius));
-}
-
-std::uint32_t BulletWorld::add_sphere(double radius) {
-    const std::lock_guard<std::mutex> lock(construction_mutex());
-    return impl_->keep(make_sphere(impl_->units, radius, impl_->definition.own_collision));
+    impl_->shapes.push_back(make_shape(impl_->units, impl_->definition, definition));
+    return static_cast<std::uint32_t>(impl_->shapes.size() - 1);
 }
 
 std::uint32_t BulletWorld::add_body(const BodyDefinition &definition) {
@@ -158,9 +133,8 @@ void BulletWorld::remove_body(std::uint32_t id) {
     impl_->bodies[id].reset();
 }
 
-void BulletWorld::drive_body(std::uint32_t id, const std::array<double, 3> &position,
-                             const std::array<double, 4> &rotation) {
-    impl_->world->drive(impl_->body(id), impl_->units.pose(position, rotation));
+void BulletWorld::drive_body(std::uint32_t id, const BodyPose &end) {
+    impl_->world->drive(impl_->body(id), impl_->units.pose(end));
 }
 
 void BulletWorld::recall_drive(std::uint32_t id, rust::Slice<const BodyPose> ends) {
@@ -168,9 +142,7 @@ void BulletWorld::recall_drive(std::uint32_t id, rust::Slice<const BodyPose> end
     if (!body.isKinematicObject() || ends.size() != 3) {
         throw std::runtime_error("only a kinematic body is recalled, by three poses");
     }
-    const auto pose = [&](std::size_t i) {
-        return impl_->units.pose(ends[i].position, ends[i].rotation);
-    };
+    const auto pose = [&](std::size_t i) { return impl_->units.pose(ends[i]); };
     if (impl_->native != nullptr) {
         impl_->native->recall_drive(body, {pose(0), pose(1), pose(2)}, impl_->time_step);
     }

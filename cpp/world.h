@@ -18,6 +18,7 @@ struct BodyPose;
 struct EngineSetting;
 struct PairValue;
 struct PhaseTimes;
+struct ShapeDefinition;
 struct WorldDefinition;
 
 class BulletWorld {
@@ -25,17 +26,10 @@ class BulletWorld {
     BulletWorld(const WorldDefinition &definition, rust::Slice<const PairValue> pairs);
     ~BulletWorld();
 
-    std::uint32_t add_shape(rust::Slice<const double> coordinates,
-                            rust::Slice<const std::uint32_t> face_starts,
-                            rust::Slice<const std::uint32_t> face_vertices);
-    std::uint32_t add_rounded(rust::Slice<const double> coordinates,
-                              rust::Slice<const std::uint32_t> face_starts,
-                              rust::Slice<const std::uint32_t> face_vertices, double radius);
-    std::uint32_t add_sphere(double radius);
+    std::uint32_t add_shape(const ShapeDefinition &definition);
     std::uint32_t add_body(const BodyDefinition &definition);
     void remove_body(std::uint32_t id);
-    void drive_body(std::uint32_t id, const std::array<double, 3> &position,
-                    const std::array<double, 4> &rotation);
+    void drive_body(std::uint32_t id, const BodyPose &end);
     void recall_drive(std::uint32_t id, rust::Slice<const BodyPose> ends);
     void press_body(std::uint32_t id, const std::array<double, 3> &direction, double mass,
                     double speed);

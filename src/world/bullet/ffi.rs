@@ -169,11 +169,14 @@ mod bridge {
         id: u32,
     }
 
-    /// A probed hull, as in `BulletWorld::add_shape` or `add_rounded`, or a sphere.
-    struct HullProbeShape {
+    /// A hull, a hull swept by a ball, or a sphere about the body's origin, which has no lists.
+    struct ShapeDefinition {
         /// Of a sphere, or of the ball that sweeps a hull, in m; 0 for a hull as it is.
         radius: f64,
+        /// x, y, z of every vertex in m.
         coordinates: Vec<f64>,
+        /// Corners of face f: `face_vertices[face_starts[f]..face_starts[f + 1]]`,
+        /// counter-clockwise from outside.
         face_starts: Vec<u32>,
         face_vertices: Vec<u32>,
     }
@@ -240,32 +243,10 @@ mod bridge {
             definition: &WorldDefinition,
             pairs: &[PairValue],
         ) -> Result<UniquePtr<BulletWorld>>;
-        /// `coordinates`: x, y, z of every vertex in m. Corners of face f:
-        /// `face_vertices[face_starts[f]..face_starts[f + 1]]`, counter-clockwise from outside.
-        fn add_shape(
-            self: Pin<&mut BulletWorld>,
-            coordinates: &[f64],
-            face_starts: &[u32],
-            face_vertices: &[u32],
-        ) -> Result<u32>;
-        /// A hull swept by a ball with a radius in m, else as `add_shape`.
-        fn add_rounded(
-            self: Pin<&mut BulletWorld>,
-            coordinates: &[f64],
-            face_starts: &[u32],
-            face_vertices: &[u32],
-            radius: f64,
-        ) -> Result<u32>;
-        /// A sphere about the body's origin, with its radius in m.
-        fn add_sphere(self: Pin<&mut BulletWorld>, radius: f64) -> Result<u32>;
+        fn add_shape(self: Pin<&mut BulletWorld>, definition: &ShapeDefinition) -> Result<u32>;
         fn add_body(self: Pin<&mut BulletWorld>, definition: &BodyDefinition) -> Result<u32>;
         fn remove_body(self: Pin<&mut BulletWorld>, id: u32) -> Result<()>;
-        fn drive_body(
-            self: Pin<&mut BulletWorld>,
-            id: u32,
-            position: &[f64; 3],
-            rotation: &[f64; 4],
-        ) -> Result<()>;
+        fn drive_body(self: Pin<&mut BulletWorld>, id: u32, end: &BodyPose) -> Result<()>;
         /// Tells a new world, before its first step, where a kinematic body was at the
         /// ends of the last three, the last one last.
         fn recall_drive(self: Pin<&mut BulletWorld>, id: u32, ends: &[BodyPose]) -> Result<()>;
@@ -332,8 +313,8 @@ mod bridge {
             scale: f64,
             tolerances: &Tolerances,
             portable: bool,
-            a: &HullProbeShape,
-            b: &HullProbeShape,
+            a: &ShapeDefinition,
+            b: &ShapeDefinition,
         ) -> Result<UniquePtr<HullProbe>>;
         fn step(self: Pin<&mut HullProbe>, a: &BodyPose, b: &BodyPose) -> Vec<HullProbePoint>;
         fn set_impulse(

@@ -181,31 +181,17 @@ impl BulletBackend {
         if let Some((index, _)) = self.shapes.get(&key) {
             return Ok(*index);
         }
-        let flat = flat(shape);
-        let mut world = self.world.pin_mut();
-        let index = if shape.sphere().is_some() {
-            world.as_mut().add_sphere(flat.radius)
-        } else if flat.radius > 0.0 {
-            world.as_mut().add_rounded(
-                &flat.coordinates,
-                &flat.face_starts,
-                &flat.face_vertices,
-                flat.radius,
-            )
-        } else {
-            world.as_mut().add_shape(&flat.coordinates, &flat.face_starts, &flat.face_vertices)
-        }
-        .map_err(engine)?;
+        let index = self.world.pin_mut().add_shape(&flat(shape)).map_err(engine)?;
         self.shapes.insert(key, (index, Arc::clone(shape)));
         Ok(index)
     }
 }
 
 /// A polyhedron, the core of a rounded one, or a sphere as it crosses the bridge.
-fn flat(shape: &ConvexPolyhedron) -> ffi::HullProbeShape {
+fn flat(shape: &ConvexPolyhedron) -> ffi::ShapeDefinition {
     if let Some(sphere) = shape.sphere() {
         let (coordinates, face_starts, face_vertices) = Default::default();
-        return ffi::HullProbeShape {
+        return ffi::ShapeDefinition {
             radius: sphere.radius,
             coordinates,
             face_starts,
@@ -220,7 +206,7 @@ fn flat(shape: &ConvexPolyhedron) -> ffi::HullProbeShape {
         face_starts.push(face_vertices.len() as u32);
     }
     let coordinates = shape.vertices().iter().flat_map(|v| [v.x, v.y, v.z]).collect();
-    ffi::HullProbeShape { radius, coordinates, face_starts, face_vertices }
+    ffi::ShapeDefinition { radius, coordinates, face_starts, face_vertices }
 }
 
 fn engine(error: cxx::Exception) -> WorldError {
@@ -301,9 +287,8 @@ impl World for BulletBackend {
 
     fn drive(&mut self, id: BodyId, pose: &Pose) -> Result<(), WorldError> {
         self.check_kinematic(id)?;
-        let ffi::BodyPose { position, rotation } = body_pose(pose);
-        let done = self.world.pin_mut().drive_body(id.0, &position, &rotation);
-        done.map_err(|_| WorldError::NoSuchBody(id))
+        let end = body_pose(pose);
+        self.world.pin_mut().drive_body(id.0, &end).map_err(|_| WorldError::NoSuchBody(id))
     }
 
     fn recall_drive(&mut self, id: BodyId, ends: &[Pose; 3]) -> Result<(), WorldError> {

@@ -239,14 +239,9 @@ fn what_cannot_be_rounded_is_refused() {
     let _turn = shared_turn();
     let pair = PairCoefficients { friction: 0.5, restitution: 0.0 };
     let mut world = world(pair, Vector::zeros(), NativeSettings::default());
-    let flat = flat(&cuboid([0.01; 3]));
-    for radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let added = world.world.pin_mut().add_rounded(
-            &flat.coordinates,
-            &flat.face_starts,
-            &flat.face_vertices,
-            radius,
-        );
+    for radius in [-1.0, f64::NAN, f64::INFINITY] {
+        let definition = ffi::ShapeDefinition { radius, ..flat(&cuboid([0.01; 3])) };
+        let added = world.world.pin_mut().add_shape(&definition);
         let said = added.expect_err("refused").what().to_owned();
         assert!(said.contains("radius of a rounded"), "law: it says so, got {said}");
     }

@@ -31,20 +31,13 @@ fn made(
 }
 
 /// A tetrahedron of a centimetre.
-fn tetrahedron() -> ffi::HullProbeShape {
-    ffi::HullProbeShape {
+fn tetrahedron() -> ffi::ShapeDefinition {
+    ffi::ShapeDefinition {
         radius: 0.0,
         coordinates: vec![0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.01],
         face_starts: vec![0, 3, 6, 9, 12],
         face_vertices: vec![0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3],
     }
-}
-
-fn add(
-    world: &mut cxx::UniquePtr<ffi::BulletWorld>,
-    shape: &ffi::HullProbeShape,
-) -> Result<u32, cxx::Exception> {
-    world.pin_mut().add_shape(&shape.coordinates, &shape.face_starts, &shape.face_vertices)
 }
 
 fn body(shape: u32, material: u32) -> ffi::BodyDefinition {
@@ -71,8 +64,8 @@ fn assert_thrown<T>(got: Result<T, cxx::Exception>, words: &str, what: &str) {
 }
 
 /// Shapes that lead out of their lists or are no solids.
-fn malformed() -> Vec<(&'static str, ffi::HullProbeShape)> {
-    let spoilt = |_what: &str, words, spoil: fn(&mut ffi::HullProbeShape)| {
+fn malformed() -> Vec<(&'static str, ffi::ShapeDefinition)> {
+    let spoilt = |_what: &str, words, spoil: fn(&mut ffi::ShapeDefinition)| {
         let mut shape = tetrahedron();
         spoil(&mut shape);
         (words, shape)
@@ -106,9 +99,11 @@ fn malformed_hulls_come_back_as_errors() {
     for path in PATHS {
         let mut world = bare(path);
         for (i, (words, shape)) in malformed().iter().enumerate() {
-            assert_thrown(add(&mut world, shape), words, &format!("hull {i} on {path:?}"));
+            let added = world.pin_mut().add_shape(shape);
+            assert_thrown(added, words, &format!("hull {i} on {path:?}"));
         }
-        let shape = add(&mut world, &tetrahedron()).expect("law: a sound one is taken after them");
+        let shape = world.pin_mut().add_shape(&tetrahedron());
+        let shape = shape.expect("law: a sound one is taken after them");
         world.pin_mut().add_body(&body(shape, 0)).expect("law: and its bodies");
         world.pin_mut().step().expect("law: and steps");
     }
@@ -120,7 +115,8 @@ fn malformed_hulls_come_back_as_errors() {
     }
     let mut most = tetrahedron();
     most.coordinates = [0.01; 3 * 70_000].to_vec();
-    assert_thrown(add(&mut bare(PATHS[1]), &most), "65535", "a hull of too many vertices");
+    let added = bare(PATHS[1]).pin_mut().add_shape(&most);
+    assert_thrown(added, "65535", "a hull of too many vertices");
 }
 
 #[test]
@@ -128,7 +124,7 @@ fn what_a_world_has_not_comes_back_as_an_error() {
     let _turn = shared_turn();
     for path in PATHS {
         let mut world = bare(path);
-        let shape = add(&mut world, &tetrahedron()).expect("added");
+        let shape = world.pin_mut().add_shape(&tetrahedron()).expect("added");
         for (shape, material) in [(shape + 1, 0), (u32::MAX, 0), (shape, 3), (shape, u32::MAX)] {
             let what = format!("shape {shape} of material {material}");
             let added = world.pin_mut().add_body(&body(shape, material));
@@ -139,7 +135,7 @@ fn what_a_world_has_not_comes_back_as_an_error() {
         for id in [id, 1, u32::MAX] {
             let words = format!("no body {id} in this world");
             assert_thrown(world.pin_mut().remove_body(id), &words, "removing");
-            let driven = world.pin_mut().drive_body(id, &[0.0; 3], &[0.0, 0.0, 0.0, 1.0]);
+            let driven = world.pin_mut().drive_body(id, &body_pose(&Pose::identity()));
             assert_thrown(driven, &words, "driving");
             assert_thrown(world.pair_value(id, id), &words, "asking for its coefficients");
         }

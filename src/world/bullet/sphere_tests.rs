@@ -266,7 +266,9 @@ fn spheres_that_cannot_be_are_refused() {
     let _turn = shared_turn();
     let mut world = world(Vector::zeros(), NativeSettings::default());
     for radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let said = world.world.pin_mut().add_sphere(radius).expect_err("refused").what().to_owned();
+        let definition = ffi::ShapeDefinition { radius, ..flat(&ConvexPolyhedron::ball(1.0)) };
+        let added = world.world.pin_mut().add_shape(&definition);
+        let said = added.expect_err("refused").what().to_owned();
         assert!(said.contains("radius of a sphere"), "law: it says so, got {said}");
     }
     let mut bad = ball(0.005, Vector::zeros(), Vector::zeros());

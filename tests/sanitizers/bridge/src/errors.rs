@@ -1,10 +1,10 @@
 //! What the shims refuse: every failure comes back as an error.
 
-use crate::worlds::{STILL, body, cuboid, definition, pairs, tolerances};
-use crate::{BodyKind, HullProbeShape, new_hull_probe, new_world, shared_sum};
+use crate::worlds::{STILL, at, body, cuboid, definition, pairs, tolerances};
+use crate::{BodyKind, ShapeDefinition, new_hull_probe, new_world, shared_sum};
 
 /// Spoils a hull in one way.
-type Spoil = fn(&mut HullProbeShape);
+type Spoil = fn(&mut ShapeDefinition);
 
 const SPOILT: [Spoil; 12] = [
     |s| s.coordinates.clear(),
@@ -34,8 +34,7 @@ pub fn all() -> usize {
         for spoil in SPOILT {
             let mut s = sound();
             spoil(&mut s);
-            let added = world.pin_mut().add_shape(&s.coordinates, &s.face_starts, &s.face_vertices);
-            failed(added.is_err());
+            failed(world.pin_mut().add_shape(&s).is_err());
             failed(new_hull_probe(100.0, &tolerances(), false, &s, &sound()).is_err());
             failed(new_hull_probe(100.0, &tolerances(), true, &sound(), &s).is_err());
         }
@@ -45,7 +44,7 @@ pub fn all() -> usize {
             failed(world.pin_mut().add_body(&body).is_err());
         }
         failed(world.pin_mut().remove_body(4).is_err());
-        failed(world.pin_mut().drive_body(4, &[0.0; 3], &STILL).is_err());
+        failed(world.pin_mut().drive_body(4, &at([0.0; 3])).is_err());
         failed(world.pair_value(0, 1).is_err());
         let mut other = definition((own, 1, false, 8));
         other.broadphase_margin *= 2.0;

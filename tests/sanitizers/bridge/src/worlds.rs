@@ -3,8 +3,8 @@
 use std::thread;
 
 use crate::{
-    BodyDefinition, BodyKind, BodyPose, BulletWorld, CrowdProbeBody, HullProbeShape, InertiaRule,
-    PairValue, Tolerances, WorldDefinition, crowd_speeds, new_hull_probe, new_world,
+    BodyDefinition, BodyKind, BodyPose, BulletWorld, CrowdProbeBody, InertiaRule, PairValue,
+    ShapeDefinition, Tolerances, WorldDefinition, crowd_speeds, new_hull_probe, new_world,
 };
 
 /// Whether the contacts are Pluvia's own, threads, portable instructions,
@@ -22,6 +22,11 @@ pub const KINDS: [Kind; 5] = [
 
 /// No rotation.
 pub const STILL: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
+
+/// A pose without rotation.
+pub fn at(position: [f64; 3]) -> BodyPose {
+    BodyPose { position, rotation: STILL }
+}
 
 /// Lengths as the program has them for grains of 8 mm and more.
 pub fn tolerances() -> Tolerances {
@@ -83,9 +88,9 @@ pub fn pairs() -> Vec<PairValue> {
 }
 
 /// A box about the origin.
-pub fn cuboid(sides: [f64; 3]) -> HullProbeShape {
+pub fn cuboid(sides: [f64; 3]) -> ShapeDefinition {
     let corner = |i: usize, k: usize| sides[k] / if i >> k & 1 == 1 { 2.0 } else { -2.0 };
-    HullProbeShape {
+    ShapeDefinition {
         radius: 0.0,
         coordinates: (0..24).map(|n| corner(n / 3, n % 3)).collect(),
         face_starts: vec![0, 4, 8, 12, 16, 20, 24],
@@ -116,9 +121,8 @@ pub fn body(
 
 type World = cxx::UniquePtr<BulletWorld>;
 
-fn add(world: &mut World, shape: &HullProbeShape) -> u32 {
-    let (coordinates, starts) = (&shape.coordinates, &shape.face_starts);
-    world.pin_mut().add_shape(coordinates, starts, &shape.face_vertices).expect("a hull")
+fn add(world: &mut World, shape: &ShapeDefinition) -> u32 {
+    world.pin_mut().add_shape(shape).expect("a shape")
 }
 
 fn with_table(kind: Kind) -> (World, u32, u32) {
@@ -137,15 +141,16 @@ fn grain(world: &mut World, number: u32, position: [f64; 3], rotation: [f64; 4])
     // Spheres, rounded boxes and boxes by turns.
     let sides = [side, side * 0.8, side * 1.1];
     let shape = match number % 3 {
-        2 => world.pin_mut().add_sphere(side / 2.0).expect("a sphere"),
-        1 => {
-            let core = cuboid(sides.map(|s| s - side / 4.0));
-            let (coordinates, starts) = (&core.coordinates, &core.face_starts);
-            let faces = &core.face_vertices;
-            world.pin_mut().add_rounded(coordinates, starts, faces, side / 8.0).expect("a hull")
-        }
-        _ => add(world, &cuboid(sides)),
+        2 => ShapeDefinition {
+            radius: side / 2.0,
+            coordinates: vec![],
+            face_starts: vec![],
+            face_vertices: vec![],
+        },
+        1 => ShapeDefinition { radius: side / 8.0, ..cuboid(sides.map(|s| s - side / 4.0)) },
+        _ => cuboid(sides),
     };
+    let shape = add(world, &shape);
     let mass = 2673.9 * 0.88 * side.powi(3);
     world
         .pin_mut()
@@ -174,7 +179,7 @@ pub fn one(kind: Kind, grains: u32, steps: u32) -> u32 {
         let time = f64::from(step) / 480.0;
         if step < steps * 3 / 4 {
             let x = 0.01 * (18.8 * time).sin();
-            world.pin_mut().drive_body(floor, &[x, 0.0, -0.01], &STILL).expect("driven");
+            world.pin_mut().drive_body(floor, &at([x, 0.0, -0.01])).expect("driven");
         }
         world.pin_mut().step().expect("a step");
         world.read_contacts(&mut contacts);
@@ -208,8 +213,7 @@ pub fn one(kind: Kind, grains: u32, steps: u32) -> u32 {
     // Some of them of bodies that this world has not.
     second.pin_mut().recall_contacts(&remembered).expect("told");
     second.pin_mut().find_contacts().expect("found");
-    let at = |x| BodyPose { position: [x, 0.0, -0.01], rotation: STILL };
-    let ends = [at(0.0), at(1e-4), at(3e-4)];
+    let ends = [0.0, 1e-4, 3e-4].map(|x| at([x, 0.0, -0.01]));
     second.pin_mut().recall_drive(table, &ends).expect("told");
     assert!(second.pin_mut().recall_drive(table, &ends[..2]).is_err(), "law: three or none");
     assert!(second.pin_mut().recall_drive(table + 1, &ends).is_err(), "law: driven ones alone");
@@ -239,7 +243,7 @@ pub fn crowd(kind: Kind, steps: u32) -> u32 {
     let mut contacts = vec![];
     for step in 0..steps {
         let up = 1e-3 * f64::from(step);
-        world.pin_mut().drive_body(floor, &[0.0, 0.0, up - 0.01], &STILL).expect("driven");
+        world.pin_mut().drive_body(floor, &at([0.0, 0.0, up - 0.01])).expect("driven");
         world.pin_mut().step().expect("a step");
         if step == steps / 2 {
             world.pin_mut().remove_body(ids[7]).expect("removed");
@@ -298,12 +302,12 @@ pub fn probes() -> usize {
     for (portable, scale) in [(false, 1.0), (false, 100.0), (true, 1.0), (true, 100.0)] {
         let (a, b) = (cuboid([0.02, 0.03, 0.01]), cuboid([0.01, 0.012, 0.02]));
         let mut pair = new_hull_probe(scale, &tolerances(), portable, &a, &b).expect("a pair");
-        let origin = BodyPose { position: [0.0; 3], rotation: STILL };
+        let origin = at([0.0; 3]);
         for i in 0..2000_u32 {
             let t = 0.37 * f64::from(i);
             let turn = [t.sin() * 0.6, t.cos() * (t * 1.3).sin(), 0.3, t.cos()];
             let length = turn.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let at = BodyPose {
+            let place = BodyPose {
                 position: [
                     0.012 * (t * 0.7).sin(),
                     0.016 * (t * 0.9).cos(),
@@ -311,12 +315,12 @@ pub fn probes() -> usize {
                 ],
                 rotation: turn.map(|x| x / length),
             };
-            let found = pair.pin_mut().step(&origin, &at);
+            let found = pair.pin_mut().step(&origin, &place);
             for point in 0..found.len() {
                 pair.pin_mut().set_impulse(point, 0.1, &[0.01, 0.0, 0.0]).expect("set");
             }
             assert!(pair.pin_mut().set_impulse(found.len(), 0.1, &[0.0; 3]).is_err());
-            pair.pin_mut().widest_gap(&origin, &at, i % 2 == 0);
+            pair.pin_mut().widest_gap(&origin, &place, i % 2 == 0);
             if i % 50 == 0 {
                 pair.pin_mut().forget();
             }
