@@ -10,7 +10,7 @@ const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The sources of `cpp/`. Each has a header of its name, but for `sphere_pair` and `rounded_pair`,
 /// whose functions `hull_pair.h` declares.
-const SHIMS: [&str; 30] = [
+const SHIMS: [&str; 29] = [
     "contact_bodies",
     "contact_colours",
     "contact_iterations",
@@ -36,7 +36,6 @@ const SHIMS: [&str; 30] = [
     "core_distance",
     "rounded_pair",
     "bodies",
-    "settings",
     "stock_world",
     "native_world",
     "pool",

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "bodies.h"
-#include "settings.h"
 #include "shapes.h"
 #include "workers.h"
 
@@ -11,6 +10,7 @@
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 
 #include <chrono>
+#include <utility>
 
 namespace pluvia {
 
@@ -44,6 +44,18 @@ class Stopwatch {
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
+// Settings as read back, one name and one number each.
+class ReadBack {
+  public:
+    void put(const char *name, double value) {
+        out_.push_back(EngineSetting{rust::String(name), value});
+    }
+    rust::Vec<EngineSetting> take() { return std::move(out_); }
+
+  private:
+    rust::Vec<EngineSetting> out_;
+};
+
 // Either `StockWorld`, Bullet as it comes, or `NativeWorld`, whose steps are
 // Pluvia's own. What only native worlds can do is declared there.
 class EngineWorld : public btDiscreteDynamicsWorld {
@@ -73,8 +85,10 @@ class EngineWorld : public btDiscreteDynamicsWorld {
     virtual void read_contacts(rust::Vec<ContactRead> &out) const = 0;
     // Of a pair that touches.
     virtual PairValue pair_value(const btRigidBody &a, const btRigidBody &b) const = 0;
-    // As it was set, beside what both have.
+    // As they act on the world, beside what both kinds have.
     virtual void read_settings(ReadBack &out) const = 0;
+    // The same of what every free body has alike.
+    virtual void read_body(const btRigidBody &, ReadBack &) const {}
     virtual PhaseTimes phases() const { return phases_; }
 
   protected:

@@ -127,7 +127,28 @@ StockParts::StockParts(const Units &units, const WorldDefinition &definition)
 
 StockWorld::StockWorld(const Units &units, const WorldDefinition &definition, Materials &materials)
     : StockParts(units, definition), EngineWorld(&dispatcher, &boxes, &solver, &configuration),
-      units_(units), materials_(materials), definition_(definition) {}
+      units_(units), materials_(materials), definition_(definition) {
+    auto &dispatch = getDispatchInfo();
+    dispatch.m_useContinuous = false;
+    dispatch.m_enableSatConvex = false;
+    auto &info = getSolverInfo();
+    info.m_numIterations = definition.iterations;
+    info.m_solverMode = definition.solver_mode;
+    info.m_erp = static_cast<btScalar>(definition.erp);
+    info.m_erp2 = static_cast<btScalar>(definition.erp);
+    info.m_warmstartingFactor = static_cast<btScalar>(definition.warm_start);
+    info.m_splitImpulse = definition.split_impulse ? 1 : 0;
+    // Bullet compares with an absolute length; scaled, it stays the 0.04
+    // that it is for bodies of one metre.
+    info.m_splitImpulsePenetrationThreshold = units.length(-0.04);
+    info.m_restitutionVelocityThreshold = units.length(definition.restitution_velocity_threshold);
+    info.m_linearSlop = 0;
+    info.m_globalCfm = 0;
+    info.m_frictionERP = 0;
+    info.m_frictionCFM = 0;
+    info.m_leastSquaresResidualThreshold = 0;
+    info.m_sor = 1;
+}
 
 BodyDefinition StockWorld::applied(const BodyDefinition &definition,
                                    const btCollisionShape &shape) {
@@ -218,12 +239,43 @@ PairValue StockWorld::pair_value(const btRigidBody &a, const btRigidBody &b) con
 }
 
 void StockWorld::read_settings(ReadBack &out) const {
+    const btContactSolverInfo &info = m_solverInfo;
+    const btDispatcherInfo &dispatch = m_dispatchInfo;
+    out.put("iterations", info.m_numIterations);
+    out.put("solver_mode", info.m_solverMode);
+    out.put("erp", info.m_erp);
+    out.put("erp2", info.m_erp2);
+    out.put("friction_erp", info.m_frictionERP);
+    out.put("friction_cfm", info.m_frictionCFM);
+    out.put("global_cfm", info.m_globalCfm);
+    out.put("sor", info.m_sor);
+    out.put("linear_slop_m", units_.metres(info.m_linearSlop));
+    out.put("warm_starting_factor", info.m_warmstartingFactor);
+    out.put("split_impulse", info.m_splitImpulse);
+    out.put("split_impulse_penetration_threshold_m",
+            units_.metres(info.m_splitImpulsePenetrationThreshold));
+    out.put("split_impulse_turn_erp", info.m_splitImpulseTurnErp);
+    out.put("restitution_velocity_threshold_m_per_s",
+            units_.metres(info.m_restitutionVelocityThreshold));
+    out.put("least_squares_residual_threshold", info.m_leastSquaresResidualThreshold);
+    out.put("minimum_solver_batch_size", info.m_minimumSolverBatchSize);
+    out.put("continuous_collision", dispatch.m_useContinuous);
+    out.put("separating_axis_test_for_hulls", dispatch.m_enableSatConvex);
+    out.put("speculative_contact_restitution", getApplySpeculativeContactRestitution());
     const bool relative = (dispatcher.getDispatcherFlags() &
                            btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD) != 0;
     out.put("contact_breaking_threshold_m", units_.metres(gContactBreakingThreshold));
     out.put("relative_contact_threshold",
             relative ? static_cast<double>(gContactBreakingThreshold) : 0);
     out.put("broadphase_margin_m", units_.metres(gDbvtMargin));
+}
+
+void StockWorld::read_body(const btRigidBody &body, ReadBack &out) const {
+    out.put("rigid_body_flags", body.getFlags());
+    out.put("activation_state", body.getActivationState());
+    out.put("sleeping_speed_m_per_s", units_.metres(body.getLinearSleepingThreshold()));
+    out.put("sleeping_spin_rad_per_s", body.getAngularSleepingThreshold());
+    out.put("sleeping_time_s", gDeactivationTime);
 }
 
 void StockWorld::performDiscreteCollisionDetection() {

@@ -31,7 +31,9 @@ struct StockParts {
 // asked for: sleep, moments of inertia of bounding boxes, a least mass.
 class StockWorld final : private StockParts, public EngineWorld {
   public:
-    // `materials` must outlive the world.
+    // `materials` must outlive the world. Three of Bullet's settings are only read back, its
+    // defaults being left alone: the turn ERP of split impulses, the smallest batch, and the
+    // restitution of speculative contacts.
     StockWorld(const Units &units, const WorldDefinition &definition, Materials &materials);
 
     BodyDefinition applied(const BodyDefinition &definition,
@@ -48,6 +50,7 @@ class StockWorld final : private StockParts, public EngineWorld {
     // Through the hooks, as Bullet does when it makes a contact.
     PairValue pair_value(const btRigidBody &a, const btRigidBody &b) const override;
     void read_settings(ReadBack &out) const override;
+    void read_body(const btRigidBody &body, ReadBack &out) const override;
 
     // Bullet's, timed.
     void performDiscreteCollisionDetection() override;

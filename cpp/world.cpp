@@ -6,7 +6,6 @@
 #include "globals.h"
 #include "native_world.h"
 #include "pluvia/src/world/bullet/ffi.rs.h"
-#include "settings.h"
 #include "shapes.h"
 #include "stock_world.h"
 
@@ -40,7 +39,7 @@ class BulletWorld::Impl {
         } else {
             world = std::make_unique<StockWorld>(units, of, materials);
         }
-        set_world(*world, units, of);
+        world->setGravity(units.length(of.gravity));
     }
 
     ~Impl() {
@@ -275,15 +274,22 @@ rust::Vec<EngineSetting> BulletWorld::effective() const {
     const Units &units = impl_->units;
     out.put("length_scale_units_per_m", units.scale());
     out.put("time_step_s", static_cast<double>(impl_->time_step));
-    const bool stock = impl_->native == nullptr;
-    read_world(units, *impl_->world, stock, out);
+    const std::array<double, 3> gravity = units.metres(impl_->world->getGravity());
+    out.put("gravity_x_m_per_s2", gravity[0]);
+    out.put("gravity_y_m_per_s2", gravity[1]);
+    out.put("gravity_z_m_per_s2", gravity[2]);
     impl_->world->read_settings(out);
     double lightest = 0;
     for (const auto &body : impl_->bodies) {
         if (body && !body->isStaticOrKinematicObject()) {
             if (lightest == 0) {
                 // Every free body is made alike; the first one speaks for all.
-                read_body(units, *body, stock, out);
+                out.put("linear_damping", body->getLinearDamping());
+                out.put("angular_damping", body->getAngularDamping());
+                out.put("collision_margin_m", units.metres(body->getCollisionShape()->getMargin()));
+                // Whether it sleeps at this moment is no setting; whether it may, is.
+                out.put("sleeping", body->getActivationState() != DISABLE_DEACTIVATION);
+                impl_->world->read_body(*body, out);
             }
             const double mass = 1 / static_cast<double>(body->getInvMass());
             lightest = lightest == 0 ? mass : std::min(lightest, mass);
