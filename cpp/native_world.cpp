@@ -2,11 +2,9 @@
 // solves the contacts, moves the bodies.
 #include "native_world.h"
 
-#include "contact_memory.h"
 #include "pluvia/src/world/bullet/ffi.rs.h"
 
 #include <algorithm>
-#include <iterator>
 #include <stdexcept>
 
 namespace pluvia {
@@ -81,14 +79,6 @@ void NativeWorld::remove(btRigidBody &body) {
 
 void NativeWorld::drive(btRigidBody &body, const btTransform &end) {
     drives_next_.push_back({&body, end});
-}
-
-void NativeWorld::press(btRigidBody &body, const Press &press) {
-    solver_.press(body.getUserIndex(), press);
-}
-
-void NativeWorld::set_force(btRigidBody &body, double force) {
-    solver_.set_force(body.getUserIndex(), force);
 }
 
 void NativeWorld::join(btRigidBody &part, btRigidBody &whole) {
@@ -236,12 +226,6 @@ void NativeWorld::renew_boxes() {
     }
 }
 
-void NativeWorld::read_substep(rust::Vec<double> &bodies, rust::Vec<double> &contacts) const {
-    const SubstepRecord &record = solver_.recorded();
-    std::copy(record.bodies.begin(), record.bodies.end(), std::back_inserter(bodies));
-    std::copy(record.contacts.begin(), record.contacts.end(), std::back_inserter(contacts));
-}
-
 PhaseTimes NativeWorld::phases() const {
     PhaseTimes out = phases_;
     out.shared = workers_.shared().now;
@@ -264,13 +248,6 @@ void NativeWorld::remember_contacts(rust::Vec<ContactRead> &out) const {
 void NativeWorld::recall_contacts(rust::Slice<const ContactRead> contacts) {
     collision_.recalled.take(units_, contacts);
 }
-
-void NativeWorld::recall_drive(btRigidBody &body, const std::array<btTransform, 3> &ends,
-                               btScalar step) {
-    solver_.recall_drive(body.getUserIndex(), recalled_drive(ends, static_cast<double>(step)));
-}
-
-void NativeWorld::read_drives(rust::Vec<DriveRead> &out) const { solver_.read_drives(units_, out); }
 
 // As pairs get theirs.
 PairValue NativeWorld::pair_value(const btRigidBody &a, const btRigidBody &b) const {

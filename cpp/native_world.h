@@ -7,15 +7,12 @@
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <new>
 #include <vector>
 
 namespace pluvia {
-
-struct DriveRead;
 
 // What the world is made of; it must be there before it, and after.
 struct NativeParts {
@@ -58,21 +55,11 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     void read_settings(ReadBack &out) const override;
     PhaseTimes phases() const override;
 
-    // Lets a kinematic body move along one direction alone, from the next step on.
-    void press(btRigidBody &body, const Press &press);
-    // Changes the force on it in N, or of what turns the moment in N m.
-    void set_force(btRigidBody &body, double force);
     // Makes a body a further part of another, which has the same pose and is none itself.
     void join(btRigidBody &part, btRigidBody &whole);
-    // How a kinematic body moved before, by its poses at the ends of three steps.
-    void recall_drive(btRigidBody &body, const std::array<btTransform, 3> &ends, btScalar step);
-    void read_drives(rust::Vec<DriveRead> &out) const;
     void remember_contacts(rust::Vec<ContactRead> &out) const;
     void recall_contacts(rust::Slice<const ContactRead> contacts);
-    // Of the last solution, see ContactSolver.
-    double solver_residual() const { return solver_.residual(); }
-    void record_substeps() { solver_.record(); }
-    void read_substep(rust::Vec<double> &bodies, rust::Vec<double> &contacts) const;
+    ContactSolver &solver() { return solver_; }
 
   private:
     // Bullet's rule, and parts of one body never meet.

@@ -10,6 +10,7 @@
 #include "stock_world.h"
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -137,13 +138,14 @@ void BulletWorld::drive_body(std::uint32_t id, const BodyPose &end) {
 }
 
 void BulletWorld::recall_drive(std::uint32_t id, rust::Slice<const BodyPose> ends) {
-    btRigidBody &body = impl_->body(id);
-    if (!body.isKinematicObject() || ends.size() != 3) {
+    if (!impl_->body(id).isKinematicObject() || ends.size() != 3) {
         throw std::runtime_error("only a kinematic body is recalled, by three poses");
     }
     const auto pose = [&](std::size_t i) { return impl_->units.pose(ends[i]); };
     if (impl_->native != nullptr) {
-        impl_->native->recall_drive(body, {pose(0), pose(1), pose(2)}, impl_->time_step);
+        impl_->native->solver().recall_drive(
+            static_cast<int>(id),
+            recalled_drive({pose(0), pose(1), pose(2)}, static_cast<double>(impl_->time_step)));
     }
 }
 
@@ -154,8 +156,9 @@ void BulletWorld::press_body(std::uint32_t id, const std::array<double, 3> &dire
         throw std::runtime_error("a body that is pressed is kinematic and has a mass");
     }
     const btVector3 along = vector(three(direction.data())).normalized();
-    impl_->native_that(PRESSES).press(
-        body, Press{along, 1 / mass, 0, false, btVector3(0, 0, 0), impl_->units.scale()});
+    impl_->native_that(PRESSES).solver().press(
+        static_cast<int>(id),
+        Press{along, 1 / mass, 0, false, btVector3(0, 0, 0), impl_->units.scale()});
     body.setLinearVelocity(along * impl_->units.length(speed));
 }
 
@@ -168,16 +171,16 @@ void BulletWorld::turn_body(std::uint32_t id, const std::array<double, 3> &axis,
     const double scale = impl_->units.scale();
     const btVector3 along = vector(three(axis.data())).normalized();
     const btVector3 place = impl_->units.length(about);
-    impl_->native_that(PRESSES).press(
-        body, Press{along, 1 / (inertia * scale * scale), 0, true, place, scale * scale});
+    impl_->native_that(PRESSES).solver().press(
+        static_cast<int>(id),
+        Press{along, 1 / (inertia * scale * scale), 0, true, place, scale * scale});
     body.setAngularVelocity(along * static_cast<btScalar>(speed));
     body.setLinearVelocity(
         (along * static_cast<btScalar>(speed)).cross(body.getWorldTransform().getOrigin() - place));
 }
 
 void BulletWorld::set_force(std::uint32_t id, double force) {
-    btRigidBody &body = impl_->body(id);
-    impl_->native_that(PRESSES).set_force(body, force);
+    impl_->native_that(PRESSES).solver().set_force(impl_->body(id).getUserIndex(), force);
 }
 
 void BulletWorld::join_body(std::uint32_t id, std::uint32_t whole) {
@@ -221,7 +224,7 @@ void BulletWorld::read_corners(rust::Vec<std::uint32_t> &counts, rust::Vec<doubl
 void BulletWorld::read_drives(rust::Vec<DriveRead> &out) const {
     out.clear();
     if (impl_->native != nullptr) {
-        impl_->native->read_drives(out);
+        impl_->native->solver().read_drives(impl_->units, out);
     }
 }
 
@@ -248,12 +251,12 @@ void BulletWorld::recall_contacts(rust::Slice<const ContactRead> contacts) {
 PhaseTimes BulletWorld::phases() const { return impl_->world->phases(); }
 
 double BulletWorld::solver_residual() const {
-    return impl_->native != nullptr ? impl_->native->solver_residual() : -1;
+    return impl_->native != nullptr ? impl_->native->solver().residual() : -1;
 }
 
 void BulletWorld::record_substeps() {
     if (impl_->native != nullptr) {
-        impl_->native->record_substeps();
+        impl_->native->solver().record();
     }
 }
 
@@ -261,7 +264,9 @@ void BulletWorld::read_substep(rust::Vec<double> &bodies, rust::Vec<double> &con
     bodies.clear();
     contacts.clear();
     if (impl_->native != nullptr) {
-        impl_->native->read_substep(bodies, contacts);
+        const SubstepRecord &record = impl_->native->solver().recorded();
+        std::copy(record.bodies.begin(), record.bodies.end(), std::back_inserter(bodies));
+        std::copy(record.contacts.begin(), record.contacts.end(), std::back_inserter(contacts));
     }
 }
 
