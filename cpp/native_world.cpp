@@ -54,7 +54,7 @@ NativeWorld::NativeWorld(const Units &units, const WorldDefinition &definition,
       slack_(units.length(definition.tolerances.box_slack)),
       damped_(definition.linear_damping > 0 || definition.angular_damping > 0),
       collision_(hull_collision(units, definition, materials)), workers_(definition.threads),
-      sharing_(definition.may_leave_threads), search_(collision_, dispatcher, workers_),
+      search_(collision_, dispatcher, workers_),
       solver_(collision_.touching, contact_law(units, definition), kernels(definition),
               definition.gyroscopic, workers_) {}
 
@@ -111,16 +111,6 @@ bool NativeWorld::PartFilter::needBroadphaseCollision(btBroadphaseProxy *a,
 }
 
 void NativeWorld::step(btScalar length) {
-    workers_.leave_alone(sharing_.alone());
-    double took = 0;
-    {
-        const Stopwatch all(took);
-        timed_step(length);
-    }
-    sharing_.took(took);
-}
-
-void NativeWorld::timed_step(btScalar length) {
     const Stopwatch watch(phases_.integration);
     // A step that fails leaves none for the next.
     drives_now_.swap(drives_next_);

@@ -60,6 +60,8 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     void remember_contacts(rust::Vec<ContactRead> &out) const;
     void recall_contacts(rust::Slice<const ContactRead> contacts);
     ContactSolver &solver() { return solver_; }
+    // Whether one thread does the steps from now on.
+    void leave_alone(bool on) { workers_.leave_alone(on); }
 
   private:
     // Bullet's rule, and parts of one body never meet.
@@ -80,7 +82,6 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     bool damped_;
     HullCollision collision_;
     Workers workers_;
-    Sharing sharing_;
     HullSearch search_;
     ContactSolver solver_;
     PartFilter part_filter_{solver_};
@@ -95,7 +96,6 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     btVector3 place() const;
     // The body that boxes move along with from now on; null for none.
     void follow(const btRigidBody *body);
-    void timed_step(btScalar length);
     void search();
     void renew_boxes();
     void begin_drives(btScalar step);

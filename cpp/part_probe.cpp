@@ -6,7 +6,6 @@
 #include "pluvia/src/world/bullet/ffi.rs.h"
 #include "workers.h"
 
-#include <algorithm>
 #include <array>
 #include <numeric>
 #include <stdexcept>
@@ -142,17 +141,6 @@ std::array<double, 4> shared_time(std::int32_t threads, rust::Slice<const std::s
     });
     const SharedTime &time = workers.shared();
     return {time.now, time.on[0], time.on[1], time.on[2]};
-}
-
-rust::Vec<bool> steps_alone(bool may_leave, rust::Slice<const double> shared_s,
-                            rust::Slice<const double> alone_s) {
-    Sharing sharing(may_leave);
-    rust::Vec<bool> out;
-    for (std::size_t i = 0; i < std::min(shared_s.size(), alone_s.size()); ++i) {
-        out.push_back(sharing.alone());
-        sharing.took(sharing.alone() ? alone_s[i] : shared_s[i]);
-    }
-    return out;
 }
 
 rust::Vec<double> crowd_speeds(rust::Slice<const CrowdProbeBody> bodies,

@@ -29,11 +29,6 @@ std::array<std::uint64_t, 2> chained_work(std::int32_t threads, std::size_t roun
 std::array<double, 4> shared_time(std::int32_t threads, rust::Slice<const std::size_t> sizes,
                                   rust::Slice<const std::size_t> leasts);
 
-// Which of as many steps are one thread's, where a shared one takes so long, in s, and
-// one thread's so long.
-rust::Vec<bool> steps_alone(bool may_leave, rust::Slice<const double> shared_s,
-                            rust::Slice<const double> alone_s);
-
 // The speed of each body, as of Crowd; lengths in any one unit. Empty where
 // Crowd finds none.
 rust::Vec<double> crowd_speeds(rust::Slice<const CrowdProbeBody> bodies,

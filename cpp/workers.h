@@ -163,41 +163,4 @@ class Workers {
     void wait_for_job(int worker, std::uint64_t seen);
 };
 
-// Decides step by step whether the threads of a world share a step or one of them does it alone.
-// Threads can take longer together than one alone, as two do while few grains are poured
-// (docs/cost.md, "Cost of a step"). So where a world may leave them, both are tried every PERIOD
-// steps, and the faster one goes on: which it is changes no bit.
-class Sharing {
-  public:
-    explicit Sharing(bool may_leave) : may_leave_(may_leave) {}
-
-    // Whether one thread does the next step.
-    bool alone() const {
-        // Shared, alone, alone, shared: what grows or shrinks meanwhile counts alike.
-        const int block = step_ / BLOCK;
-        return may_leave_ && (step_ < TRIAL ? block == 1 || block == 2 : alone_);
-    }
-
-    // To be called after each step: how long it took, in s.
-    void took(double seconds) {
-        // The first of a block finds everything in another cache.
-        if (step_ < TRIAL && step_ % BLOCK > 0) {
-            spent_[alone() ? 1 : 0] += seconds;
-        }
-        if (++step_ == TRIAL) {
-            alone_ = spent_[1] < spent_[0];
-            spent_ = {0, 0};
-        }
-        step_ %= PERIOD;
-    }
-
-  private:
-    // In steps: of each period the first are the trial, in blocks of one kind.
-    static constexpr int BLOCK = 5, TRIAL = 4 * BLOCK, PERIOD = 400;
-    bool may_leave_;
-    int step_ = PERIOD - 24;        // of the period; a new world has much to do that it does once
-    bool alone_ = false;            // after the trial
-    std::array<double, 2> spent_{}; // in the trial, shared and alone
-};
-
 } // namespace pluvia

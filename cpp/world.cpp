@@ -189,7 +189,12 @@ void BulletWorld::join_body(std::uint32_t id, std::uint32_t whole) {
     impl_->native_that("have bodies of several parts").join(part, of);
 }
 
-void BulletWorld::step() { impl_->world->step(impl_->time_step); }
+void BulletWorld::step(bool alone) {
+    if (impl_->native != nullptr) {
+        impl_->native->leave_alone(alone);
+    }
+    impl_->world->step(impl_->time_step);
+}
 
 BodyRead BulletWorld::read_one_body(std::uint32_t id) const {
     const btRigidBody &body = impl_->body(id);

@@ -37,7 +37,7 @@ class BulletWorld {
                    const std::array<double, 3> &about, double inertia, double speed);
     void set_force(std::uint32_t id, double force);
     void join_body(std::uint32_t id, std::uint32_t whole);
-    void step();
+    void step(bool alone);
     BodyRead read_one_body(std::uint32_t id) const;
     void read_bodies(rust::Vec<BodyRead> &out) const;
     void read_corners(rust::Vec<std::uint32_t> &counts, rust::Vec<double> &coordinates,

@@ -87,7 +87,6 @@ pub(super) fn definition(
         native_iterations: i32::try_from(s.native.iterations.max(1)).unwrap_or(i32::MAX),
         solver_tolerance: zero_or_more("native.solver_tolerance", s.native.solver_tolerance)?,
         threads: i32::try_from(s.native.threads.unwrap_or(1).clamp(1, 1024)).unwrap_or(1),
-        may_leave_threads: s.native.may_leave_threads,
         portable: s.native.portable,
         contacts_at_once: s.native.contacts_at_once,
     })

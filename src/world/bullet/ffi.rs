@@ -92,8 +92,6 @@ mod bridge {
         solver_tolerance: f64,
         /// That share the work of a step.
         threads: i32,
-        /// Whether steps may go without the threads where these make them no faster.
-        may_leave_threads: bool,
         /// Whether to use the instructions that every processor has.
         portable: bool,
         /// 8 in single precision, or 1 in double.
@@ -273,7 +271,8 @@ mod bridge {
         fn set_force(self: Pin<&mut BulletWorld>, id: u32, force: f64) -> Result<()>;
         /// Makes a body a further part of another, at the same pose: they move as one.
         fn join_body(self: Pin<&mut BulletWorld>, id: u32, whole: u32) -> Result<()>;
-        fn step(self: Pin<&mut BulletWorld>) -> Result<()>;
+        /// `alone`: one thread does it, whatever the number of the world's threads.
+        fn step(self: Pin<&mut BulletWorld>, alone: bool) -> Result<()>;
         fn read_one_body(self: &BulletWorld, id: u32) -> Result<BodyRead>;
         fn read_bodies(self: &BulletWorld, out: &mut Vec<BodyRead>);
         /// Corners of the hulls that contacts are found with, in m: how many
@@ -336,7 +335,6 @@ mod bridge {
         fn shared_sum(threads: i32, size: usize, rounds: usize, fails_at: usize) -> Result<u64>;
         fn chained_work(threads: i32, rounds: usize) -> Result<[u64; 2]>;
         fn shared_time(threads: i32, sizes: &[usize], leasts: &[usize]) -> Result<[f64; 4]>;
-        fn steps_alone(may_leave: bool, shared_s: &[f64], alone_s: &[f64]) -> Vec<bool>;
 
         /// Of the allocator, by the whole process; -1 where it does not say.
         fn bytes_handed_out() -> i64;

@@ -30,6 +30,7 @@ mod recall_tests;
 mod rest_tests;
 #[cfg(test)]
 mod rounded_tests;
+mod sharing;
 #[cfg(test)]
 mod shim_tests;
 #[cfg(test)]
@@ -48,10 +49,11 @@ mod warm_start_tests;
 
 pub use substep::SubstepRecord;
 
-use std::{collections::HashMap, sync::Arc};
+use std::{collections::HashMap, sync::Arc, time::Instant};
 
 use definition::definition;
 use nalgebra::{Quaternion, UnitQuaternion};
+use sharing::Sharing;
 
 use super::{
     BackendInfo, Body, BodyId, BodyState, Contact, EffectiveSettings, HeldShape, Motion,
@@ -70,6 +72,7 @@ pub struct BulletBackend {
     /// By body: whether it may be driven.
     kinematic: Vec<bool>,
     pressed: Vec<BodyId>,
+    sharing: Sharing,
 }
 
 // SAFETY: the raw pointers are keys that are never followed; the shapes they
@@ -115,6 +118,7 @@ impl BulletBackend {
             shapes: HashMap::new(),
             kinematic: Vec::new(),
             pressed: Vec::new(),
+            sharing: Sharing::new(settings.native.may_leave_threads),
         };
         backend.check_kept(&definition)?;
         Ok(backend)
@@ -319,7 +323,10 @@ impl World for BulletBackend {
     }
 
     fn step(&mut self) -> Result<(), WorldError> {
-        self.world.pin_mut().step().map_err(engine)
+        let began = Instant::now();
+        self.world.pin_mut().step(self.sharing.alone()).map_err(engine)?;
+        self.sharing.took(began.elapsed());
+        Ok(())
     }
 
     fn time_step(&self) -> f64 {

@@ -167,13 +167,6 @@ pub fn shared_time(
     ffi::shared_time(threads, sizes, leasts).map_err(engine)
 }
 
-/// Which of as many steps of a world a single thread does, where a shared one takes
-/// `shared_s` seconds and one of a single thread `alone_s`. `may_leave`:
-/// [`NativeSettings::may_leave_threads`](crate::scenario::NativeSettings::may_leave_threads).
-pub fn steps_alone(may_leave: bool, shared_s: &[f64], alone_s: &[f64]) -> Vec<bool> {
-    ffi::steps_alone(may_leave, shared_s, alone_s)
-}
-
 /// Bytes that the allocator has handed out to this process and not got back, to
 /// C++ and Rust alike; `None` where it does not say.
 pub fn bytes_handed_out() -> Option<i64> {

@@ -2,7 +2,7 @@
 //! exception comes back as an error with its words, and ends nothing.
 
 use super::definition::tolerances;
-use super::probe::{chained_work, shared_sum, shared_time, steps_alone};
+use super::probe::{chained_work, shared_sum, shared_time};
 use super::tests::{exclusive_turn, free_box, shared_turn, slab, state, steps, uniform};
 use super::*;
 use crate::scale::Scale;
@@ -105,7 +105,7 @@ fn malformed_hulls_come_back_as_errors() {
         let shape = world.pin_mut().add_shape(&tetrahedron());
         let shape = shape.expect("law: a sound one is taken after them");
         world.pin_mut().add_body(&body(shape, 0)).expect("law: and its bodies");
-        world.pin_mut().step().expect("law: and steps");
+        world.pin_mut().step(false).expect("law: and steps");
     }
     for (i, (words, shape)) in malformed().iter().enumerate() {
         for (a, b) in [(shape, &tetrahedron()), (&tetrahedron(), shape)] {
@@ -139,7 +139,7 @@ fn what_a_world_has_not_comes_back_as_an_error() {
             assert_thrown(driven, &words, "driving");
             assert_thrown(world.pair_value(id, id), &words, "asking for its coefficients");
         }
-        world.pin_mut().step().expect("law: the world goes on");
+        world.pin_mut().step(false).expect("law: the world goes on");
     }
     let shape = tetrahedron();
     let mut pair = ffi::new_hull_probe(100.0, &tolerances(&Scale::PAPER), false, &shape, &shape)
@@ -244,38 +244,6 @@ fn threads_that_run_ahead_wait_where_they_meet() {
     assert!(chained_work(0, 1).is_err(), "law: no thread, no work");
 }
 
-#[test]
-fn threads_are_left_where_they_do_not_help_and_were_not_typed() {
-    let (slow, fast) = (vec![2.0; 1000], vec![1.0; 1000]);
-    // Both are tried for 20 of the first 44 steps and of every 400; the faster one does the others.
-    let tried = |i: usize| (24..44).contains(&i) || (424..444).contains(&i) || i >= 824;
-    let share = |alone: &[bool], at: &dyn Fn(usize) -> bool| {
-        let picked: Vec<bool> = (0..1000).filter(|i| at(*i)).map(|i| alone[i]).collect();
-        picked.iter().filter(|alone| **alone).count() as f64 / picked.len() as f64
-    };
-    let later = |i: usize| (44..824).contains(&i) && !tried(i);
-    for (may_leave, shared, alone, expected) in [
-        (true, &slow, &fast, 1.0),
-        (true, &fast, &slow, 0.0),
-        (false, &slow, &fast, 0.0),
-        (false, &fast, &slow, 0.0),
-    ] {
-        let got = steps_alone(may_leave, shared, alone);
-        let trial = if may_leave { 0.5 } else { 0.0 };
-        let case = format!("may leave {may_leave}, shared {} s, alone {} s", shared[0], alone[0]);
-        let first = share(&got, &|i| i < 24);
-        assert_eq!(first, 0.0, "law: {case}: the first 24 steps are shared, got {first} alone");
-        let trials = share(&got, &|i| (24..44).contains(&i) || (424..444).contains(&i));
-        assert_eq!(trials, trial, "law: {case}: share alone in trials {trial}, got {trials}");
-        let rest = share(&got, &later);
-        assert_eq!(rest, expected, "law: {case}: share alone otherwise {expected}, got {rest}");
-    }
-    // What changes is found out: threads help from the 500th step on.
-    let shared: Vec<f64> = (0..1300).map(|i| if i < 500 { 2.0 } else { 0.5 }).collect();
-    let got = steps_alone(true, &shared, &vec![1.0; 1300]);
-    assert!(got[600] && !got[900], "law: the next trial finds that threads help by now");
-}
-
 /// Law: what threads can share of a job would take 1/n of its time on n threads, but no less than
 /// the least that a thread takes; shares follow each other.
 #[test]
@@ -309,7 +277,7 @@ fn what_more_threads_would_save_is_told() {
 
 /// Functions of the bridge that return no `Result`, and why they need none:
 /// they read, write into Rust's lists and compute, and allocate at most.
-const CANNOT_FAIL: [&str; 16] = [
+const CANNOT_FAIL: [&str; 15] = [
     "read_bodies",
     "read_corners",
     "read_drives",
@@ -325,7 +293,6 @@ const CANNOT_FAIL: [&str; 16] = [
     "widest_gap",
     "bytes_handed_out",
     "crowd_speeds",
-    "steps_alone",
 ];
 
 #[test]

@@ -76,7 +76,6 @@ pub fn definition((own_collision, threads, portable, contacts_at_once): Kind) ->
         native_iterations: 5,
         solver_tolerance: 0.002,
         threads,
-        may_leave_threads: false,
         portable,
         contacts_at_once,
     }
@@ -181,7 +180,7 @@ pub fn one(kind: Kind, grains: u32, steps: u32) -> u32 {
             let x = 0.01 * (18.8 * time).sin();
             world.pin_mut().drive_body(floor, &at([x, 0.0, -0.01])).expect("driven");
         }
-        world.pin_mut().step().expect("a step");
+        world.pin_mut().step(false).expect("a step");
         world.read_contacts(&mut contacts);
         touched += contacts.len();
         if step % 16 == 0 {
@@ -219,7 +218,7 @@ pub fn one(kind: Kind, grains: u32, steps: u32) -> u32 {
     assert!(second.pin_mut().recall_drive(table + 1, &ends).is_err(), "law: driven ones alone");
     let mut drives = vec![];
     for _ in 0..5 {
-        second.pin_mut().step().expect("a step");
+        second.pin_mut().step(false).expect("a step");
         second.read_drives(&mut drives);
         assert_eq!(drives.len(), usize::from(kind.0), "the table");
     }
@@ -244,7 +243,7 @@ pub fn crowd(kind: Kind, steps: u32) -> u32 {
     for step in 0..steps {
         let up = 1e-3 * f64::from(step);
         world.pin_mut().drive_body(floor, &at([0.0, 0.0, up - 0.01])).expect("driven");
-        world.pin_mut().step().expect("a step");
+        world.pin_mut().step(false).expect("a step");
         if step == steps / 2 {
             world.pin_mut().remove_body(ids[7]).expect("removed");
         }
