@@ -24,19 +24,13 @@ constexpr double CHOICE_SLACK = 1.1;
 // Square of the sine between two edges below which they have no common normal.
 constexpr double PARALLEL = 1e-8;
 
-std::uint32_t name(std::uint32_t kind, std::uint32_t first, std::uint32_t second) {
-    // Room for 2^14 edges each; beyond, names repeat and points are reported
-    // apart by their distance alone.
-    return kind << 28 | (first & 0x3fffU) << 14 | (second & 0x3fffU);
-}
-
 // What two lines are called that cross: edge or side `line`, and side `side`.
 std::uint32_t crossing(std::uint32_t line, std::uint32_t side) {
     if ((line & SIDE) == 0) {
-        return name(1, line, side);
+        return packed(1, line, side);
     }
     const std::uint32_t other = line & ~SIDE;
-    return name(2, std::min(other, side), std::max(other, side));
+    return packed(2, std::min(other, side), std::max(other, side));
 }
 
 } // namespace
@@ -107,7 +101,7 @@ void clip_face(const HullData &reference, int reference_face, const HullData &in
          ++k) {
         Corner corner;
         corner.x = pose.apply(incident.vertex(incident.loop_vertex[k]));
-        corner.id = name(0, 0, incident.loop_vertex[k]);
+        corner.id = packed(0, 0, incident.loop_vertex[k]);
         corner.edge = incident.loop_edge[k];
         polygon.push_back(corner);
     }

@@ -19,12 +19,6 @@ std::uint32_t exchanged(std::uint32_t bits) {
 
 } // namespace
 
-std::uint32_t packed(Feature feature, std::int32_t first, std::int32_t second) {
-    return static_cast<std::uint32_t>(feature) << 2 * INDEX_BITS |
-           (static_cast<std::uint32_t>(first) & INDEX) << INDEX_BITS |
-           (static_cast<std::uint32_t>(second) & INDEX);
-}
-
 // The numbers of a face contact are of the reference face and the incident one,
 // whichever body has them; those of edges are of A and B.
 std::uint32_t swapped_feature(std::uint32_t feature) {

@@ -10,11 +10,23 @@ namespace pluvia {
 // What touches.
 enum class Feature : std::uint8_t { None, FaceOfA, FaceOfB, Edges };
 
+// A kind and the numbers of two faces, edges or corners in one number, with room for 2^14 of each:
+// beyond, numbers repeat.
+constexpr std::uint32_t packed(std::uint32_t kind, std::uint32_t first, std::uint32_t second) {
+    return kind << 28 | (first & 0x3fffU) << 14 | (second & 0x3fffU);
+}
+
+// What touched in a step; 0 for nothing.
+constexpr std::uint32_t packed(Feature feature, std::int32_t first, std::int32_t second) {
+    return packed(static_cast<std::uint32_t>(feature), static_cast<std::uint32_t>(first),
+                  static_cast<std::uint32_t>(second));
+}
+
 // The highest bits of a point's id say which kind of feature it came from: a
-// face of A (clip_face in hull_clip.h has the rest), the same of B, or edges of
+// face of A (ClipPoint in hull_clip.h has the rest), the same of B, or edges of
 // A and B, whose numbers follow.
 constexpr std::uint32_t FROM_FACE_OF_B = 1U << 30;
-constexpr std::uint32_t FROM_EDGES = 3U << 28;
+constexpr std::uint32_t FROM_EDGES = packed(3, 0, 0);
 
 // Points that a contact may have: four hold bodies at rest, and more are there where
 // bodies meet fast.
@@ -26,9 +38,6 @@ struct PairPoint {
     double gap;
     std::uint32_t id;
 };
-
-// What touched in a step, in one number; 0 for nothing.
-std::uint32_t packed(Feature feature, std::int32_t first, std::int32_t second);
 
 // A packed feature, and the id of a point, as the same contact has them when A
 // and B change places.
