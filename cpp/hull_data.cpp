@@ -51,11 +51,10 @@ HullData::HullData(const Polyhedron &polyhedron, double rounding_radius)
     for (std::size_t f = 0; f < face_count; ++f) {
         for (std::uint32_t k = face_starts[f]; k < face_starts[f + 1]; ++k) {
             const std::uint32_t next = k + 1 < face_starts[f + 1] ? k + 1 : face_starts[f];
-            const bool fresh = halves
-                                   .insert({{face_vertices[k], face_vertices[next]},
-                                            {static_cast<std::uint16_t>(f), k}})
-                                   .second;
-            if (!fresh || face_vertices[k] >= vertex_count) {
+            const std::uint32_t from = face_vertices[k], to = face_vertices[next];
+            const bool fresh =
+                halves.insert({{from, to}, {static_cast<std::uint16_t>(f), k}}).second;
+            if (!fresh || from == to || from >= vertex_count) {
                 throw std::runtime_error("the faces of a hull do not form a closed surface");
             }
         }
@@ -98,6 +97,9 @@ HullData::HullData(const Polyhedron &polyhedron, double rounding_radius)
     }
     std::uint16_t filled = 0;
     for (std::size_t v = 0; v < vertex_count; ++v) {
+        if (around[v].empty()) {
+            throw std::runtime_error("a vertex of a hull is in no face");
+        }
         around_start[v] = filled;
         for (const std::uint16_t f : around[v]) {
             around_face[filled++] = f;

@@ -86,6 +86,11 @@ fn malformed() -> Vec<(&'static str, ffi::ShapeDefinition)> {
         spoilt("an unknown vertex", closed, |s| s.face_vertices[0] = 4),
         spoilt("a far vertex", closed, |s| s.face_vertices[0] = u32::MAX),
         spoilt("a face turned over", closed, |s| s.face_vertices.swap(0, 1)),
+        spoilt("a corner twice", closed, |s| {
+            s.face_vertices.insert(0, 0);
+            s.face_starts[1..].iter_mut().for_each(|start| *start += 1);
+        }),
+        spoilt("a vertex in no face", "in no face", |s| s.coordinates.extend([0.001; 3])),
         spoilt("a hole", closed, |s| {
             s.face_starts.pop();
             s.face_vertices.truncate(9);
