@@ -9,6 +9,7 @@
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
+#include <algorithm>
 #include <unordered_map>
 #include <vector>
 
@@ -62,6 +63,11 @@ class ContactSolver {
     void join(int number, int whole) {
         wholes_[number] = whole;
         bodies_changed();
+    }
+    // Whether others are parts of a body.
+    bool has_parts(int number) const {
+        return std::any_of(wholes_.begin(), wholes_.end(),
+                           [number](const auto &part) { return part.second == number; });
     }
     // The number of the body that a body is a part of: its own, if it is none.
     int whole_of(int number) const {

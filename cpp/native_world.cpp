@@ -65,6 +65,9 @@ void NativeWorld::add(btRigidBody &body, BodyKind kind) {
 }
 
 void NativeWorld::remove(btRigidBody &body) {
+    if (solver_.has_parts(body.getUserIndex())) {
+        throw std::runtime_error("a body leaves after those that are parts of it");
+    }
     EngineWorld::remove(body);
     solver_.forget(body.getUserIndex());
     collision_.forget(body);
@@ -84,8 +87,10 @@ void NativeWorld::drive(btRigidBody &body, const btTransform &end) {
 void NativeWorld::join(btRigidBody &part, btRigidBody &whole) {
     const int number = whole.getUserIndex();
     if (&part == &whole || solver_.whole_of(number) != number ||
+        solver_.has_parts(part.getUserIndex()) ||
         part.isStaticOrKinematicObject() != whole.isStaticOrKinematicObject()) {
-        throw std::runtime_error("a body is a part of another that moves alike and is none");
+        throw std::runtime_error(
+            "a body without parts is a part of another that moves alike and is none");
     }
     solver_.join(part.getUserIndex(), number);
     getPairCache()->setOverlapFilterCallback(&part_filter_);

@@ -55,7 +55,7 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     void read_settings(ReadBack &out) const override;
     PhaseTimes phases() const override;
 
-    // Makes a body a further part of another, which has the same pose and is none itself.
+    // Makes a body without parts a further part of another, which has the same pose and is none.
     void join(btRigidBody &part, btRigidBody &whole);
     void remember_contacts(rust::Vec<ContactRead> &out) const;
     void recall_contacts(rust::Slice<const ContactRead> contacts);

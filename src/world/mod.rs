@@ -219,6 +219,9 @@ pub trait World {
     fn add(&mut self, body: &Body) -> Result<BodyId, WorldError>;
 
     /// Removes a body with its contacts.
+    ///
+    /// # Errors
+    /// [`WorldError::NoSuchBody`]; [`WorldError::BadBody`] while others are parts of it.
     fn remove(&mut self, id: BodyId) -> Result<(), WorldError>;
 
     /// Says where a kinematic body is at the end of the next step. It stays

@@ -286,7 +286,8 @@ impl World for BulletBackend {
     }
 
     fn remove(&mut self, id: BodyId) -> Result<(), WorldError> {
-        self.world.pin_mut().remove_body(id.0).map_err(|_| WorldError::NoSuchBody(id))
+        self.read_body(id)?;
+        self.world.pin_mut().remove_body(id.0).map_err(refused)
     }
 
     fn drive(&mut self, id: BodyId, pose: &Pose) -> Result<(), WorldError> {

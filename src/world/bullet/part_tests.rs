@@ -237,4 +237,10 @@ fn what_cannot_be_one_body_is_refused() {
     let c = world.add(&part(size, Vector::zeros(), 1.0, motion)).expect("added");
     assert!(refused(world.join(c, b)), "law: a part has no parts");
     assert!(matches!(world.join(c, BodyId(99)), Err(WorldError::NoSuchBody(_))));
+    assert!(refused(world.join(a, c)), "law: what has parts is none");
+    assert!(refused(world.remove(a)), "law: parts leave first");
+    for id in [b, a] {
+        world.remove(id).expect("removed");
+    }
+    world.step().expect("law: the others go on");
 }
