@@ -29,7 +29,7 @@ template <class L> struct alignas(64) Pack {
     int pair[Lane<L>::WIDTH];      // its number among those that touch; -1 where there is none
     int first, points;             // of its points among all, and how many
     unsigned still_a, still_b;     // a bit for each lane whose body does not move
-    unsigned pressed_a, pressed_b; // the same for bodies that move along one direction alone
+    unsigned pressed_a, pressed_b; // the same for bodies that are pressed
     Three<L> normal, tangent_1, tangent_2;
     L friction, restitution;
 };

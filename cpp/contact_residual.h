@@ -20,8 +20,8 @@ struct SubstepRecord {
     // Of each: inverse mass; velocity and spin with all but the contacts'
     // impulses; velocity and spin found.
     static constexpr int BODY = 13;
-    // Of each: bodies a and b; of normal and two tangents the direction and the
-    // moment that a unit impulse has on a and on b; friction, bias velocity, softness;
+    // Of each: bodies a and b; of normal and two tangents the direction and the angular Jacobians
+    // of a and b; friction, bias velocity, softness;
     // approach velocity, restitution; the impulses found.
     static constexpr int CONTACT = 2 + 3 * 9 + 3 + 2 + 3;
     std::vector<double> bodies, contacts;

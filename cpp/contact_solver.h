@@ -19,7 +19,7 @@ struct DriveRead;
 
 // Solves all contacts of a step at once: projected Gauss–Seidel in sub-steps that
 // begins with the last step's impulses less its impacts, friction within its cone,
-// normals as implicit springs, restitution as typed.
+// normals as implicit springs, restitution as set.
 class ContactSolver {
   public:
     // `touching`: the contacts of the step at hand, in the place of Bullet's
@@ -120,7 +120,7 @@ class ContactSolver {
     Homes homes_;
     std::vector<std::uint16_t> body_homes_; // by the body's number
     Iterations iterations_;
-    bool sorted_ = false; // moving_ and kinematic_ are the world's bodies
+    bool sorted_ = false; // the lists of bodies are those of the world
     // By the body's number in its world: a new body may get the address of one that left.
     std::unordered_map<int, Drive> drives_, drives_now_;
     std::unordered_map<int, Press> presses_; // by the same number

@@ -1,6 +1,6 @@
 // The kernels of hull_axis.h. Included once for each kind of processor by
 // hull_axis.cpp, in a namespace of its own that defines the vector types of
-// WIDTH lanes, `smallest` and `any`; there is no guard.
+// WIDTH lanes, `smaller`, `smallest` and `any`; there is no guard.
 //
 // Without fused operations, with minima and maxima that do not depend on their
 // order, and with candidates examined one after the other, every width gives
@@ -81,7 +81,7 @@ static inline void widest(const float *gaps, int count, float &gap, int &index) 
     }
     gap = largest(best);
     index = 0;
-    while (gaps[index] != gap && index + 1 < count) { // ends at once on a NaN's last entry
+    while (gaps[index] != gap && index + 1 < count) { // NaN equals none: the last one, then
         ++index;
     }
 }

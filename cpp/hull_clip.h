@@ -39,9 +39,8 @@ struct Rigid {
 struct ClipPoint {
     Vec x;      // on the incident face, in the frame of the reference hull
     double gap; // above the reference face
-    // What meets here: a corner of the incident face (0), one of its edges and
-    // one of the reference face's (1), a corner of the reference face (2); in
-    // the two highest bits, before the indices. Never negative as an int.
+    // What meets here, `packed`: a corner of the incident face (kind 0), one of its edges and a
+    // side of the reference face (1), or two such sides at their corner (2).
     std::uint32_t id;
 
     bool is_near(const Vec &place, double within) const {

@@ -3,7 +3,7 @@
 // A lane type is a plain number (one lane) or a vector of GCC's vector
 // extension, for which the compiler takes whatever vector instructions the
 // target has: AVX2 where the function is compiled for it, pairs of SSE
-// instructions else. Only addition, multiplication, division, square root and
+// instructions else. Only addition, subtraction, multiplication, division, square root and
 // comparison are used, each rounded for itself (-ffp-contract=off), so that
 // the bits do not depend on the instructions.
 #pragma once

@@ -23,11 +23,11 @@ use pairs::{Case, Cases};
 const ROUNDING: f64 = 1e-6;
 
 /// A face is preferred to edges that are better by less than this, in m
-/// (`FACE_PREFERENCE` in cpp/hull_algorithm.cpp).
+/// (`FACE_PREFERENCE` in src/scale.rs).
 const FACE_PREFERENCE: f64 = 5e-6;
 
 /// Last step's feature is kept while no other is better by this, in m
-/// (`HYSTERESIS` in cpp/hull_algorithm.cpp).
+/// (`HYSTERESIS` in src/scale.rs).
 const HYSTERESIS: f64 = 20e-6;
 
 /// Gap up to which points are kept, in m.
