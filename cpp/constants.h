@@ -1,5 +1,4 @@
-// What bindgen reads of Bullet: its version, enums and constants, so that
-// none is retyped in Rust.
+// What bindgen reads of Bullet: its version, enums and constants, so that none is retyped in Rust.
 #pragma once
 
 #include <btBulletDynamicsCommon.h>

@@ -46,10 +46,9 @@ btMatrix3x3 turned(const btMatrix3x3 &basis, const btVector3 &spin, btScalar tim
 
 bool even(const btVector3 &m) { return m.x() == m.y() && m.y() == m.z(); }
 
-// How a velocity changes in a step, from its mean's change `a` since the step
-// before and the change `b` before that: carried on to the middle of the step,
-// where both have one sign and about one size, so that its end is where the
-// next step begins; none where it jumps.
+// How a velocity changes in a step, from its mean's change `a` since the step before and the change
+// `b` before that: carried on to the middle of the step, where both have one sign and about one
+// size, so that its end is where the next step begins; none where it jumps.
 double steady(double a, double b) {
     if (a * b <= 0) {
         return 0;
@@ -118,10 +117,9 @@ SolverBody kinematic_body(const btRigidBody &body, double step, Drive &drive) {
     return out;
 }
 
-// Bullet moves a body by its velocity and turns it by its spin, for a step:
-// they are given as what makes its displacement. A free body's spin
-// changes while it turns; the spin it has half a step on, from the angular
-// momentum it had on average, turns it right to the second order (midpoint
+// Bullet moves a body by its velocity and turns it by its spin, for a step: they are given as what
+// makes its displacement. A free body's spin changes while it turns; the spin it has half a step
+// on, from the angular momentum it had on average, turns it right to the second order (midpoint
 // rule).
 void move_body(btRigidBody &body, const SolverBody &solved, double step, bool gyroscopic) {
     const double rate = 1 / step;

@@ -36,9 +36,8 @@ void prefetch_body(const btRigidBody &body);
 // A body that moves freely, by its weight and by Bullet's forces on it.
 SolverBody free_body(const btRigidBody &body);
 
-// Moves a body by what was solved in a step of length `step`, by Bullet's
-// integration, and takes the forces of the step from it. `gyroscopic`: uneven
-// bodies turn by Euler's equations.
+// Moves a body by what was solved in a step of length `step`, by Bullet's integration, and takes
+// the forces of the step from it. `gyroscopic`: uneven bodies turn by Euler's equations.
 void move_body(btRigidBody &body, const SolverBody &solved, double step, bool gyroscopic);
 
 // Velocities in engine units.
@@ -50,8 +49,7 @@ struct KinematicVelocity {
 KinematicVelocity kinematic_velocity(const btTransform &start, const btTransform &end,
                                      btScalar step);
 
-// A kinematic body's velocities: of the last step, and their change from the one
-// before.
+// A kinematic body's velocities: of the last step, and their change from the one before.
 struct Drive {
     Vec velocity{0, 0, 0}, spin{0, 0, 0};
     Vec change{0, 0, 0}, spin_change{0, 0, 0};

@@ -175,8 +175,7 @@ template <class L> class Few {
         }
     }
 
-    // Calls `what(lane, from pack, from lane)` for the pairs of a pack of the
-    // few.
+    // Calls `what(lane, from pack, from lane)` for the pairs of a pack of the few.
     template <class F> void lanes(std::size_t i, const F &what) const {
         const auto begin = static_cast<std::size_t>(plans_[i].begin);
         const std::size_t end =

@@ -1,10 +1,9 @@
 // Impacts: what the solver does with contacts that meet with a speed.
 //
-// A sub-step is solved as if nothing rebounded, which gives the bodies their
-// places at its end. Where contacts were closed by it that had been approached
-// faster than the threshold, two phases follow that change velocities alone
-// (Poisson's hypothesis with Newton's as its limit; Glocker & Pfeiffer 1995,
-// "Multiple impacts with friction in rigid multibody systems"):
+// A sub-step is solved as if nothing rebounded, which gives the bodies their places at its end.
+// Where contacts were closed by it that had been approached faster than the threshold, two phases
+// follow that change velocities alone (Poisson's hypothesis with Newton's as its limit; Glocker &
+// Pfeiffer 1995, "Multiple impacts with friction in rigid multibody systems"):
 //
 // - compression: impacts are brought to a normal speed of zero, all other
 //   contacts go on as before;
@@ -12,13 +11,12 @@
 //   approach velocity, but its impulse in this phase is at most e times that of
 //   the compression; contacts beside it give way no further.
 //
-// The approach velocity is that of the beginning of the same sub-step, so that
-// no contact rebounds from a speed that something else has taken from it. Each
-// phase has friction of its own. Compression ends with Coulomb's law for the
-// velocities at its end, which takes energy; restitution gives a contact at most
-// ½ (e Λ)(e v), e² of the ½ Λ v that its compression took along the normal. With
-// Newton's hypothesis alone, an impact whose slip reverses can gain energy
-// (Kane & Levinson 1985).
+// The approach velocity is that of the beginning of the same sub-step, so that no contact rebounds
+// from a speed that something else has taken from it. Each phase has friction of its own.
+// Compression ends with Coulomb's law for the velocities at its end, which takes energy;
+// restitution gives a contact at most ½ (e Λ)(e v), e² of the ½ Λ v that its compression took along
+// the normal. With Newton's hypothesis alone, an impact whose slip reverses can gain energy (Kane &
+// Levinson 1985).
 #pragma once
 
 #include "contact_solve.h"

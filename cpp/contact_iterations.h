@@ -1,5 +1,4 @@
-// Projected Gauss–Seidel over contacts in sub-steps: the arithmetic of the
-// solver.
+// Projected Gauss–Seidel over contacts in sub-steps: the arithmetic of the solver.
 #pragma once
 
 #include "contact_load.h"
@@ -16,16 +15,14 @@ enum class Kernels {
     Avx2,     // single precision, eight at a time, with AVX2
 };
 
-// Carries bodies and contacts through a step of `law.substeps` sub-steps. In
-// each the gaps and arms are what they have become, the external forces act,
-// the contacts begin with the impulses of the sub-step before (the first with
-// its share of those of the last step), and iterations correct them until they
-// are solved. Normals are those of the beginning.
+// Carries bodies and contacts through a step of `law.substeps` sub-steps. In each the gaps and arms
+// are what they have become, the external forces act, the contacts begin with the impulses of the
+// sub-step before (the first with its share of those of the last step), and iterations correct them
+// until they are solved. Normals are those of the beginning.
 //
-// Smaller steps of the solver do more for the same work than more iterations
-// (Macklin et al. 2019, "Small steps in physics simulation"). Pairs end with
-// the impulses of the whole step, bodies with their velocities at its end and
-// their displacement.
+// Smaller steps of the solver do more for the same work than more iterations (Macklin et al. 2019,
+// "Small steps in physics simulation"). Pairs end with the impulses of the whole step, bodies with
+// their velocities at its end and their displacement.
 class Iterations {
   public:
     Iterations();

@@ -117,11 +117,10 @@ PLUVIA_INLINE void set_pressed(const Pack<L> &pack, unsigned lanes, const Symmet
 // those of the step's beginning a body that turns fast, and whose arms have
 // grown, is pushed by more than it needs, the more so in every iteration.
 //
-// One mass for all directions of the contact plane, that of the direction that
-// resists sliding least: friction of a sliding contact then points against its
-// speed. With the inverse of the 2 x 2 matrix it would point elsewhere at every
-// corner of a body, and the parts that cancel out would use up the cone (a
-// block that slides along its edges was found to lose 8 % of its friction).
+// One mass for all directions of the contact plane, that of the direction that resists sliding
+// least: friction of a sliding contact then points against its speed. With the inverse of the 2 x 2
+// matrix it would point elsewhere at every corner of a body, and the parts that cancel out would
+// use up the cone (a block that slides along its edges was found to lose 8 % of its friction).
 //
 // Returns the mass along the normal.
 template <class L>
@@ -197,10 +196,9 @@ template <class L> struct Displacement {
 
 // The bias velocity along the normal in this sub-step, and the softness of the contact.
 //
-// A contact that is not closed yet is met exactly at the end of the sub-step,
-// a closed one is an implicit spring and damper (Catto 2011, "Soft
-// constraints"). Whether it rebounds is decided when this is solved
-// (see contact_impacts.h). Velocities are those before gravity.
+// A contact that is not closed yet is met exactly at the end of the sub-step, a closed one is an
+// implicit spring and damper (Catto 2011, "Soft constraints"). Whether it rebounds is decided when
+// this is solved (see contact_impacts.h). Velocities are those before gravity.
 //
 // The spring: stiffness k, damping c = 2 ζ √(k m), in a sub-step h softness
 // γ = 1/(h (c + h k)), share of the overlap to remove β = h k/(c + h k).

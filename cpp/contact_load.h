@@ -32,8 +32,7 @@ struct Contacts {
 // pair.
 constexpr double NEVER = 1e4;
 
-// Two tangents of a unit normal (Duff et al. 2017, "Building an orthonormal
-// basis, revisited").
+// Two tangents of a unit normal (Duff et al. 2017, "Building an orthonormal basis, revisited").
 inline void tangents(const Vec &n, Vec &t1, Vec &t2) {
     const double sign = std::copysign(1.0, n.z);
     const double a = -1.0 / (sign + n.z);

@@ -32,12 +32,11 @@ struct PairState {
 
 // Makes a contact found now the one of the pair.
 //
-// A new point takes over the load of the old one with the same id, or else of
-// the nearest one left over that is closer than `match` (a length, in the frame
-// of either body). The normal impulse goes on along the new normal as it is,
-// friction as what lies in the new plane; where the normal has turned by more
-// than eight degrees, the whole impulse is split anew, and a part that would
-// pull is dropped.
+// A new point takes over the load of the old one with the same id, or else of the nearest one left
+// over that is closer than `match` (a length, in the frame of either body). The normal impulse goes
+// on along the new normal as it is, friction as what lies in the new plane; where the normal has
+// turned by more than eight degrees, the whole impulse is split anew, and a part that would pull is
+// dropped.
 void take_contact(const PairContact &contact, double match, PairState &state);
 
 // Adds the points of a pair as they were when the step began.

@@ -11,10 +11,9 @@ namespace pluvia {
 // the pairs count by that part, choosing the part as one.
 constexpr int MOST_ITERATIONS = 256;
 
-// Among few pairs there are more iterations than asked for, until this number
-// of packs has been solved or there were so many: they cost nothing, without
-// them a single block is half a percent of its path off after it has slid, and
-// one that meets two supports needs hundreds for the impact.
+// Among few pairs there are more iterations than asked for, until this number of packs has been
+// solved or there were so many: they cost nothing, without them a single block is half a percent of
+// its path off after it has slid, and one that meets two supports needs hundreds for the impact.
 constexpr int SMALL_WORK = 512;
 constexpr int SMALL_ITERATIONS = 32;
 constexpr int SMALL_IMPACT_ITERATIONS = 256;
@@ -35,10 +34,9 @@ constexpr int MOST_FOR_SPEED = 4;
 // changes too much: where few remain, the others are well below what is asked for.
 constexpr double LOCAL_SHARE = 0.25;
 
-// Iterations begin anew when one changes more than the last by this factor; and
-// the farthest that they go on, as a share. Found on sub-steps of shaken
-// specimens of 364 and 1456 grains: farther, single grains are not solved, for
-// friction is no gradient of anything.
+// Iterations begin anew when one changes more than the last by this factor; and the farthest that
+// they go on, as a share. Found on sub-steps of shaken specimens of 364 and 1456 grains: farther,
+// single grains are not solved, for friction is no gradient of anything.
 constexpr double WORSE = 1.25;
 constexpr double FARTHEST = 0.85;
 
@@ -182,10 +180,9 @@ template <class L> class Run {
     // lid of 200 kPa crept. Bodies count, not impulses: where several points hold a body, impulses
     // may wander among them while nothing moves.
     //
-    // A contact that bears nothing and is not approached too fast is left as it
-    // is. So those that are asleep are looked at in the first iteration, every so
-    // many, and when all others are solved; they take part in all iterations from
-    // when one of their pack bears something.
+    // A contact that bears nothing and is not approached too fast is left as it is. So those that
+    // are asleep are looked at in the first iteration, every so many, and when all others are
+    // solved; they take part in all iterations from when one of their pack bears something.
     template <Solved WHAT> void iterate(N limit) {
         constexpr bool IMPACTS = WHAT == Solved::Impacts;
         const Phase forward = IMPACTS ? Phase::SolveImpactsForward : Phase::SolveForcesForward;

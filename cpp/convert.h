@@ -1,8 +1,7 @@
 // Between Pluvia's SI units in double precision and the engine's own units.
 //
-// Lengths are multiplied by a scale; mass and time are not touched. So
-// velocities and gravity scale like lengths, moments of inertia like lengths
-// squared, impulses like lengths.
+// Lengths are multiplied by a scale; mass and time are not touched. So velocities and gravity scale
+// like lengths, moments of inertia like lengths squared, impulses like lengths.
 #pragma once
 
 #include "three.h"

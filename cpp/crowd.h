@@ -1,10 +1,9 @@
 // The velocity-based AABB margin of bodies within a step.
 //
-// Two bodies may come closer by the difference of their speeds, and the boxes
-// of a pair must overlap before they meet. A margin by the body's own
-// speed does for all others, but where thousands fall side by side it makes
-// pairs of all that are within two steps' displacement of each other, though none comes
-// any nearer. Here the margin is by the speed against the bodies around.
+// Two bodies may come closer by the difference of their speeds, and the boxes of a pair must
+// overlap before they meet. A margin by the body's own speed does for all others, but where
+// thousands fall side by side it makes pairs of all that are within two steps' displacement of each
+// other, though none comes any nearer. Here the margin is by the speed against the bodies around.
 //
 // Law, for any two bodies i and j that come within the speculative margin of
 // each other within the step:
@@ -39,9 +38,8 @@ struct CrowdBody {
 
 class Crowd {
   public:
-    // Finds the speeds of all of them, `frame` being the velocity of the place
-    // from which distances are counted. False, and nothing is found, where some
-    // number is not finite or no body is free.
+    // Finds the speeds of all of them, `frame` being the velocity of the place from which distances
+    // are counted. False, and nothing is found, where some number is not finite or no body is free.
     bool gather(const std::vector<CrowdBody> &bodies, const Vec &frame, double step, double margin);
     // Of body number `i` of those gathered; its turning comes besides.
     double speed(std::size_t i) const { return speeds_[i]; }

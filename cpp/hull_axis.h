@@ -1,17 +1,15 @@
 // Separating axes of two hulls: how far they are apart, or how deep in each
 // other, along the axes that can matter.
 //
-// For a unit vector n out of A the gap is the lowest point of B minus the
-// highest point of A along n. The smallest translation that parts two
-// overlapping hulls is the widest (least negative) gap over all n, and it is
-// met at a face normal of A, a reversed face normal of B, or the normal of an
-// edge of A and an edge of B whose arcs on the Gauss sphere cross (van den
-// Bergen, "Collision Detection in Interactive 3D Environments", 2004;
-// Gregorius, "The Separating Axis Test between Convex Polyhedra", GDC 2013).
+// For a unit vector n out of A the gap is the lowest point of B minus the highest point of A along
+// n. The smallest translation that parts two overlapping hulls is the widest (least negative) gap
+// over all n, and it is met at a face normal of A, a reversed face normal of B, or the normal of an
+// edge of A and an edge of B whose arcs on the Gauss sphere cross (van den Bergen, "Collision
+// Detection in Interactive 3D Environments", 2004; Gregorius, "The Separating Axis Test between
+// Convex Polyhedra", GDC 2013).
 //
-// Everything here is in the frame of A, in single precision; a gap is always
-// taken from true supports, so that no axis, however badly conditioned, can
-// claim more room than there is.
+// Everything here is in the frame of A, in single precision; a gap is always taken from true
+// supports, so that no axis, however badly conditioned, can claim more room than there is.
 #pragma once
 
 #include "hull_data.h"
@@ -82,13 +80,11 @@ struct AxisKernels {
     // The pair of edges with the widest gap above `best`, after `faces`. Ends
     // early with one wider than `enough`.
     //
-    // With `depth` zero or more, only edges that can touch when the hulls are
-    // moved by at most `depth` along their axis: exact for gaps from -depth to
-    // depth. Seen from a face of A with gap g, all of B lies above g and all
-    // of A below 0. Let x on the edge of A and y = x + s n on the edge of B be
-    // the points that face each other, |s| <= depth. Then x is not lower than
-    // g - depth, y not higher than depth. Likewise seen from a face of B.
-    // Below zero: all edges.
+    // With `depth` zero or more, only edges that can touch when the hulls are moved by at most
+    // `depth` along their axis: exact for gaps from -depth to depth. Seen from a face of A with gap
+    // g, all of B lies above g and all of A below 0. Let x on the edge of A and y = x + s n on the
+    // edge of B be the points that face each other, |s| <= depth. Then x is not lower than
+    // g - depth, y not higher than depth. Likewise seen from a face of B. Below zero: all edges.
     void (*edges)(const HullData &a, const HullData &b, const Relative &pose, const FaceGaps &faces,
                   float best, float enough, float depth, AxisScratch &scratch, EdgeGap &out);
     // The box of a hull turned by `r`, row by row, around its origin.

@@ -2,9 +2,8 @@
 // hull_axis.cpp, in a namespace of its own that defines the vector types of
 // WIDTH lanes, `smaller`, `smallest` and `any`; there is no guard.
 //
-// Without fused operations, with minima and maxima that do not depend on their
-// order, and with candidates examined one after the other, every width gives
-// the same bits.
+// Without fused operations, with minima and maxima that do not depend on their order, and with
+// candidates examined one after the other, every width gives the same bits.
 
 static inline Vector &at(float *p) { return *reinterpret_cast<Vector *>(p); }
 static inline const Vector &at(const float *p) { return *reinterpret_cast<const Vector *>(p); }

@@ -28,9 +28,8 @@ struct Landing {
 };
 
 // Adds corners over the reference face to the first `count` of `points`, until there are
-// MOST_POINTS: those that are less than `margin` above it now or at the end of the
-// step and not within `slack` of a point that is there, the lowest first. Returns how
-// many points there are now.
+// MOST_POINTS: those that are less than `margin` above it now or at the end of the step and not
+// within `slack` of a point that is there, the lowest first. Returns how many points there are now.
 int add_landing(const Landing &landing, double margin, double slack, std::vector<ClipPoint> &points,
                 int count);
 

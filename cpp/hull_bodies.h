@@ -33,9 +33,8 @@ struct HullBody {
 // so that it is stopped at the surface and not beyond.
 double approach_in_step(const HullBody &a, const HullBody &b, double step);
 
-// Where a body can be within the step, in the frame of HullBodies, with half
-// the speculative margin around it. All that is read of the bodies of most pairs,
-// in one line of the cache.
+// Where a body can be within the step, in the frame of HullBodies, with half the speculative margin
+// around it. All that is read of the bodies of most pairs, in one line of the cache.
 struct alignas(64) HullRange {
     double travelled = 0; // by any of its points since it was first seen, in the frame
     float low[3], high[3];
@@ -64,8 +63,7 @@ class HullBodies {
   public:
     // To be called with the proxy of every body that comes.
     void expect(const btBroadphaseProxy &proxy) { most_ = std::max(most_, index(proxy) + 1); }
-    // Begins a step with these objects; `margin` is the gap up to which contacts
-    // are kept.
+    // Begins a step with these objects; `margin` is the gap up to which contacts are kept.
     void begin(const Frame &frame, const btCollisionObjectArray &objects, double step,
                double margin);
     // Reads all of those, by all threads: each writes only what belongs to its bodies. In `left`
@@ -102,9 +100,8 @@ class HullBodies {
     // Reads object number `i`; `fastest` is raised to its speed in the frame.
     const HullRange &take(const btCollisionObjectArray &objects, int i, const AxisKernels &kernels,
                           double &fastest);
-    // Asks the memory for what `read` will look at of the objects that come after
-    // number `i`: one leads to the next, so that the farther ahead an object is
-    // the less is asked for.
+    // Asks the memory for what `read` will look at of the objects that come after number `i`: one
+    // leads to the next, so that the farther ahead an object is the less is asked for.
     static void ask_ahead(const btCollisionObjectArray &objects, int i);
     // Reads all bodies, and finds the speeds for their AABB margins. False where it cannot.
     bool gather(const btCollisionObjectArray &objects);

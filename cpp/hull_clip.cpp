@@ -247,10 +247,9 @@ EdgeContact edge_contact(const HullData &a, int edge_a, const HullData &b, int e
     const Vec from_a = a.vertex(ends_a.from), from_b = pose.apply(b.vertex(ends_b.from));
     const Vec span_a = a.vertex(ends_a.to) - from_a;
     const Vec span_b = pose.apply(b.vertex(ends_b.to)) - from_b;
-    // Where two segments come closest (Ericson, "Real-Time Collision
-    // Detection", 2005, section 5.1.9): the points of the lines that face each
-    // other, moved to the ends where they lie beyond, one after the other, so
-    // that edges that are nearly parallel meet beside each other.
+    // Where two segments come closest (Ericson, "Real-Time Collision Detection", 2005, section
+    // 5.1.9): the points of the lines that face each other, moved to the ends where they lie
+    // beyond, one after the other, so that edges that are nearly parallel meet beside each other.
     const Vec apart = from_b - from_a;
     const double length_a = std::max(0.0, span_a.dot(along_a));
     const double length_b = std::max(0.0, span_b.dot(along_b));

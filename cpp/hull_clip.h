@@ -61,11 +61,10 @@ struct ClipScratch {
     std::vector<ClipPoint> points;
 };
 
-// The face of a hull that meets a reference face with outward normal `normal`
-// (in the frame of `incident`): of the faces around its lowest vertex the one
-// that looks most against the normal. `before` (-1: none), the one of the last
-// step, is kept while it is nearly as good: its lowest corner not `slack`
-// higher, its direction not much less opposite.
+// The face of a hull that meets a reference face with outward normal `normal` (in the frame of
+// `incident`): of the faces around its lowest vertex the one that looks most against the normal.
+// `before` (-1: none), the one of the last step, is kept while it is nearly as good: its lowest
+// corner not `slack` higher, its direction not much less opposite.
 struct Incident {
     int face;
     double lowest; // of the whole hull along the normal
@@ -78,10 +77,9 @@ Incident incident_face(const HullData &incident, const Vec &normal, int before, 
 void clip_face(const HullData &reference, int reference_face, const HullData &incident,
                int incident_face, const Rigid &pose, double margin, ClipScratch &scratch);
 
-// Picks at most four of the points that hold the bodies best: the deepest,
-// the farthest from it, and those that span the largest area. Points that
-// `last` has win over others that are better by little (`slack`, a
-// length). The picked ones are moved to the front; returns their number.
+// Picks at most four of the points that hold the bodies best: the deepest, the farthest from it,
+// and those that span the largest area. Points that `last` has win over others that are better by
+// little (`slack`, a length). The picked ones are moved to the front; returns their number.
 int reduce_points(std::vector<ClipPoint> &points, const Vec &normal, double margin, double slack,
                   const KeptContact &last);
 

@@ -2,11 +2,10 @@
 // with the faces that meet there, and loops of the faces. Or a sphere, whose centre is its one
 // vertex. Or a rounded polyhedron: a core, which the arrays describe, swept by a ball.
 //
-// Built once, in double, from the exact polyhedron; kept in single precision,
-// one array a component, aligned for vectors of eight. The rounded vertices
-// are the body from then on: every later computation, in single or double,
-// speaks of the same shape, which differs from the given one by 6e-8 of its
-// size (a thousandth of a micrometre on a grain).
+// Built once, in double, from the exact polyhedron; kept in single precision, one array a
+// component, aligned for vectors of eight. The rounded vertices are the body from then on: every
+// later computation, in single or double, speaks of the same shape, which differs from the given
+// one by 6e-8 of its size (a thousandth of a micrometre on a grain).
 #pragma once
 
 #include "three.h"

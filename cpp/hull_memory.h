@@ -22,9 +22,8 @@ constexpr std::uint32_t packed(Feature feature, std::int32_t first, std::int32_t
                   static_cast<std::uint32_t>(second));
 }
 
-// The highest bits of a point's id say which kind of feature it came from: a
-// face of A (ClipPoint in hull_clip.h has the rest), the same of B, or edges of
-// A and B, whose numbers follow.
+// The highest bits of a point's id say which kind of feature it came from: a face of A (ClipPoint
+// in hull_clip.h has the rest), the same of B, or edges of A and B, whose numbers follow.
 constexpr std::uint32_t FROM_FACE_OF_B = 1U << 30;
 constexpr std::uint32_t FROM_EDGES = packed(3, 0, 0);
 
@@ -39,8 +38,7 @@ struct PairPoint {
     std::uint32_t id;
 };
 
-// A packed feature, and the id of a point, as the same contact has them when A
-// and B change places.
+// A packed feature, and the id of a point, as the same contact has them when A and B change places.
 std::uint32_t swapped_feature(std::uint32_t feature);
 std::uint32_t swapped_id(std::uint32_t id);
 
@@ -52,10 +50,9 @@ struct PairContact {
     PairPoint points[MOST_POINTS];
 };
 
-// A contact as its pair keeps it: in single precision, which the solver reads it
-// in anyway. There are many more pairs than fit into a cache, and all are read
-// in every step. A point that stays where it is on its bodies is not rounded
-// anew.
+// A contact as its pair keeps it: in single precision, which the solver reads it in anyway. There
+// are many more pairs than fit into a cache, and all are read in every step. A point that stays
+// where it is on its bodies is not rounded anew.
 struct KeptPoint {
     float on_a[3] = {0, 0, 0};
     float on_b[3] = {0, 0, 0};
@@ -115,9 +112,8 @@ struct PairMemory {
 // Frobenius norm over the root of 2.
 float farthest_displacement(const Relative &from, const Relative &to, float radius);
 
-// Makes a pair that has no memory remember what touched, as another pair of the
-// same hulls found it; the points are for `last`. What does not fit the hulls
-// is not taken.
+// Makes a pair that has no memory remember what touched, as another pair of the same hulls found
+// it; the points are for `last`. What does not fit the hulls is not taken.
 void recall(const HullData &a, const HullData &b, std::uint32_t feature, PairMemory &memory);
 
 } // namespace pluvia

@@ -1,11 +1,9 @@
-// Bodies that are about to meet along one axis, and slip past each other along
-// another.
+// Bodies that are about to meet along one axis, and slip past each other along another.
 //
-// A contact is found along the axis on which the bodies are farthest apart. A
-// block that slides from one floor piece to the next is farthest from the next
-// one's side, though it will only come over it: a contact there would stop it at
-// a joint that cannot be felt ("ghost collisions" at inner edges). So where two
-// faces will do, the one that the bodies hardly approach is taken.
+// A contact is found along the axis on which the bodies are farthest apart. A block that slides
+// from one floor piece to the next is farthest from the next one's side, though it will only come
+// over it: a contact there would stop it at a joint that cannot be felt ("ghost collisions" at
+// inner edges). So where two faces will do, the one that the bodies hardly approach is taken.
 #pragma once
 
 #include "hull_axis.h"
@@ -50,11 +48,10 @@ struct PairFace {
     bool operator!=(const PairFace &o) const { return is_a != o.is_a || face != o.face; }
 };
 
-// The face that the bodies slide along: neither its gap nor its depth is more than
-// `slack`, now and at the end of the step, and the gap shrinks by less than half of
-// what the widest does. Where there is none, `found`: the face with the widest gap
-// now. `now` has the gaps of this moment, as `faces` of the kernels leaves them;
-// `ahead` is written to.
+// The face that the bodies slide along: neither its gap nor its depth is more than `slack`, now and
+// at the end of the step, and the gap shrinks by less than half of what the widest does. Where
+// there is none, `found`: the face with the widest gap now. `now` has the gaps of this moment, as
+// `faces` of the kernels leaves them; `ahead` is written to.
 PairFace passing_face(const AxisKernels &kernels, const HullData &a, const HullData &b,
                       const Rigid &pose_a, const Rigid &pose_b, const PairMotion &motion,
                       double slack, const PairFace &found, const AxisScratch &now,

@@ -28,8 +28,7 @@ class HullProbe {
     void set_impulse(std::size_t point, double normal, const std::array<double, 3> &friction);
     // Forgets the steps before.
     void forget();
-    // The widest gap and its axis, with all pairs of edges or only those that
-    // the pruning leaves.
+    // The widest gap and its axis, with all pairs of edges or only those that the pruning leaves.
     HullProbeGap widest_gap(const BodyPose &a, const BodyPose &b, bool all_edges);
 
   private:

@@ -34,9 +34,8 @@ HullSearch::HullSearch(HullCollision &collision, HullDispatcher &dispatcher, Wor
     : collision_(collision), dispatcher_(dispatcher), workers_(workers),
       scratch_(static_cast<std::size_t>(workers.count())) {}
 
-// As Bullet's near callback, for pairs of hulls only: leaves out what cannot
-// touch, and writes nothing of the pair. Every body takes part in every step, so nothing else is
-// asked.
+// As Bullet's near callback, for pairs of hulls only: leaves out what cannot touch, and writes
+// nothing of the pair. Every body takes part in every step, so nothing else is asked.
 void HullSearch::take(btBroadphasePair &pair, Block &block) {
     const HullBodies &bodies = collision_.bodies;
     auto *algorithm = static_cast<HullAlgorithm *>(pair.m_algorithm);

@@ -1,11 +1,10 @@
 // Several numbers worked on at once, with the operators of one.
 //
-// A lane type is a plain number (one lane) or a vector of GCC's vector
-// extension, for which the compiler takes whatever vector instructions the
-// target has: AVX2 where the function is compiled for it, pairs of SSE
-// instructions else. Only addition, subtraction, multiplication, division, square root and
-// comparison are used, each rounded for itself (-ffp-contract=off), so that
-// the bits do not depend on the instructions.
+// A lane type is a plain number (one lane) or a vector of GCC's vector extension, for which the
+// compiler takes whatever vector instructions the target has: AVX2 where the function is compiled
+// for it, pairs of SSE instructions else. Only addition, subtraction, multiplication, division,
+// square root and comparison are used, each rounded for itself (-ffp-contract=off), so that the
+// bits do not depend on the instructions.
 #pragma once
 
 #include "three.h"
@@ -61,8 +60,7 @@ PLUVIA_INLINE void scatter(const double (&f)[8], const int *index, unsigned exce
 
 using Float4 = float __attribute__((vector_size(16)));
 
-// Four rows become four columns, in each half for itself; done twice,
-// everything is where it was.
+// Four rows become four columns, in each half for itself; done twice, everything is where it was.
 PLUVIA_INLINE void transpose(Float8 (&r)[4]) {
     const Float8 p = __builtin_shufflevector(r[0], r[1], 0, 8, 1, 9, 4, 12, 5, 13);
     const Float8 q = __builtin_shufflevector(r[2], r[3], 0, 8, 1, 9, 4, 12, 5, 13);

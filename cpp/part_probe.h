@@ -13,9 +13,8 @@ namespace pluvia {
 
 struct CrowdProbeBody;
 
-// Adds up the numbers below `size`, `rounds` times, each number by whichever of
-// `threads` threads comes to it. Throws std::runtime_error when one comes to
-// the number `fails_at`.
+// Adds up the numbers below `size`, `rounds` times, each number by whichever of `threads` threads
+// comes to it. Throws std::runtime_error when one comes to the number `fails_at`.
 std::uint64_t shared_sum(std::int32_t threads, std::size_t size, std::size_t rounds,
                          std::size_t fails_at);
 
@@ -29,14 +28,12 @@ std::array<std::uint64_t, 2> chained_work(std::int32_t threads, std::size_t roun
 std::array<double, 4> shared_time(std::int32_t threads, rust::Slice<const std::size_t> sizes,
                                   rust::Slice<const std::size_t> leasts);
 
-// The speed of each body, as of Crowd; lengths in any one unit. Empty where
-// Crowd finds none.
+// The speed of each body, as of Crowd; lengths in any one unit. Empty where Crowd finds none.
 rust::Vec<double> crowd_speeds(rust::Slice<const CrowdProbeBody> bodies,
                                const std::array<double, 3> &frame, double step, double margin);
 
-// Bytes handed out and not given back, in all arenas and in blocks that the
-// allocator mapped one by one; C++ and Rust share the allocator. -1 where it
-// does not say.
+// Bytes handed out and not given back, in all arenas and in blocks that the allocator mapped one by
+// one; C++ and Rust share the allocator. -1 where it does not say.
 std::int64_t bytes_handed_out();
 
 } // namespace pluvia

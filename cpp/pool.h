@@ -13,10 +13,9 @@ namespace pluvia {
 
 // Pieces of one size, cut from large blocks that grow as they are needed.
 //
-// Bullet's own pool has a fixed number of pieces and goes to the heap beyond.
-// A step reads all bodies and pairs, far apart in memory: in pages of the usual
-// size most of them would also cost a walk through the page tables, so the
-// blocks ask for large pages where the system has them.
+// Bullet's own pool has a fixed number of pieces and goes to the heap beyond. A step reads all
+// bodies and pairs, far apart in memory: in pages of the usual size most of them would also cost a
+// walk through the page tables, so the blocks ask for large pages where the system has them.
 class Pool {
   public:
     explicit Pool(std::size_t size);

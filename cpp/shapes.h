@@ -16,16 +16,14 @@ namespace pluvia {
 struct ShapeDefinition;
 struct WorldDefinition;
 
-// Bullet's convex hull, with the axis-aligned box of the hull itself where
-// Bullet's own takes the box of the rotated local box: about half as many
-// candidate pairs for round bodies, the same contacts. In a native world also a sphere: one point
-// with a margin, and the data of a sphere.
+// Bullet's convex hull, with the axis-aligned box of the hull itself where Bullet's own takes the
+// box of the rotated local box: about half as many candidate pairs for round bodies, the same
+// contacts. In a native world also a sphere: one point with a margin, and the data of a sphere.
 class TightHull final : public btConvexHullShape {
   public:
     void getAabb(const btTransform &pose, btVector3 &low, btVector3 &high) const override;
 
-    // Radius of the sphere about the origin that holds the hull with its margin, in
-    // engine units.
+    // Radius of the sphere about the origin that holds the hull with its margin, in engine units.
     btScalar radius() const { return radius_; }
 
     // Faces, edges and vertices in engine units, for Pluvia's own hull–hull test.

@@ -42,9 +42,8 @@ btVector3 boxed_inertia(const btCollisionShape &original, btScalar mass, btScala
     return inertia;
 }
 
-// Bullet has grown both boxes by the contact threshold already
-// (btCollisionWorld::updateSingleAabb, 3.24): those of bodies within the threshold overlap by
-// what one of them has grown, at least.
+// Bullet has grown both boxes by the contact threshold already (btCollisionWorld::updateSingleAabb,
+// 3.24): those of bodies within the threshold overlap by what one of them has grown, at least.
 bool boxes_within_threshold(const btBroadphaseProxy &a, const btBroadphaseProxy &b) {
     const btScalar least = gContactBreakingThreshold;
     for (int axis = 0; axis < 3; ++axis) {
@@ -76,12 +75,11 @@ bool holds_contacts(btCollisionAlgorithm &algorithm) {
     return false;
 }
 
-// Bullet's near callback, preceded by two tests that are exact for what they
-// leave out: boxes, then bounding spheres, further apart than the contact
-// threshold. A pair that still holds contact points is never left out, since
-// Bullet must refresh or drop them. What is left out cannot touch; but pairs
-// meet the solver in another order then, so that a chaotic packing comes out
-// as another pour does, not bit by bit as without these tests.
+// Bullet's near callback, preceded by two tests that are exact for what they leave out: boxes, then
+// bounding spheres, further apart than the contact threshold. A pair that still holds contact
+// points is never left out, since Bullet must refresh or drop them. What is left out cannot touch;
+// but pairs meet the solver in another order then, so that a chaotic packing comes out as another
+// pour does, not bit by bit as without these tests.
 void near_callback(btBroadphasePair &pair, btCollisionDispatcher &dispatcher,
                    const btDispatcherInfo &info) {
     const btBroadphaseProxy &a = *pair.m_pProxy0;
