@@ -19,7 +19,6 @@ enum class Phase {
     SolveForcesBackward,
     SolveImpactsForward,
     SolveImpactsBackward,
-    AddResidual,
     FindFastestImpact,
     BeginCompression,
     BeginRestitution,
@@ -78,7 +77,6 @@ template <class L> struct Problem {
     LaneLaw<N> law;
     L beta;       // how far to extrapolate
     double limit; // from which on a body that changes is active
-    Inspection *inspection;
 };
 
 // A part of the packs, bodies or blocks of bodies that a phase goes over.
@@ -187,10 +185,6 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
         break;
     case Phase::SolveImpactsBackward:
         visit_all<Solved::Impacts, Half::Backward>(p, part);
-        break;
-    case Phase::AddResidual:
-        packs([&](const auto &pack, auto *points, auto *, auto *, std::size_t) __attribute__((
-            always_inline)) { add_residual(pack, points, motion, p.inspection->residual); });
         break;
     case Phase::FindFastestImpact: {
         L &fastest = p.unsolved[part.worker].fastest;

@@ -67,7 +67,6 @@ template <class L> class Run {
     // To be called when the pairs and bodies of a step are in the problem; `contacts` must be there
     // until it is over.
     void begin(Kernel<L> kernel, const Contacts &contacts) {
-        kernel_ = kernel;
         contacts_ = &contacts;
         least_ = (contacts.law.iterations + 1) / 2;
         now_.begin(kernel, contacts);
@@ -119,7 +118,6 @@ template <class L> class Run {
 
   private:
     Problem<L> &p_;
-    Kernel<L> kernel_ = nullptr;
     const Contacts *contacts_ = nullptr; // of the step
     int least_ = 0;                      // iterations
     Sequence<L> now_;                    // what is to be done before the control goes on
@@ -301,8 +299,10 @@ template <class L> class Run {
     }
 
     void inspect(Inspection &inspection) {
-        p_.inspection = &inspection;
-        kernel_(Phase::AddResidual, p_, {nullptr, 0, 0, 0, p_.all.packs.size()});
+        for (const Pack<L> &pack : p_.all.packs) {
+            add_residual(pack, &p_.all.points[pack.first], p_.bodies.motion.data(),
+                         inspection.residual);
+        }
         if (inspection.record == nullptr) {
             return;
         }

@@ -194,13 +194,10 @@ void ContactSolver::take_bodies(double step) {
         const int number = body->getUserIndex();
         bodies_[place_[number]] = pressed_body(*body, presses_.at(number));
     }
-    drives_now_.clear();
     for (const btRigidBody *body : kinematic_) {
         const int number = body->getUserIndex();
-        Drive &drive = drives_now_[number] = drives_[number];
-        bodies_[place_[number]] = kinematic_body(*body, step, drive);
+        bodies_[place_[number]] = kinematic_body(*body, step, drives_[number]);
     }
-    std::swap(drives_, drives_now_);
 }
 
 void ContactSolver::read_drives(const Units &units, rust::Vec<DriveRead> &out) const {

@@ -42,6 +42,7 @@ class ContactSolver {
     void bodies_changed();
     // To be called when a body went.
     void forget(int number) {
+        drives_.erase(number);
         presses_.erase(number);
         wholes_.erase(number);
         bodies_changed();
@@ -122,7 +123,7 @@ class ContactSolver {
     Iterations iterations_;
     bool sorted_ = false; // the lists of bodies are those of the world
     // By the body's number in its world: a new body may get the address of one that left.
-    std::unordered_map<int, Drive> drives_, drives_now_;
+    std::unordered_map<int, Drive> drives_;
     std::unordered_map<int, Press> presses_; // by the same number
     std::unordered_map<int, int> wholes_;    // of further parts, by the same number
     bool recording_ = false;

@@ -79,8 +79,6 @@ class EngineWorld : public btDiscreteDynamicsWorld {
     // Where a kinematic body is at the end of the next step.
     virtual void drive(btRigidBody &body, const btTransform &end) = 0;
     virtual void step(btScalar length) = 0;
-    // Without a step.
-    virtual void find_contacts() = 0;
     // As they were when the last step began, or at the last search.
     virtual void read_contacts(rust::Vec<ContactRead> &out) const = 0;
     // Of a pair that touches.

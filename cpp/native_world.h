@@ -49,7 +49,6 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     void remove(btRigidBody &body) override;
     void drive(btRigidBody &body, const btTransform &end) override;
     void step(btScalar length) override;
-    void find_contacts() override;
     void read_contacts(rust::Vec<ContactRead> &out) const override;
     PairValue pair_value(const btRigidBody &a, const btRigidBody &b) const override;
     void read_settings(ReadBack &out) const override;
@@ -59,6 +58,8 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     void join(btRigidBody &part, btRigidBody &whole);
     void remember_contacts(rust::Vec<ContactRead> &out) const;
     void recall_contacts(rust::Slice<const ContactRead> contacts);
+    // Without a step.
+    void find_contacts();
     ContactSolver &solver() { return solver_; }
     // Whether one thread does the steps from now on.
     void leave_alone(bool on) { workers_.leave_alone(on); }

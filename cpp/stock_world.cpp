@@ -203,11 +203,6 @@ void StockWorld::step(btScalar length) {
     stepSimulation(length, 0, length);
 }
 
-void StockWorld::find_contacts() {
-    const Stopwatch watch(phases_.integration);
-    performDiscreteCollisionDetection();
-}
-
 void StockWorld::read_contacts(rust::Vec<ContactRead> &out) const {
     for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
         const btPersistentManifold *manifold =

@@ -45,7 +45,6 @@ class StockWorld final : private StockParts, public EngineWorld {
     // It wakes when it moves, and sleeps again when it is to stay where it is.
     void drive(btRigidBody &body, const btTransform &end) override;
     void step(btScalar length) override;
-    void find_contacts() override;
     void read_contacts(rust::Vec<ContactRead> &out) const override;
     // Through the hooks, as Bullet does when it makes a contact.
     PairValue pair_value(const btRigidBody &a, const btRigidBody &b) const override;

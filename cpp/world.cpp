@@ -238,7 +238,11 @@ void BulletWorld::read_contacts(rust::Vec<ContactRead> &out) const {
     impl_->world->read_contacts(out);
 }
 
-void BulletWorld::find_contacts() { impl_->world->find_contacts(); }
+void BulletWorld::find_contacts() {
+    if (impl_->native != nullptr) {
+        impl_->native->find_contacts();
+    }
+}
 
 void BulletWorld::remember_contacts(rust::Vec<ContactRead> &out) const {
     out.clear();

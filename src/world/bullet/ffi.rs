@@ -288,7 +288,8 @@ mod bridge {
         /// contacts, and once a body came or went.
         fn read_drives(self: &BulletWorld, out: &mut Vec<DriveRead>);
         fn read_contacts(self: &BulletWorld, out: &mut Vec<ContactRead>);
-        /// Finds the contact points with what they carry, without a step.
+        /// Finds the contact points with what they carry, without a step; nothing with stock
+        /// Bullet contacts.
         fn find_contacts(self: Pin<&mut BulletWorld>) -> Result<()>;
         /// Points that bear something, where they are now. Empty with stock Bullet contacts.
         fn remember_contacts(self: &BulletWorld, out: &mut Vec<ContactRead>);
