@@ -153,7 +153,6 @@ fn read_constants(bullet: &pkg_config::Library) {
         .clang_args(["-x", "c++", "-std=c++17"])
         .allowlist_var("PLUVIA_.*")
         .allowlist_type("btSolverMode")
-        .allowlist_type("btRigidBodyFlags")
         .prepend_enum_name(false);
     for path in &bullet.include_paths {
         builder = builder.clang_arg(format!("-I{}", path.display()));

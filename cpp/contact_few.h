@@ -14,11 +14,8 @@ template <class L> class Few {
   public:
     explicit Few(Problem<L> &problem) : p_(problem) {}
 
-    // To be called when a step begins; `contacts` must be there until it is over.
-    void begin(const Contacts &contacts) {
-        contacts_ = &contacts;
-        ends_.clear();
-    }
+    // To be called when a step begins.
+    void begin() { ends_.clear(); }
 
     // Copies the pairs that active bodies have in packs that are awake, colour by
     // colour, and lists the bodies of these pairs.
@@ -32,10 +29,10 @@ template <class L> class Few {
         listed_.assign(p_.bodies.motion.size(), 0);
         plans_.clear();
         int points = 0;
-        for (std::size_t c = 0; c < contacts_->colours.count(); ++c) {
-            const int width = contacts_->colours.in_order(c) ? 1 : Lane<L>::WIDTH;
+        for (std::size_t c = 0; c < p_.contacts->colours.count(); ++c) {
+            const int width = p_.contacts->colours.in_order(c) ? 1 : Lane<L>::WIDTH;
             int lane = width;
-            for (int i = contacts_->colours.begin()[c]; i < contacts_->colours.begin()[c + 1];
+            for (int i = p_.contacts->colours.begin()[c]; i < p_.contacts->colours.begin()[c + 1];
                  ++i) {
                 const auto number = static_cast<std::size_t>(i);
                 const Pack<L> &pack = p_.all.packs[number];
@@ -59,12 +56,12 @@ template <class L> class Few {
             turn_.begin.push_back(static_cast<int>(turn_.packs.size()));
         }
         p_.few.resize(plans_.size(), static_cast<std::size_t>(points));
-        contacts_->workers.each(plans_.size(), PACKS_AT_ONCE, [&](std::size_t i) { copy(i); });
+        p_.contacts->workers.each(plans_.size(), PACKS_AT_ONCE, [&](std::size_t i) { copy(i); });
     }
 
     // Puts their impulses back.
     void put_back() {
-        contacts_->workers.each(plans_.size(), PACKS_AT_ONCE, [&](std::size_t i) {
+        p_.contacts->workers.each(plans_.size(), PACKS_AT_ONCE, [&](std::size_t i) {
             const int first = plans_[i].first;
             lanes(i, [&](int lane, std::size_t number, int to_lane) {
                 const Pack<L> &pack = p_.all.packs[number];
@@ -108,7 +105,6 @@ template <class L> class Few {
     };
 
     Problem<L> &p_;
-    const Contacts *contacts_ = nullptr; // of the step
     Turn turn_;
     std::vector<int> bodies_;
     std::vector<From> from_;
@@ -131,14 +127,14 @@ template <class L> class Few {
                 const Pack<L> &pack = p_.all.packs[i];
                 for (int n = 0; n < Lane<L>::WIDTH && pack.pair[n] >= 0; ++n) {
                     for (const int body : {pack.a[n], pack.b[n]}) {
-                        if (!contacts_->moves.still(body)) {
+                        if (!p_.contacts->moves.still(body)) {
                             what(static_cast<std::size_t>(body), static_cast<int>(8 * i) + n);
                         }
                     }
                 }
             }
         };
-        ends_.assign(static_cast<std::size_t>(contacts_->moves.all) + 2, 0);
+        ends_.assign(static_cast<std::size_t>(p_.contacts->moves.all) + 2, 0);
         each([&](std::size_t body, int) { ++ends_[body + 1]; });
         std::partial_sum(ends_.begin(), ends_.end(), ends_.begin());
         at_.resize(static_cast<std::size_t>(ends_.back()));
@@ -152,7 +148,7 @@ template <class L> class Few {
             list_pairs();
         }
         taken_.assign(p_.all.packs.size(), 0);
-        for (std::size_t b = 1; b <= static_cast<std::size_t>(contacts_->moves.all); ++b) {
+        for (std::size_t b = 1; b <= static_cast<std::size_t>(p_.contacts->moves.all); ++b) {
             if (p_.active[b] == 0) {
                 continue;
             }
@@ -165,10 +161,10 @@ template <class L> class Few {
         }
     }
 
-    int points_of(int pair) const { return contacts_->places[pair].points; }
+    int points_of(int pair) const { return p_.contacts->places[pair].points; }
     void list(int body) {
         std::uint8_t &listed = listed_[body];
-        if (!contacts_->moves.still(body) && listed == 0) {
+        if (!p_.contacts->moves.still(body) && listed == 0) {
             listed = p_.active[body] != 0 ? CHOSEN : BESIDE;
             bodies_.push_back(body);
             start_.push_back(p_.bodies.motion[body]);

@@ -63,7 +63,9 @@ void run_step(Problem<L> &problem, Run<L> &run, Kernel<L> kernel, const Contacts
     at_home([&](std::size_t i) { load(contacts, i, problem); });
     workers.each(bodies.size(), BODIES_AT_ONCE,
                  [&](std::size_t i) { pack(contacts, i, problem.bodies); });
-    run.begin(kernel, contacts);
+    problem.contacts = &contacts;
+    problem.kernel = kernel;
+    run.begin();
     if (packs > 0) {
         for (int i = 0; i < law.substeps; ++i) {
             run.substep(i + 1 == law.substeps ? inspection : nullptr);

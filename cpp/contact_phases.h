@@ -61,9 +61,27 @@ template <class L> struct Pairs {
     }
 };
 
+// A part of the packs, bodies or blocks of bodies that a phase goes over.
+struct Part {
+    const int *list;    // of all; null for every one there is
+    std::size_t listed; // how many are in the list
+    int worker;
+    std::size_t begin, end;
+
+    std::size_t at(std::size_t k) const {
+        return list == nullptr ? k : static_cast<std::size_t>(list[k]);
+    }
+};
+
+struct Contacts;
+template <class L> struct Problem;
+template <class L> using Kernel = void (*)(Phase phase, Problem<L> &problem, const Part &part);
+
 // The pairs and bodies of a step.
 template <class L> struct Problem {
     using N = typename Lane<L>::Number;
+    const Contacts *contacts = nullptr; // of which they are made; there until the step is over
+    Kernel<L> kernel = nullptr;         // runs phases
     Pairs<L> all;
     UnsetVector<PointMemory<L>> memory; // of all points
     std::vector<std::uint8_t> near;     // by pack
@@ -78,20 +96,6 @@ template <class L> struct Problem {
     L beta;       // how far to extrapolate
     double limit; // from which on a body that changes is active
 };
-
-// A part of the packs, bodies or blocks of bodies that a phase goes over.
-struct Part {
-    const int *list;    // of all; null for every one there is
-    std::size_t listed; // how many are in the list
-    int worker;
-    std::size_t begin, end;
-
-    std::size_t at(std::size_t k) const {
-        return list == nullptr ? k : static_cast<std::size_t>(list[k]);
-    }
-};
-
-template <class L> using Kernel = void (*)(Phase phase, Problem<L> &problem, const Part &part);
 
 template <Solved WHAT, Half HALF, class L>
 PLUVIA_INLINE void visit_all(Problem<L> &p, const Part &part) {

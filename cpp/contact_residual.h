@@ -13,17 +13,10 @@ struct Residual {
     double error = 0, impulse = 0;
 };
 
-// The problem of a sub-step as the solver had it, and what it found; engine
-// units. Bodies turn in it by the root of their inertia times their spin, so
-// that the mass matrix is the mass three times and 1 three times.
+// The problem of a sub-step as the solver had it, and what it found, in engine units. What each
+// number is says `SubstepRecord` in src/world/bullet/substep.rs.
 struct SubstepRecord {
-    // Of each: inverse mass; velocity and spin with all but the contacts'
-    // impulses; velocity and spin found.
-    static constexpr int BODY = 13;
-    // Of each: bodies a and b; of normal and two tangents the direction and the angular Jacobians
-    // of a and b; friction, bias velocity, softness;
-    // approach velocity, restitution; the impulses found.
-    static constexpr int CONTACT = 2 + 3 * 9 + 3 + 2 + 3;
+    static constexpr std::size_t BODY = 13; // numbers of each
     std::vector<double> bodies, contacts;
 };
 

@@ -64,13 +64,12 @@ template <class L> class Run {
   public:
     explicit Run(Problem<L> &problem) : p_(problem), now_(problem), few_(problem) {}
 
-    // To be called when the pairs and bodies of a step are in the problem; `contacts` must be there
-    // until it is over.
-    void begin(Kernel<L> kernel, const Contacts &contacts) {
-        contacts_ = &contacts;
+    // To be called when the pairs and bodies of a step are in the problem.
+    void begin() {
+        const Contacts &contacts = *p_.contacts;
         least_ = (contacts.law.iterations + 1) / 2;
-        now_.begin(kernel, contacts);
-        few_.begin(contacts);
+        now_.forget(); // what a step that failed has left
+        few_.begin();
         const auto bodies = p_.bodies.motion.size();
         p_.active.assign(bodies, 0);
         p_.unsolved.assign(static_cast<std::size_t>(contacts.workers.count()), Unsolved<L>{});
@@ -118,10 +117,9 @@ template <class L> class Run {
 
   private:
     Problem<L> &p_;
-    const Contacts *contacts_ = nullptr; // of the step
-    int least_ = 0;                      // iterations
-    Sequence<L> now_;                    // what is to be done before the control goes on
-    std::vector<int> touched_;           // bodies
+    int least_ = 0;            // iterations
+    Sequence<L> now_;          // what is to be done before the control goes on
+    std::vector<int> touched_; // bodies
     Turn all_, asleep_;
     Few<L> few_;
 
@@ -133,9 +131,9 @@ template <class L> class Run {
     }
 
     void choose_awake() {
-        choose(contacts_->colours, contacts_->homes, all_,
+        choose(p_.contacts->colours, p_.contacts->homes, all_,
                [&](std::size_t i) { return p_.awake[i] != 0; });
-        choose(contacts_->colours, contacts_->homes, asleep_,
+        choose(p_.contacts->colours, p_.contacts->homes, asleep_,
                [&](std::size_t i) { return p_.awake[i] == 0; });
     }
 
@@ -312,7 +310,7 @@ template <class L> class Run {
             const auto first = static_cast<std::size_t>(pack.first);
             record_contacts(
                 pack, &p_.all.points[first], &p_.memory[first],
-                [&](int pair) { return contacts_->places[pair].points; }, *inspection.record);
+                [&](int pair) { return p_.contacts->places[pair].points; }, *inspection.record);
         }
     }
 

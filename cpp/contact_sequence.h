@@ -18,13 +18,6 @@ template <class L> class Sequence {
   public:
     explicit Sequence(Problem<L> &problem) : p_(problem) {}
 
-    // To be called when a step begins; `contacts` must be there until it is over.
-    void begin(Kernel<L> kernel, const Contacts &contacts) {
-        kernel_ = kernel;
-        contacts_ = &contacts;
-        forget(); // what a step that failed has left
-    }
-
     // Over listed packs or bodies.
     void packs(Phase phase, const std::vector<int> &list) {
         add(phase, list.data(), list.size(), list.size(), PACKS_AT_ONCE);
@@ -35,7 +28,7 @@ template <class L> class Sequence {
     // Over all packs, each by the thread at which it is at home.
     void packs(Phase phase) {
         chained_ = false;
-        const Homes &homes = contacts_->homes;
+        const Homes &homes = p_.contacts->homes;
         add_at_home(phase, homes.order().data(), homes.order().size(), homes.ends(), Share::ALL);
     }
     void bodies(Phase phase) {
@@ -45,7 +38,7 @@ template <class L> class Sequence {
 
     // Over packs, one colour after the other; `back`: from the last to the first.
     void colours(Phase phase, const Turn &turn, bool back) {
-        const Colours &colours = contacts_->colours;
+        const Colours &colours = p_.contacts->colours;
         const std::size_t count = turn.begin.size() - 1;
         for (std::size_t k = 0; k < count; ++k) {
             const std::size_t c = back ? count - 1 - k : k;
@@ -55,7 +48,7 @@ template <class L> class Sequence {
                 add(phase, packs, size, size, colours.in_order(c) ? size : FEW_PACKS_AT_ONCE);
                 continue;
             }
-            const auto threads = static_cast<std::size_t>(contacts_->workers.count());
+            const auto threads = static_cast<std::size_t>(p_.contacts->workers.count());
             const std::size_t *const ends = turn.ends.data() + 2 * threads * c;
             const std::size_t between = ends[threads - 1];
             if (!chained_) {
@@ -78,15 +71,16 @@ template <class L> class Sequence {
 
     // Does all of it; then there is nothing left to do.
     void run() {
-        contacts_->workers.share(
+        p_.contacts->workers.share(
             shares_.data(), shares_.size(),
             [this](std::size_t k, int worker, std::size_t begin, std::size_t end) {
                 const Step &step = steps_[k];
-                kernel_(step.phase, p_, {step.list, step.listed, worker, begin, end});
+                p_.kernel(step.phase, p_, {step.list, step.listed, worker, begin, end});
             });
         forget();
     }
 
+    // Does none of it.
     void forget() {
         steps_.clear();
         shares_.clear();
@@ -100,8 +94,6 @@ template <class L> class Sequence {
         std::size_t listed;
     };
     Problem<L> &p_;
-    Kernel<L> kernel_ = nullptr;
-    const Contacts *contacts_ = nullptr; // of the step
     std::vector<Step> steps_;
     std::vector<Share> shares_;
     // Colours that follow each other: which share is their first, and of which all must be over
@@ -116,7 +108,7 @@ template <class L> class Sequence {
     void add(Phase phase, const int *list, std::size_t listed, std::size_t size,
              std::size_t least) {
         if (size > 0) {
-            const auto threads = static_cast<std::size_t>(contacts_->workers.count());
+            const auto threads = static_cast<std::size_t>(p_.contacts->workers.count());
             steps_.push_back({phase, list, listed});
             shares_.push_back({size, std::max(least, (size + threads - 1) / threads), least});
             chained_ = false;

@@ -37,6 +37,7 @@ class AxisScratch {
     // B in A's frame.
     float *bx, *by, *bz;
     float *bnx, *bny, *bnz, *boffset;
+    Vec normal_b(int face) const { return {bnx[face], bny[face], bnz[face]}; }
     // Gap along each face normal of A, and along each reversed one of B.
     float *gap_a, *gap_b;
     // Which vertices lie close enough to the best face planes.

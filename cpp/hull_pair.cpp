@@ -116,12 +116,10 @@ class Pair : PairFrames {
     }
 
     void part_along_face() {
-        const AxisScratch &s = scratch.axis;
-        const int f = faces_.face_b;
         if (faces_.gap_a >= faces_.gap_b) {
             part(a.normal(faces_.face_a), faces_.gap_a);
         } else {
-            part(-Vec{s.bnx[f], s.bny[f], s.bnz[f]}, faces_.gap_b);
+            part(-scratch.axis.normal_b(faces_.face_b), faces_.gap_b);
         }
     }
 

@@ -77,9 +77,7 @@ HullProbeGap HullProbe::widest_gap(const BodyPose &a, const BodyPose &b, bool al
     collision_.kernels->faces(*a_, *b_, pose, scratch, faces);
     const bool is_a = faces.gap_a >= faces.gap_b;
     double gap = is_a ? faces.gap_a : faces.gap_b;
-    const int f = faces.face_b;
-    Vec axis =
-        is_a ? a_->normal(faces.face_a) : -Vec{scratch.bnx[f], scratch.bny[f], scratch.bnz[f]};
+    Vec axis = is_a ? a_->normal(faces.face_a) : -scratch.normal_b(faces.face_b);
     const auto margin = static_cast<float>(collision_.settings.speculative_margin);
     const auto best = static_cast<float>(gap);
     EdgeGap edges;

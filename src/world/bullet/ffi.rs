@@ -301,7 +301,7 @@ mod bridge {
         fn solver_residual(self: &BulletWorld) -> f64;
         /// From now on.
         fn record_substeps(self: Pin<&mut BulletWorld>);
-        /// The last sub-step recorded: numbers of `SubstepRecord` in cpp/contact_residual.h.
+        /// The numbers of the last `SubstepRecord`.
         fn read_substep(self: &BulletWorld, bodies: &mut Vec<f64>, contacts: &mut Vec<f64>);
         fn effective(self: &BulletWorld) -> Vec<EngineSetting>;
 
