@@ -12,6 +12,10 @@ const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
 
 const PATHS: [ContactSolver; 2] = [ContactSolver::Stock, ContactSolver::Native];
 
+/// Other values of what Bullet keeps once for the whole process.
+const OTHERWISE: [fn(&mut ffi::WorldDefinition); 2] =
+    [|d| d.broadphase_margin *= 2.0, |d| d.contact_threshold *= 2.0];
+
 /// An empty world, past all that Rust checks.
 fn bare(path: ContactSolver) -> cxx::UniquePtr<ffi::BulletWorld> {
     made(path, |_| {}, 9).expect("a world")
@@ -164,26 +168,30 @@ fn worlds_that_cannot_be_come_back_as_errors() {
             let none = made(path, |d| d.threads = threads, 9);
             assert_thrown(none, "one thread", "a world of no thread");
         }
-        let first = bare(path);
-        let second = made(path, |d| d.broadphase_margin *= 2.0, 9);
-        if path == ContactSolver::Stock {
-            assert_thrown(second, "whole process", "another margin");
-        } else {
-            assert!(second.is_ok(), "law: a native world reads nothing of the process");
+        for otherwise in OTHERWISE {
+            let first = bare(path);
+            let second = made(path, otherwise, 9);
+            if path == ContactSolver::Stock {
+                assert_thrown(second, "whole process", "another margin or threshold");
+            } else {
+                assert!(second.is_ok(), "law: a native world reads nothing of the process");
+            }
+            drop(first);
+            let third = made(path, otherwise, 9);
+            assert!(third.is_ok(), "law: what failed holds nothing");
         }
-        drop(first);
-        let third = made(path, |d| d.broadphase_margin *= 2.0, 9);
-        assert!(third.is_ok(), "law: what failed holds nothing");
     }
 }
 
 #[test]
 fn native_worlds_live_beside_any_stock_world() {
     let _turn = exclusive_turn();
-    let other = |path| made(path, |d| d.broadphase_margin *= 2.0, 9);
-    for paths in [PATHS, [PATHS[1], PATHS[0]]] {
-        let _first = bare(paths[0]);
-        assert!(other(paths[1]).is_ok(), "law: beside {:?} one of {:?} lives", paths[0], paths[1]);
+    for ([first, other], otherwise) in
+        [PATHS, [PATHS[1], PATHS[0]]].into_iter().flat_map(|paths| OTHERWISE.map(|o| (paths, o)))
+    {
+        let _first = bare(first);
+        let beside = made(other, otherwise, 9);
+        assert!(beside.is_ok(), "law: beside {first:?} one of {other:?} lives");
     }
 }
 

@@ -143,24 +143,6 @@ fn settings_that_bullet_cannot_take_are_refused() {
 }
 
 #[test]
-fn worlds_with_different_process_wide_settings_do_not_live_together() {
-    let _turn = exclusive_turn();
-    let first = world(&on(ContactSolver::Stock));
-    let other = EngineSettings { contact_threshold_mm: 0.5, ..on(ContactSolver::Stock) };
-    assert!(matches!(
-        BulletBackend::new(&other, GRAVITY, &uniform(0.5, 0.0)),
-        Err(WorldError::Engine(text)) if text.contains("whole process")
-    ));
-    let native = EngineSettings { contact_threshold_mm: 0.5, ..Default::default() };
-    assert!(
-        BulletBackend::new(&native, GRAVITY, &uniform(0.5, 0.0)).is_ok(),
-        "law: the native contact solver does not read the threshold"
-    );
-    drop(first);
-    assert!(BulletBackend::new(&other, GRAVITY, &uniform(0.5, 0.0)).is_ok());
-}
-
-#[test]
 fn the_manifold_path_holds_a_box_at_its_four_corners() {
     let _turn = shared_turn();
     let mut world = world(&on(ContactSolver::Native));
