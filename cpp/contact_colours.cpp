@@ -17,11 +17,11 @@ constexpr int BLOCKS = 8;
 constexpr int POINTS = MOST_POINTS + 1;
 constexpr int KINDS = 2 * BLOCKS * POINTS;
 
-int kind(const PairPlace &pair, int moving) {
-    const bool moves_a = pair.a > 0 && pair.a <= moving;
-    const bool moves_b = pair.b > 0 && pair.b <= moving;
-    const int body = moves_a && moves_b ? std::min(pair.a, pair.b) : moves_a ? pair.a : pair.b;
-    const int block = static_cast<int>(std::int64_t{body - 1} * BLOCKS / moving);
+int kind(const PairPlace &pair, const Moves &moves) {
+    const int body = moves.still(pair.a)   ? pair.b
+                     : moves.still(pair.b) ? pair.a
+                                           : std::min(pair.a, pair.b);
+    const int block = static_cast<int>(std::int64_t{body - 1} * BLOCKS / moves.all);
     // Falling in one block and rising in the next: packs that reach into the next have like pairs.
     const int order = block % 2 == 0 ? MOST_POINTS - pair.points : pair.points;
     return ((pair.near ? 0 : BLOCKS) + block) * POINTS + order;
@@ -33,12 +33,12 @@ constexpr std::uint16_t NOBODY = 0, SEVERAL = 0xffff;
 } // namespace
 
 // Near pairs first: they are solved in every iteration, and get the fuller colours.
-void Colours::paint(const std::vector<PairPlace> &pairs, int moving) {
-    used_.assign(static_cast<std::size_t>(moving) + 1, 0);
+void Colours::paint(const std::vector<PairPlace> &pairs, const Moves &moves) {
+    used_.assign(static_cast<std::size_t>(moves.all) + 1, 0);
     colour_.resize(pairs.size());
     std::uint64_t unmoved = 0;
     const auto used = [&](int body) -> std::uint64_t & {
-        return body > 0 && body <= moving ? used_[body] : unmoved;
+        return moves.still(body) ? unmoved : used_[body];
     };
     for (const bool near : {true, false}) {
         for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -57,10 +57,10 @@ void Colours::paint(const std::vector<PairPlace> &pairs, int moving) {
     }
 }
 
-void Colours::gather(const std::vector<PairPlace> &pairs, int moving, int width) {
+void Colours::gather(const std::vector<PairPlace> &pairs, const Moves &moves, int width) {
     // A counting sort, which keeps the order of equals.
     counts_.assign((LAST + 1) * KINDS + 1, 0);
-    const auto bin = [&](std::size_t i) { return colour_[i] * KINDS + kind(pairs[i], moving); };
+    const auto bin = [&](std::size_t i) { return colour_[i] * KINDS + kind(pairs[i], moves); };
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         ++counts_[bin(i) + 1];
     }
@@ -92,12 +92,12 @@ void Colours::gather(const std::vector<PairPlace> &pairs, int moving, int width)
     }
 }
 
-void Colours::sort(const std::vector<PairPlace> &pairs, int moving, int width) {
-    paint(pairs, moving);
-    gather(pairs, moving, width);
+void Colours::sort(const std::vector<PairPlace> &pairs, const Moves &moves, int width) {
+    paint(pairs, moves);
+    gather(pairs, moves, width);
 }
 
-void Homes::find(const Colours &colours, const std::vector<PairPlace> &pairs, int moving,
+void Homes::find(const Colours &colours, const std::vector<PairPlace> &pairs, const Moves &moves,
                  int threads) {
     threads_ = threads;
     const auto &packs = colours.packs();
@@ -109,13 +109,13 @@ void Homes::find(const Colours &colours, const std::vector<PairPlace> &pairs, in
         ends_[0] = packs.size();
         return;
     }
-    const auto bodies = static_cast<std::size_t>(moving) + 1;
+    const auto bodies = static_cast<std::size_t>(moves.all) + 1;
     // Calls `what` with every moving body of a pack.
     const auto each = [&](const Colours::Pack &pack, const auto &what) {
         for (int i = pack.begin; i < pack.begin + pack.pairs; ++i) {
             const PairPlace &pair = pairs[colours.order()[i]];
             for (const int body : {pair.a, pair.b}) {
-                if (body > 0 && body <= moving) {
+                if (!moves.still(body)) {
                     what(static_cast<std::size_t>(body));
                 }
             }

@@ -44,9 +44,9 @@ class Colours {
         bool near;        // whether its pairs are
     };
 
-    // Bodies 1 to `moving` move, free or pressed. `width`: pairs in a pack, at most. Pairs of a
-    // pack have about the same number of points, and all of them are near or none is.
-    void sort(const std::vector<PairPlace> &pairs, int moving, int width);
+    // `width`: pairs in a pack, at most. Pairs of a pack have about the same number of points, and
+    // all of them are near or none is.
+    void sort(const std::vector<PairPlace> &pairs, const Moves &moves, int width);
 
     const std::vector<int> &order() const { return order_; } // numbers of pairs, pack by pack
     const std::vector<Pack> &packs() const { return packs_; }
@@ -70,8 +70,8 @@ class Colours {
     std::vector<Pack> packs_;
     int points_ = 0;
 
-    void paint(const std::vector<PairPlace> &pairs, int moving);
-    void gather(const std::vector<PairPlace> &pairs, int moving, int width);
+    void paint(const std::vector<PairPlace> &pairs, const Moves &moves);
+    void gather(const std::vector<PairPlace> &pairs, const Moves &moves, int width);
 };
 
 // Every pack is at home with a thread, by where its bodies are along the specimen. Most have
@@ -80,8 +80,8 @@ class Colours {
 // solved first in each, so that there is something to do meanwhile.
 class Homes {
   public:
-    // Bodies 1 to `moving` move, free or pressed.
-    void find(const Colours &colours, const std::vector<PairPlace> &pairs, int moving, int threads);
+    void find(const Colours &colours, const std::vector<PairPlace> &pairs, const Moves &moves,
+              int threads);
 
     // Packs between threads come first, and of either those of the first thread.
     std::size_t kinds() const { return 2 * static_cast<std::size_t>(threads_); }

@@ -62,8 +62,8 @@ void ContactSolver::solve(double step) {
     const Moves moves{free, free + static_cast<int>(pressed_.size())};
     take_bodies(step);
     take_pairs(step);
-    colours_.sort(places_, moves.all, kernels_ == Kernels::OneByOne ? 1 : Lane<Float8>::WIDTH);
-    homes_.find(colours_, places_, moves.all, workers_.count());
+    colours_.sort(places_, moves, kernels_ == Kernels::OneByOne ? 1 : Lane<Float8>::WIDTH);
+    homes_.find(colours_, places_, moves, workers_.count());
     body_homes_.assign(place_.size(), NOWHERE);
     for (std::size_t i = 0; i < place_.size(); ++i) {
         if (!moves.still(place_[i])) {
