@@ -10,6 +10,7 @@
 #include "stock_world.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <stdexcept>
 #include <string>
@@ -149,34 +150,27 @@ void BulletWorld::recall_drive(std::uint32_t id, rust::Slice<const BodyPose> end
     }
 }
 
-void BulletWorld::press_body(std::uint32_t id, const std::array<double, 3> &direction, double mass,
-                             double speed) {
+void BulletWorld::press_body(std::uint32_t id, const PressDefinition &of) {
     btRigidBody &body = impl_->body(id);
-    if (!body.isKinematicObject() || !(mass > 0)) {
-        throw std::runtime_error("a body that is pressed is kinematic and has a mass");
-    }
-    const btVector3 along = vector(three(direction.data())).normalized();
-    impl_->native_that(PRESSES).solver().press(
-        static_cast<int>(id),
-        Press{along, 1 / mass, 0, false, btVector3(0, 0, 0), impl_->units.scale()});
-    body.setLinearVelocity(along * impl_->units.length(speed));
-}
-
-void BulletWorld::turn_body(std::uint32_t id, const std::array<double, 3> &axis,
-                            const std::array<double, 3> &about, double inertia, double speed) {
-    btRigidBody &body = impl_->body(id);
-    if (!body.isKinematicObject() || !(inertia > 0)) {
-        throw std::runtime_error("a body that is turned is kinematic and has a moment of inertia");
+    if (!body.isKinematicObject() || !(of.mass > 0)) {
+        throw std::runtime_error("a body that is pressed is kinematic and has a mass, or a moment "
+                                 "of inertia");
     }
     const double scale = impl_->units.scale();
-    const btVector3 along = vector(three(axis.data())).normalized();
-    const btVector3 place = impl_->units.length(about);
-    impl_->native_that(PRESSES).solver().press(
-        static_cast<int>(id),
-        Press{along, 1 / (inertia * scale * scale), 0, true, place, scale * scale});
-    body.setAngularVelocity(along * static_cast<btScalar>(speed));
-    body.setLinearVelocity(
-        (along * static_cast<btScalar>(speed)).cross(body.getWorldTransform().getOrigin() - place));
+    Press press;
+    press.direction = vector(three(of.direction.data())).normalized();
+    press.inverse_mass = 1 / (of.turns ? of.mass * scale * scale : of.mass);
+    press.turns = of.turns;
+    press.about = impl_->units.length(of.about);
+    press.unit = of.turns ? scale * scale : scale;
+    impl_->native_that(PRESSES).solver().press(static_cast<int>(id), press);
+    if (of.turns) {
+        const btVector3 spin = press.direction * static_cast<btScalar>(of.speed);
+        body.setAngularVelocity(spin);
+        body.setLinearVelocity(spin.cross(body.getWorldTransform().getOrigin() - press.about));
+    } else {
+        body.setLinearVelocity(press.direction * impl_->units.length(of.speed));
+    }
 }
 
 void BulletWorld::set_force(std::uint32_t id, double force) {

@@ -4,7 +4,6 @@
 
 #include "rust/cxx.h"
 
-#include <array>
 #include <cstdint>
 #include <memory>
 
@@ -18,6 +17,7 @@ struct BodyPose;
 struct EngineSetting;
 struct PairValue;
 struct PhaseTimes;
+struct PressDefinition;
 struct ShapeDefinition;
 struct WorldDefinition;
 
@@ -31,10 +31,7 @@ class BulletWorld {
     void remove_body(std::uint32_t id);
     void drive_body(std::uint32_t id, const BodyPose &end);
     void recall_drive(std::uint32_t id, rust::Slice<const BodyPose> ends);
-    void press_body(std::uint32_t id, const std::array<double, 3> &direction, double mass,
-                    double speed);
-    void turn_body(std::uint32_t id, const std::array<double, 3> &axis,
-                   const std::array<double, 3> &about, double inertia, double speed);
+    void press_body(std::uint32_t id, const PressDefinition &definition);
     void set_force(std::uint32_t id, double force);
     void join_body(std::uint32_t id, std::uint32_t whole);
     void step(bool alone);

@@ -123,6 +123,19 @@ mod bridge {
         angular_velocity: [f64; 3],
     }
 
+    /// How a pressed body moves: along a direction, or, where it `turns`, about an axis through a
+    /// point.
+    struct PressDefinition {
+        turns: bool,
+        direction: [f64; 3],
+        /// In m.
+        about: [f64; 3],
+        /// In kg, or a moment of inertia about the axis in kg m².
+        mass: f64,
+        /// In m/s or rad/s.
+        speed: f64,
+    }
+
     /// State of a body; `present` is false where it was removed.
     struct BodyRead {
         present: bool,
@@ -248,24 +261,11 @@ mod bridge {
         /// Tells a new world, before its first step, where a kinematic body was at the
         /// ends of the last three, the last one last.
         fn recall_drive(self: Pin<&mut BulletWorld>, id: u32, ends: &[BodyPose]) -> Result<()>;
-        /// Lets a kinematic body move along one direction alone from now on, with a mass in kg
-        /// and a speed along it in m/s.
+        /// Lets a kinematic body move so alone from now on.
         fn press_body(
             self: Pin<&mut BulletWorld>,
             id: u32,
-            direction: &[f64; 3],
-            mass: f64,
-            speed: f64,
-        ) -> Result<()>;
-        /// Lets a kinematic body turn about one axis alone from now on, through a point in m, with
-        /// a moment of inertia about it in kg m² and a speed in rad/s.
-        fn turn_body(
-            self: Pin<&mut BulletWorld>,
-            id: u32,
-            axis: &[f64; 3],
-            about: &[f64; 3],
-            inertia: f64,
-            speed: f64,
+            definition: &PressDefinition,
         ) -> Result<()>;
         /// Sets the force on it along the direction in N, or the moment about the axis in N m.
         fn set_force(self: Pin<&mut BulletWorld>, id: u32, force: f64) -> Result<()>;

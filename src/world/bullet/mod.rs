@@ -267,20 +267,24 @@ impl World for BulletBackend {
             })
             .map_err(engine)?;
         self.kinematic.push(matches!(body.motion, Motion::Kinematic));
-        let world = self.world.pin_mut();
-        match body.motion {
-            Motion::Pressed { mass, direction } => {
-                let speed = direction.dot(&body.state.linear_velocity);
-                world.press_body(id, &direction.into(), mass, speed).map_err(refused)?;
-            }
-            Motion::Turned { inertia, axis, about } => {
-                let speed = axis.dot(&body.state.angular_velocity);
-                world
-                    .turn_body(id, &axis.into(), &about.into(), inertia, speed)
-                    .map_err(refused)?;
-            }
+        let definition = match body.motion {
+            Motion::Pressed { mass, direction } => ffi::PressDefinition {
+                turns: false,
+                direction: direction.into(),
+                about: [0.0; 3],
+                mass,
+                speed: direction.dot(&body.state.linear_velocity),
+            },
+            Motion::Turned { inertia, axis, about } => ffi::PressDefinition {
+                turns: true,
+                direction: axis.into(),
+                about: about.into(),
+                mass: inertia,
+                speed: axis.dot(&body.state.angular_velocity),
+            },
             _ => return Ok(BodyId(id)),
-        }
+        };
+        self.world.pin_mut().press_body(id, &definition).map_err(refused)?;
         self.pressed.push(BodyId(id));
         Ok(BodyId(id))
     }
