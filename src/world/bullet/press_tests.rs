@@ -42,6 +42,17 @@ pub(super) fn steps(world: &mut BulletBackend, time: f64) {
     }
 }
 
+/// Force on a body in the last step, and its moment about a point, both in SI.
+pub(super) fn load(world: &BulletBackend, on: BodyId, about: Vector) -> (Vector, Vector) {
+    let contacts = contacts(world);
+    let signed = |c: &Contact| [(c.a, c.impulse, c.point), (c.b, -c.impulse, c.point)];
+    let of = contacts.iter().flat_map(signed).filter(|(body, ..)| *body == on);
+    of.fold((Vector::zeros(), Vector::zeros()), |(force, moment), (_, impulse, point)| {
+        let on: Vector = impulse / world.time_step();
+        (force + on, moment + (point - about).cross(&on))
+    })
+}
+
 #[test]
 fn a_force_accelerates_along_the_direction_alone() {
     let _turn = shared_turn();
@@ -88,15 +99,7 @@ fn a_pressed_block_passes_the_force_on_and_yields_as_a_spring() {
     for at_once in AT_ONCE {
         let (world, block, lid) = loaded(at_once, 0.5, force);
         let weight = GRAVITY * 2673.9 * SIDE.powi(3);
-        let contacts = contacts(&world);
-        let on = |body: BodyId| -> Vector {
-            let own = contacts.iter().map(|c| match body {
-                _ if c.a == body => c.impulse,
-                _ if c.b == body => -c.impulse,
-                _ => Vector::zeros(),
-            });
-            own.sum::<Vector>() / world.time_step()
-        };
+        let on = |body: BodyId| load(&world, body, Vector::zeros()).0;
         near("the lid bears the force", on(lid).z, force, 1e-3 * force);
         near("the floor bears force and weight", -on(BodyId(0)).z, force + weight, 1e-3 * force);
         for (body, what) in [(lid, "nothing sideways at the lid"), (BodyId(0), "nor at the floor")]
