@@ -1,6 +1,7 @@
 //! Contacts of rounded polyhedra with each other, hulls and spheres: gaps, normals and points are
 //! exact, a face holds what lies on it, and nothing depends on threads or instructions.
 
+use super::native_tests::same_bits;
 use super::probe::{HullPair, ProbeSettings};
 use super::tests::{shared_turn, steps};
 use super::*;
@@ -131,12 +132,6 @@ fn free(shape: &ConvexPolyhedron, at: Vector, turn: UnitQuaternion<f64>) -> Body
     Body { shape, motion, material: crate::world::Material::Grain, state }
 }
 
-/// On exactly so many threads, by the instructions of every processor or the fastest.
-pub(super) fn on_threads(threads: u32, portable: bool) -> NativeSettings {
-    let threads = Some(threads);
-    NativeSettings { threads, may_leave_threads: false, portable, ..Default::default() }
-}
-
 pub(super) fn floor() -> Body {
     Body {
         shape: Arc::new(cuboid([0.8, 0.8, 0.02])),
@@ -151,10 +146,10 @@ pub(super) fn floor() -> Body {
 #[test]
 fn a_heap_settles_and_threads_and_instructions_change_no_bit() {
     let _turn = shared_turn();
-    let run = |threads: u32, portable: bool| {
+    let run = |native| {
         let pair = PairCoefficients { friction: 0.5, restitution: 0.3 };
         let down = Vector::new(0.0, 0.0, -9.81);
-        let mut world = world(pair, down, on_threads(threads, portable));
+        let mut world = world(pair, down, native);
         world.add(&floor()).expect("added");
         let mut rng = stream(5, "gravel");
         let mut masses = Vec::new();
@@ -191,13 +186,11 @@ fn a_heap_settles_and_threads_and_instructions_change_no_bit() {
         }
         states
     };
-    let alone = run(1, false);
+    let alone = same_bits(run, [(3, false), (2, true)]);
     let there = alone.iter().flatten().skip(1);
     assert!(there.clone().all(|s| s.pose.translation.z > 0.0), "law: the floor holds");
     let moving = there.filter(|s| s.linear_velocity.norm() > 0.01).count();
     assert!(moving < 5, "law: after two seconds they lie, {moving} move");
-    assert!(alone == run(3, false), "law: threads change no bit");
-    assert!(alone == run(2, true), "law: instructions change no bit");
 }
 
 /// Law: a world that goes on from another's has its contacts with their impulses.

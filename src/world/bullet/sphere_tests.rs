@@ -1,7 +1,8 @@
 //! Contacts of spheres with spheres and hulls: gaps, normals and points are exact.
 
+use super::native_tests::same_bits;
 use super::probe::{HullPair, ProbePoint, ProbeSettings};
-use super::rounded_tests::{floor, on_threads, world as world_of};
+use super::rounded_tests::{floor, world as world_of};
 use super::tests::{shared_turn, snapshot, steps};
 use super::*;
 use crate::geometry::testing::near;
@@ -203,10 +204,10 @@ fn oblique_collisions_have_the_line_of_centres() {
 #[test]
 fn threads_and_instructions_change_no_bit_of_spheres() {
     let _turn = shared_turn();
-    let run = |threads: u32, portable: bool| {
+    let run = |native| {
         let pair = PairCoefficients { friction: 0.5, restitution: 0.3 };
         let down = Vector::new(0.0, 0.0, -9.81);
-        let mut world = world_of(pair, down, on_threads(threads, portable));
+        let mut world = world_of(pair, down, native);
         world.add(&floor()).expect("added");
         let mut rng = stream(5, "beads");
         for n in 0..300 {
@@ -222,10 +223,8 @@ fn threads_and_instructions_change_no_bit_of_spheres() {
         steps(&mut world, 240);
         snapshot(&world)
     };
-    let alone = run(1, false);
+    let alone = same_bits(run, [(3, false), (2, true)]);
     assert!(alone.iter().flatten().all(|s| s.pose.translation.z > -0.02), "law: the slab holds");
-    assert!(alone == run(3, false), "law: threads change no bit");
-    assert!(alone == run(2, true), "law: instructions change no bit");
 }
 
 /// Law: a world that goes on from another's spheres has their contacts with their impulses.
