@@ -120,7 +120,7 @@ fn rows(bench: &Bench, tests: &[Test]) -> Vec<Row> {
     .enumerate()
     .map(|(which, (id, quantity))| {
         let values = angles(which);
-        let row = Row::of("beads", &format!("beads-{id}"), quantity, None, &values);
+        let row = Row::of("beads", &format!("beads-{id}"), quantity, &values);
         let row = row.noted(note.clone());
         Row { design: bench.design().to_owned(), decimals: 1, ..row }
     })

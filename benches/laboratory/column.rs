@@ -7,7 +7,8 @@ use pluvia::{
 
 use super::{
     bench::{Bench, Design, Point, Run},
-    row::{Found, Published, Row},
+    references::Published,
+    row::{Found, Row},
     standard_tests::{deposit_edge, run_out_of_lube, run_out_of_slope},
 };
 
@@ -105,7 +106,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
              To where a tenth of a ring is covered: {thinly:.2}. A deposit at {REPOSE}°, the angle \
              of repose of such grains, would end at {slumped:.2} by its volume alone{told}"
         );
-        let mut row = Row::of("column", &id, &quantity, Some(published), &values).noted(note);
+        let mut row = Row::of("column", &id, &quantity, &values).beside(published).noted(note);
         bench.design().clone_into(&mut row.design);
         rows.push(row);
     }

@@ -7,7 +7,7 @@ use pluvia::{
 
 use super::{
     bench::{Bench, Design, Point, Run},
-    row::{Found, Published, Row},
+    row::{Found, Row},
     standard_tests::{BeverlooFit, Discharge, Held, Outflow, fit_beverloo, steady_outflow},
 };
 
@@ -217,11 +217,10 @@ fn rows(bench: &Bench, grains: &Grains, flows: &Flows, changed: &str) -> Vec<Row
         1 => format!(", one flow jammed and is left out ({})", flows.jammed[0]),
         count => format!(", {count} flows jammed and are left out ({})", flows.jammed.join(", ")),
     };
-    let row = |id: &str, quantity: &str, (low, high): (f64, f64), values: Vec<f64>| {
+    let row = |id: &str, quantity: &str, values: Vec<f64>| {
         let id = format!("{}-{id}", grains.id);
         let quantity = format!("hopper, {}{quantity}", grains.called);
-        let published = Published::Range { low, high };
-        let mut row = Row::of("hopper", &id, &quantity, Some(published), &values);
+        let mut row = Row::of("hopper", &id, &quantity, &values);
         bench.design().clone_into(&mut row.design);
         row
     };
@@ -240,13 +239,12 @@ fn rows(bench: &Bench, grains: &Grains, flows: &Flows, changed: &str) -> Vec<Row
     let with_k = values(&flows.fits(bench, with_k), |f| f.exponent);
     let usual = flows.usual(bench);
     let (c, k) = (values(&usual, |f| f.c), values(&usual, |f| f.k));
-    let exponent = (2.4, 2.6);
     vec![
-        row("exponent", "exponent, with C and k fitted", exponent, free).noted(over),
-        row("exponent-at-k", "exponent, with k held at 1.4", exponent, with_k)
+        row("exponent", "exponent, with C and k fitted", free).noted(over),
+        row("exponent-at-k", "exponent, with k held at 1.4", with_k)
             .noted("Of the same flows: what is left to the exponent where k is that of beads"),
-        row("c", "C, with the exponent held at 2.5", (0.55, 0.65), c).noted(contact),
-        row("k", "k, with the exponent held at 2.5", (1.0, 2.0), k)
+        row("c", "C, with the exponent held at 2.5", c).noted(contact),
+        row("k", "k, with the exponent held at 2.5", k)
             .noted("d is the equivalent diameter, 9.0 mm"),
     ]
 }

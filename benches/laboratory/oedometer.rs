@@ -143,7 +143,7 @@ fn rows(tests: &[Test], stiff: &[Test], stiffness: f64, diameter_mm: f64) -> Vec
     };
     let row = |id: &str, quantity: &str, values: &[f64], note: &str, decimals| {
         let id = format!("oedometer-{id}");
-        let mut row = Row::of("oedometer", &id, quantity, None, values).noted(note);
+        let mut row = Row::of("oedometer", &id, quantity, values).noted(note);
         row.decimals = decimals;
         row
     };

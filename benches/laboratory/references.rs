@@ -3,8 +3,33 @@
 //! *Seen* is said of what stood in front of us, with its address; what is not checked against a
 //! source judges nothing. `--judge` applies this file to kept rows.
 
+use serde::{Deserialize, Serialize};
+
+/// What is published.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Published {
+    /// From one value to another.
+    Range { low: f64, high: f64 },
+    /// One value.
+    Value { value: f64 },
+}
+
+/// What stands beside a row as published.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stated {
+    /// Nothing.
+    Nothing,
+    /// The same, whatever was measured.
+    Known(Published),
+    /// What the row holds: a law at a value that was measured, too.
+    OfTheRow,
+}
+
 /// Where a published number comes from, and what follows from that.
 pub struct Reference {
+    /// The number.
+    pub stated: Stated,
     /// Where it was seen, with what was seen; or that it was not.
     pub source: String,
     /// Whether the row is judged by it.
@@ -38,9 +63,19 @@ const PEAK: &str = "FHWA-HRT-13-068 (2013): of AASHTO No. 8 aggregates from five
     Geo-Congress 2014, pp. 47-53, abstract seen at trid.trb.org/view/1303095: \"uncompacted \
     open-graded aggregates are all greater than 45 degrees\". Other grains than ours: not judged \
     by";
-const NOT_CRITICAL: &str = "none is published of this state: the lid still rises (dilation at the \
-    end), so that it is not the critical state. Of that, φ = 42° − 17° R (Cho, Dodds & Santamarina \
+const NOT_CRITICAL: &str = "none is published of this state: where the lid still rises (dilation \
+    at the end) it is not the critical state. Of that, φ = 42° − 17° R (Cho, Dodds & Santamarina \
     2006, roundness R) is not checked against a source, not judged by";
+const FAR: &str = "Dołżyk-Szypcio 2019, Int. J. Civ. Eng., abstract seen at \
+    scribd.com/document/550894597: a large direct shear box, \"critical frictional state angle Φ° \
+    = 41.2° of tested coarse granular soil is independent of soil moisture and compaction\". \
+    Another soil than ours: not judged by. On how far a box goes: \"Take readings until the limit \
+    of travel of the shear box is reached\", AS 1289.6.2.2:2020, 7.1.2, seen at \
+    xxhh8.cn/as-1289-6-2-2-2020-pdf-free-download.html; that ASTM D3080 asks for at least a tenth \
+    of the width is from memory";
+const FAR_DILATION: &str = "0° is what the critical state is defined by, Casagrande 1940 as quoted \
+    in The Scientific World Journal 2014, 290207, Table 1, seen at \
+    hindawi.com/journals/tswj/2014/290207/tab1; a test that ends before it is not judged by it";
 const ROUNDER: &str = "Cho, Dodds & Santamarina 2006, abstract of the manuscript seen at \
     vi.scribd.com/document/294689621: particle irregularity leads to \"an increase in critical \
     state friction angle\"; by how much was not seen";
@@ -51,8 +86,9 @@ const ONE_STATE: &str = "Casagrande 1940 as quoted in The Scientific World Journ
     Table 1, seen at hindawi.com/journals/tswj/2014/290207/tab1: \"the same void ratio where \
     contracted loose soil and dilated dense soil approach after sheared to large strains\"; Been \
     et al. 1991, abstract seen at scribd.com/document/423343571: the critical state of a sand is \
-    \"independent of stress path, sample preparation method and initial density\". Both specimens \
-    still dilate at the end, so that it is not the critical state: not judged by";
+    \"independent of stress path, sample preparation method and initial density\". Specimens whose \
+    void ratio still changes at the end (its rows say by how much) are not at the critical state: \
+    not judged by";
 const BEADS: &str = "Izadi & Bezuijen 2018, PLoS ONE 13(4), e0195073, abstract seen at \
     journals.plos.org/plosone/article?id=10.1371/journal.pone.0195073: uniform-sized metal beads \
     in the laboratory and with Bullet, \"the difference in the average angle of mobilized \
@@ -63,52 +99,75 @@ const TABLE: &str = "Mathematical Problems in Engineering 2021, 5092612, Table 1
 const BASALT: &str = "CB-Mix-No. 1, two halves of 0.50 to 0.70 and 0.70 to 1.00 mm, roundness 0.19";
 const GRAVEL: &str = "G2-8, 7.49 to 19.21 mm in four fractions of roundness 0.59, 0.59, 0.41 and \
     0.30, coarse to fine";
+const BY_ITS_STATES: &str =
+    "follows from the two published void ratios, by which their rows are judged";
+const TRIED: &str = "as in the row of these grains without the change: a try of what may explain \
+    its miss, not judged. Aggregates count as equidimensional with ratios of their axes \"above \
+    about 0.6\"; \"flaky particles with high aspect ratios of the same grading can have much more \
+    space between the particles\": Encyclopedia of Geology 2005, Aggregates, seen at \
+    123docz.net/document/11561486-encyclopedia-of-geology-five-volume-set-volume-1-5-\
+    encyclopedia-of-geology-series-pdfdrive-77.htm. No source was seen with the axes of a crushed \
+    basalt or its friction";
 const OWN: &str = "our own check; none is published";
 const NONE: &str = "none is published for these grains";
 const OEDOMETER: &str = "no number was seen that this could be compared with";
 
 /// How far a void ratio may be from a published one.
 pub const VOID_RATIO: f64 = 0.05;
+/// Published void ratios of the loosest and the densest state.
+pub const BASALT_STATES: (f64, f64) = (1.257, 0.705);
+pub const GRAVEL_STATES: (f64, f64) = (0.774, 0.546);
 
 /// The reference of a row.
 pub fn of(id: &str) -> Reference {
-    let seen = |source: &str| (source.to_owned(), true, None::<f64>);
-    let unseen = |source: &str| (source.to_owned(), false, None::<f64>);
+    let range = |low, high| Stated::Known(Published::Range { low, high });
+    let value = |value| Stated::Known(Published::Value { value });
+    let about = |value: f64| range(value - VOID_RATIO, value + VOID_RATIO);
+    let seen = |stated, source: &str| (stated, source.to_owned(), true);
+    let unseen = |stated, source: &str| (stated, source.to_owned(), false);
     let table = |row: &str, value: f64| {
-        seen(&format!("{TABLE}: {row}: {value}. ± {VOID_RATIO} is our choice"))
+        seen(about(value), &format!("{TABLE}: {row}: {value}. ± {VOID_RATIO} is our choice"))
     };
-    let (source, is_judged, widest) = match id {
+    let apart = |(e_max, e_min): (f64, f64)| unseen(value(e_max - e_min), BY_ITS_STATES);
+    let (stated, source, is_judged) = match id {
         "hopper-exponent"
         | "hopper-exponent-at-k"
         | "hopper-spheres-exponent"
-        | "hopper-spheres-exponent-at-k" => seen(EXPONENT),
-        "hopper-c" => unseen(&format!("{C}. {OTHER_C}")),
-        "hopper-spheres-c" => seen(C),
-        "hopper-k" | "hopper-spheres-k" => unseen(K),
-        "density-basalt-e-max" => table(BASALT, 1.257),
-        "density-basalt-e-min" => table(BASALT, 0.705),
-        "density-gravel-e-max" => table(GRAVEL, 0.774),
-        "density-gravel-e-min" => table(GRAVEL, 0.546),
-        "density-basalt-range" | "density-gravel-range" => {
-            unseen("follows from the two published void ratios, by which their rows are judged")
+        | "hopper-spheres-exponent-at-k" => seen(range(2.4, 2.6), EXPONENT),
+        "hopper-c" => unseen(range(0.55, 0.65), &format!("{C}. {OTHER_C}")),
+        "hopper-spheres-c" => seen(range(0.55, 0.65), C),
+        "hopper-k" | "hopper-spheres-k" => unseen(range(1.0, 2.0), K),
+        "density-basalt-e-max" => table(BASALT, BASALT_STATES.0),
+        "density-basalt-e-min" => table(BASALT, BASALT_STATES.1),
+        "density-gravel-e-max" => table(GRAVEL, GRAVEL_STATES.0),
+        "density-gravel-e-min" => table(GRAVEL, GRAVEL_STATES.1),
+        "density-basalt-range" => apart(BASALT_STATES),
+        "density-gravel-range" => apart(GRAVEL_STATES),
+        "density-basalt-long-flat-e-max" | "density-basalt-rough-e-max" => {
+            unseen(about(BASALT_STATES.0), TRIED)
         }
-        "direct-shear-peak" => unseen(PEAK),
-        "direct-shear-end" => unseen(NOT_CRITICAL),
-        "triaxial-end-difference" | "triaxial-ratio-difference" => unseen(ONE_STATE),
-        "triaxial-angle-loose" | "triaxial-angle-dense" => unseen(CRITICAL),
+        "density-basalt-long-flat-e-min" | "density-basalt-rough-e-min" => {
+            unseen(about(BASALT_STATES.1), TRIED)
+        }
+        "direct-shear-peak" => unseen(range(43.0, 55.0), PEAK),
+        "direct-shear-end" => unseen(Stated::Nothing, NOT_CRITICAL),
+        "direct-shear-far-end" => unseen(value(41.2), FAR),
+        "direct-shear-far-dilation-end" => unseen(value(0.0), FAR_DILATION),
+        "triaxial-end-difference" | "triaxial-ratio-difference" => unseen(value(0.0), ONE_STATE),
+        "triaxial-angle-loose" | "triaxial-angle-dense" => unseen(range(36.9, 40.3), CRITICAL),
         "oedometer-came-back"
         | "oedometer-compression-index"
         | "oedometer-swelling-index"
-        | "oedometer-swelling-index-stiffer" => unseen(OEDOMETER),
-        "oedometer-springs" | "oedometer-again" => unseen(OWN),
-        _ if id.starts_with("column-run-out-") => seen(RUN_OUT),
-        _ if id.starts_with("repose-") => unseen(REPOSE),
-        _ if id.starts_with("beads-") => unseen(BEADS),
-        _ if id.starts_with("direct-shear-roundness-") => unseen(ROUNDER),
+        | "oedometer-swelling-index-stiffer" => unseen(Stated::Nothing, OEDOMETER),
+        "oedometer-springs" | "oedometer-again" => unseen(Stated::Nothing, OWN),
+        _ if id.starts_with("column-run-out-") => seen(Stated::OfTheRow, RUN_OUT),
+        _ if id.starts_with("repose-") => unseen(value(0.793), REPOSE),
+        _ if id.starts_with("beads-") => unseen(Stated::Nothing, BEADS),
+        _ if id.starts_with("direct-shear-roundness-") => unseen(Stated::Nothing, ROUNDER),
         _ if id.starts_with("direct-shear-rate-") || id.starts_with("direct-shear-stiffness-") => {
-            unseen(OWN)
+            unseen(Stated::Nothing, OWN)
         }
-        _ => unseen(NONE),
+        _ => unseen(Stated::Nothing, NONE),
     };
-    Reference { source, is_judged, widest }
+    Reference { stated, source, is_judged, widest: None }
 }

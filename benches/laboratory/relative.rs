@@ -25,7 +25,7 @@ pub fn derive(rows: &mut Vec<Row>) {
         let of = find(id)?;
         let values: Vec<f64> = of.values.iter().map(|e| (e_max - e) / (e_max - e_min)).collect();
         let quantity = format!("relative density, {what}");
-        let mut row = Row::of("density", &format!("{BEGIN}{id}"), &quantity, None, &values);
+        let mut row = Row::of("density", &format!("{BEGIN}{id}"), &quantity, &values);
         of.design.clone_into(&mut row.design);
         Some(row.noted(
             "By the means of the loosest and the densest state of these grains; walls make the \

@@ -4,14 +4,12 @@ use pluvia::report::{Axis, Chart, Look, Plot};
 
 use super::{
     bench::{Bench, Design, Point, Run},
-    row::{Found, Published, Row},
+    row::{Found, Row},
     standard_tests::{Tilted, crossing, sliding_tilt},
 };
 
 /// The angle that the paper measured, in degrees.
 const WANTED: f64 = 38.40;
-/// The friction coefficient that it takes from it: its tangent.
-const OF_THE_PAPER: f64 = 0.793;
 /// Mean equivalent diameter of the grains in m.
 const SIZE: f64 = 0.0105;
 /// Share of a grain by which grains have slid where a box is read.
@@ -93,9 +91,8 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
             ),
             false => "On straight lines between frictions, realisation by realisation".to_owned(),
         };
-        let published = Some(Published::Value { value: OF_THE_PAPER });
         let id = format!("repose-{}", method.id);
-        let mut row = Row::of("repose", &id, &quantity, published, &values).noted(note);
+        let mut row = Row::of("repose", &id, &quantity, &values).noted(note);
         bench.design().clone_into(&mut row.design);
         rows.push(row);
         let at = |mu: f64| {

@@ -4,19 +4,9 @@ use pluvia::measure::inference::MeanTest;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    references,
+    references::{self, Published, Stated},
     standard_tests::{Verdict, judge, judge_value},
 };
-
-/// What is published.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum Published {
-    /// From one value to another.
-    Range { low: f64, high: f64 },
-    /// One value.
-    Value { value: f64 },
-}
 
 /// An interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -60,19 +50,13 @@ pub struct Found {
 }
 
 impl Row {
-    /// What realisations gave, judged.
-    pub fn of(
-        test: &str,
-        id: &str,
-        quantity: &str,
-        published: Option<Published>,
-        values: &[f64],
-    ) -> Self {
+    /// What realisations gave, judged by the reference of the row.
+    pub fn of(test: &str, id: &str, quantity: &str, values: &[f64]) -> Self {
         let mut row = Self {
             id: id.to_owned(),
             test: test.to_owned(),
             quantity: quantity.to_owned(),
-            published,
+            published: None,
             source: String::new(),
             ours: None,
             interval: None,
@@ -87,9 +71,21 @@ impl Row {
         row
     }
 
-    /// Judges the values by the reference of the row.
+    /// The same beside what a law says of something else that was measured, and judged by it.
+    pub fn beside(mut self, published: Published) -> Self {
+        self.published = Some(published);
+        self.judge();
+        self
+    }
+
+    /// Judges the values by the reference of the row, whose published number it takes.
     pub fn judge(&mut self) {
         let reference = references::of(&self.id);
+        match reference.stated {
+            Stated::Nothing => self.published = None,
+            Stated::Known(published) => self.published = Some(published),
+            Stated::OfTheRow => {}
+        }
         self.ours = pluvia::measure::statistics::mean(&self.values);
         self.interval = MeanTest::of(&self.values, 0.95).map(|t| {
             let mean = t.estimate.mean;

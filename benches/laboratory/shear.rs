@@ -10,7 +10,7 @@ use pluvia::{
 
 use super::{
     bench::{Bench, Point, Run},
-    row::{Found, Published, Row},
+    row::{Found, Row},
     standard_tests::{
         ShearStrength, Sheared, friction_angle, inertial_number, shear_strength,
         void_ratio_of_height,
@@ -39,6 +39,10 @@ const SHEARING: f64 = 3.0;
 const ROUNDER: [f64; 2] = [0.2, 0.45];
 /// Number of the first of their points, after the stresses and what is tried once.
 const FIRST_ROUNDER: usize = STRESSES.len() + 3;
+/// How much further the halves go where the approach to the critical state is looked at, and the
+/// number of that point.
+const FURTHER: f64 = 2.0;
+const FAR: usize = FIRST_ROUNDER + ROUNDER.len();
 /// Height in mm of the middle of the lid above its lower side.
 const HALF_LID_MM: f64 = 5.0;
 /// Height in m of the plane between the halves.
@@ -56,6 +60,26 @@ const SMALL: ShearBox = ShearBox { side_mm: 90.0, speed_mm_per_s: 15.0, travel_m
 const FULL: ShearBox = ShearBox { side_mm: 180.0, speed_mm_per_s: 5.0, travel_mm: 27.0 };
 
 impl ShearBox {
+    /// The same box with thicker walls, whose halves go further.
+    fn far(&self) -> Self {
+        Self { travel_mm: FURTHER * self.travel_mm, ..*self }
+    }
+
+    /// Displacement in m from which on is the end.
+    fn end_from(&self) -> f64 {
+        END * from_mm(self.travel_mm)
+    }
+
+    /// What must be known of the end: which part of the plane the halves no longer share.
+    fn at_the_end(&self) -> String {
+        let apart = (END + 1.0) / 2.0 * self.travel_mm / self.side_mm;
+        format!(
+            "mean over the last third of the displacement, in which {:.0} % of the plane are \
+             grains on the smooth walls of the other half, with friction 0.5",
+            100.0 * apart
+        )
+    }
+
     fn changes(&self, stress_kpa: f64, faster: f64) -> Vec<String> {
         let side = self.side_mm;
         let mass_g = (560.0 * (side / SMALL.side_mm).powi(2)).round();
@@ -121,6 +145,8 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         changes.push(format!("grains.cells.rounding={roundness}"));
         Point { name: format!("roundness-{roundness}"), changes, most: None }
     }));
+    let far = design.far().changes(STRESSES[TRIED], 1.0);
+    others.push(Point { name: "far".to_owned(), changes: far, most });
     points.extend(bench.unless_quick(others));
     let runs = bench.run("direct-shear", SCENARIO, &points)?;
     let mut tests = Vec::new();
@@ -128,7 +154,8 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         let moments = moments(run, PLANE)?;
         // The peak is a mean over the same displacement at either speed.
         let together = if run.point == STRESSES.len() { 2 * TOGETHER } else { TOGETHER };
-        match shear_strength(&moments, together, END * from_mm(design.travel_mm)) {
+        let end_from = if run.point == FAR { design.far().end_from() } else { design.end_from() };
+        match shear_strength(&moments, together, end_from) {
             Some(strength) => {
                 let void_ratios = void_ratios(run, &moments, &design)?;
                 let (point, configuration) = (run.point, run.configuration);
@@ -170,9 +197,9 @@ fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
     };
     let peak: fn(&ShearStrength) -> f64 = |s| s.peak;
     let end: fn(&ShearStrength) -> f64 = |s| s.end;
-    let row = |id: &str, quantity: &str, published, values: &[f64], note: String| {
+    let row = |id: &str, quantity: &str, values: &[f64], note: String| {
         let id = format!("direct-shear-{id}");
-        Row::of("direct-shear", &id, quantity, published, values).noted(note)
+        Row::of("direct-shear", &id, quantity, values).noted(note)
     };
     let [low, _, high] = STRESSES.map(|stress| design.inertial(stress));
     let how = format!(
@@ -231,11 +258,11 @@ fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
         design.inertial(STRESSES[TRIED])
     );
     let stiffer = "860 in place of 430 kN/m, at 50 kPa; poured anew".to_owned();
+    let end_angle = |test: &Test| test.strength.end.atan().to_degrees();
     let rounder = ROUNDER.iter().enumerate().map(|(n, roundness)| {
         row(
             &format!("roundness-{roundness}"),
             &format!("direct shear, grains of roundness {roundness}, change of the end, °"),
-            None,
             &change(FIRST_ROUNDER + n, end),
             "At 50 kPa, against grains with sharp edges of the same realisation".to_owned(),
         )
@@ -244,76 +271,106 @@ fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
         row(
             "peak",
             "direct shear, friction angle at the peak, °",
-            Some(Published::Range { low: 43.0, high: 55.0 }),
             &angles(peak),
             how.clone() + &samples,
         ),
         row(
             "end",
             "direct shear, friction angle at the end of the test, °",
-            None,
             &angles(end),
-            how + ". Mean over the last third of the displacement" + &with_less,
+            format!("{how}. The end is the {}{with_less}", design.at_the_end()),
         ),
         row(
             "dilation",
             "direct shear, angle of dilation at the peak, 50 kPa, °",
-            None,
             &each(TRIED, &rise),
             "Rise of the lid over displacement".to_owned(),
         ),
         row(
             "dilation-end",
             "direct shear, angle of dilation at the end of the test, 50 kPa, °",
-            None,
             &each(TRIED, &rise_at_end),
             still,
         ),
         row(
             "void-ratio",
             "direct shear, void ratio before the shearing, 50 kPa",
-            None,
             &each(TRIED, &|test| test.void_ratios[0]),
             box_wide.to_owned(),
         ),
         row(
             "void-ratio-end",
             "direct shear, void ratio at the end of the test, 50 kPa",
-            None,
             &each(TRIED, &|test| test.void_ratios[1]),
             box_wide.to_owned(),
         ),
         row(
             "rate-peak",
             "direct shear at half the speed, change of the peak, °",
-            None,
             &change(3, peak),
             half.clone(),
         ),
         row(
             "rate-end",
             "direct shear at half the speed, change of the end, °",
-            None,
             &change(3, end),
             half,
         ),
         row(
             "stiffness-peak",
             "direct shear, contacts twice as stiff, change of the peak, °",
-            None,
             &change(4, peak),
             stiffer.clone(),
         ),
         row(
             "stiffness-end",
             "direct shear, contacts twice as stiff, change of the end, °",
-            None,
             &change(4, end),
             stiffer,
         ),
     ];
     rows.extend(rounder);
+    let far = design.far();
+    let over = format!(
+        "{} in place of {} mm: {:.0} % of the width of the box, {:.0} grains; {}. Walls are \
+         thicker, and the specimen is poured anew",
+        far.travel_mm,
+        design.travel_mm,
+        100.0 * far.travel_mm / far.side_mm,
+        far.travel_mm / SIZE_MM,
+        far.at_the_end()
+    );
+    let own: Vec<ShearStrength> = (1..=bench.configurations)
+        .filter_map(|c| over_the_usual_part(of(FAR, c)?, design))
+        .collect();
+    let before = |of: fn(&ShearStrength) -> f64| {
+        let angles: Vec<f64> = own.iter().map(|s| of(s).atan().to_degrees()).collect();
+        let mean = pluvia::measure::statistics::mean(&angles);
+        mean.map_or(String::new(), |mean| {
+            let (from, to) = (to_mm(design.end_from()), design.travel_mm);
+            format!(". From {from:.1} to {to:.1} mm, where the other tests end, it has {mean:.1}°")
+        })
+    };
+    rows.push(row(
+        "far-end",
+        "direct shear twice as far, friction angle at the end, 50 kPa, °",
+        &each(FAR, &end_angle),
+        over.clone() + &before(end),
+    ));
+    rows.push(row(
+        "far-dilation-end",
+        "direct shear twice as far, angle of dilation at the end, 50 kPa, °",
+        &each(FAR, &rise_at_end),
+        over + &before(|s| s.dilation_at_end),
+    ));
     rows
+}
+
+/// Peak and end of a test over that part of its displacement which the others have.
+fn over_the_usual_part(test: &Test, design: &ShearBox) -> Option<ShearStrength> {
+    let travel = from_mm(design.travel_mm);
+    let part = &test.moments[..test.moments.partition_point(|m| m.displacement <= travel)];
+    shear_strength(part, TOGETHER, design.end_from())
 }
 
 /// Void ratio of all grains in the box at the first moment and at the last.
@@ -369,12 +426,16 @@ pub fn moments(run: &Run, plane: f64) -> Result<Vec<Sheared>, String> {
     Ok(first.chain(whole.map(|pair| pair[1])).map(moment).collect())
 }
 
-/// Tests at the three stresses, the first at each with its name.
-fn named(tests: &[Test]) -> impl Iterator<Item = (&Test, String)> {
-    let at_stresses = tests.iter().enumerate().filter(|(_, test)| test.point < STRESSES.len());
-    at_stresses.map(|(n, test)| {
+/// Tests at the three stresses and that which goes further, the first of each with its name and
+/// all with a number for their look.
+fn named(tests: &[Test]) -> impl Iterator<Item = (&Test, usize, String)> {
+    tests.iter().enumerate().filter_map(|(n, test)| {
         let is_first = tests[..n].iter().all(|earlier| earlier.point != test.point);
-        (test, if is_first { format!("{} kPa", STRESSES[test.point]) } else { String::new() })
+        let (look, name) = match test.point {
+            FAR => (STRESSES.len(), format!("{} kPa, twice as far", STRESSES[TRIED])),
+            point => (point, format!("{} kPa", STRESSES.get(point)?)),
+        };
+        Some((test, look, if is_first { name } else { String::new() }))
     })
 }
 
@@ -382,9 +443,9 @@ fn chart(tests: &[Test]) -> Chart {
     let panel = |name: &str, y: fn(&Test, &Sheared) -> f64| {
         let x = Axis::linear("Displacement (mm)").from_zero();
         let mut plot = Plot::new(x, Axis::linear(name).from_zero());
-        for (test, name) in named(tests) {
+        for (test, look, name) in named(tests) {
             let points = test.moments.iter().map(|m| (to_mm(m.displacement), y(test, m)));
-            plot.add(name, Look::marked(test.point), points.collect());
+            plot.add(name, Look::marked(look), points.collect());
         }
         plot
     };
@@ -407,9 +468,9 @@ fn profiles(tests: &[Test]) -> Chart {
         Axis::linear("Height before (mm)").from_zero(),
     );
     plot.mark_level("Plane between the halves", to_mm(PLANE));
-    for (test, name) in named(tests) {
+    for (test, look, name) in named(tests).filter(|(test, _, _)| test.point != FAR) {
         let points = test.profile.iter().map(|(height, way)| (to_mm(*way), to_mm(*height)));
-        plot.add(name, Look::marked(test.point), points.collect());
+        plot.add(name, Look::marked(look), points.collect());
     }
     Chart {
         stem: "direct-shear-profile".into(),

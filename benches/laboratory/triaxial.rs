@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::{
     bench::{Bench, Point, Run},
-    row::{Found, Published, Row},
+    row::{Found, Row},
     standard_tests::{
         CriticalState, Triaxial, angle_of_ratio, critical_state, inertial_number, peak_ratio,
     },
@@ -184,9 +184,9 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
         };
         (1..=bench.configurations).filter_map(|c| Some(of(find(0, c)?) - of(find(1, c)?))).collect()
     };
-    let row = |id: &str, quantity: &str, published, values: &[f64], note: String, decimals| {
+    let row = |id: &str, quantity: &str, values: &[f64], note: String, decimals| {
         let id = format!("triaxial-{id}");
-        let mut row = Row::of("triaxial", &id, quantity, published, values).noted(note);
+        let mut row = Row::of("triaxial", &id, quantity, values).noted(note);
         row.decimals = decimals;
         row
     };
@@ -209,15 +209,12 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
         side / SIZE_MM,
         100.0 * END
     );
-    let same = Some(Published::Value { value: 0.0 });
-    let critical = Some(Published::Range { low: 36.9, high: 40.3 });
     let made = "Poured and compressed by 10 kPa with friction between grains of 0.5 and of 0.05, \
                 sheared with 0.5";
     vec![
         row(
             "begin",
             "triaxial, void ratio of loose less dense, at the beginning",
-            None,
             &difference(&begin),
             made.to_owned(),
             3,
@@ -225,7 +222,6 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
         row(
             "begin-loose",
             "triaxial, void ratio of the loose at the beginning",
-            None,
             &values(0, &begin),
             made.to_owned(),
             3,
@@ -233,7 +229,6 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
         row(
             "begin-dense",
             "triaxial, void ratio of the dense at the beginning",
-            None,
             &values(1, &begin),
             made.to_owned(),
             3,
@@ -241,7 +236,6 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
         row(
             "end-difference",
             "triaxial, void ratio of loose less dense, at the end",
-            same,
             &difference(&void_ratio),
             how.clone(),
             3,
@@ -249,7 +243,6 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
         row(
             "end-loose",
             "triaxial, void ratio of the loose at the end",
-            None,
             &values(0, &void_ratio),
             how.clone() + &still(0),
             3,
@@ -257,7 +250,6 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
         row(
             "end-dense",
             "triaxial, void ratio of the dense at the end",
-            None,
             &values(1, &void_ratio),
             how.clone() + &still(1),
             3,
@@ -265,7 +257,6 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
         row(
             "ratio-difference",
             "triaxial, q/p of loose less dense, at the end",
-            same,
             &difference(&ratio),
             how.clone(),
             2,
@@ -273,7 +264,6 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
         row(
             "ratio-loose",
             "triaxial, q/p of the loose at the end",
-            None,
             &values(0, &ratio),
             how.clone(),
             2,
@@ -281,7 +271,6 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
         row(
             "ratio-dense",
             "triaxial, q/p of the dense at the end",
-            None,
             &values(1, &ratio),
             how.clone(),
             2,
@@ -289,7 +278,6 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
         row(
             "peak-loose",
             "triaxial, friction angle of the loose at its peak, °",
-            None,
             &values(0, &peak),
             how.clone(),
             1,
@@ -297,7 +285,6 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
         row(
             "peak-dense",
             "triaxial, friction angle of the dense at its peak, °",
-            None,
             &values(1, &peak),
             how.clone(),
             1,
@@ -305,7 +292,6 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
         row(
             "angle-loose",
             "triaxial, friction angle of the loose at the end, °",
-            critical,
             &values(0, &angle),
             how.clone(),
             1,
@@ -313,7 +299,6 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
         row(
             "angle-dense",
             "triaxial, friction angle of the dense at the end, °",
-            critical,
             &values(1, &angle),
             how,
             1,

@@ -1,5 +1,163 @@
-//! The laws by which `make laboratory` reads its tests keep to what they say.
+//! The laws by which `make laboratory` reads its tests keep to what they say, and its rows are
+//! judged by what was seen in a source.
+
+use std::path::Path;
 
 #[allow(dead_code, unused_imports)] // the laboratory reads more than the tests ask
 #[path = "../../benches/laboratory/standard_tests/mod.rs"]
 mod laws;
+#[path = "../../benches/laboratory/references.rs"]
+mod references;
+#[allow(dead_code)] // no table is printed here
+#[path = "../../benches/laboratory/row.rs"]
+mod row;
+
+use laws::{self as standard_tests, Verdict};
+use references::{Published, Stated};
+use row::Row;
+
+/// Rows of points that a kept file may not have yet, and of the full design.
+const OTHERS: [&str; 12] = [
+    "column-run-out-0.5",
+    "density-basalt-long-flat-e-max",
+    "density-basalt-long-flat-e-min",
+    "density-basalt-rough-e-max",
+    "density-basalt-rough-e-min",
+    "density-fraction-e-max",
+    "density-fraction-e-min",
+    "direct-shear-far-dilation-end",
+    "direct-shear-far-end",
+    "direct-shear-void-ratio",
+    "relative-density-oedometer-void-ratio",
+    "triaxial-begin-loose",
+];
+
+/// What a source says that has no address.
+const WITHOUT_ADDRESS: [&str; 7] = [
+    "from memory",
+    "not checked against a source",
+    "No source was seen",
+    "no number was seen",
+    "none is published",
+    "follows from the two published void ratios",
+    "as in the row of these grains without the change",
+];
+
+/// The rows that the page shows.
+fn kept() -> Vec<Row> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/results/laboratory.json");
+    pluvia::record::read_json(&file).expect("the rows are kept")
+}
+
+/// Whether a source names a place in the web: a host with a path.
+fn has_address(source: &str) -> bool {
+    source.split([' ', '(', ')', ',', ';']).any(|word| {
+        let Some((host, path)) = word.split_once('/') else { return false };
+        let mut parts = host.rsplit('.');
+        let is_top = parts.next().is_some_and(|top| top.chars().all(|c| c.is_ascii_alphabetic()));
+        is_top && parts.next().is_some() && !path.is_empty()
+    })
+}
+
+#[test]
+fn every_published_number_has_a_source() {
+    let ids = kept().into_iter().map(|row| row.id).chain(OTHERS.map(str::to_owned));
+    for id in ids {
+        let reference = references::of(&id);
+        let source = &reference.source;
+        let has_number = reference.stated != Stated::Nothing;
+        assert!(!source.is_empty(), "law: {id} says where its number is from, or that none is");
+        if reference.is_judged {
+            assert!(
+                has_number && has_address(source),
+                "law: {id} is judged by a number that was seen at an address, got `{source}`"
+            );
+            let is_one = matches!(reference.stated, Stated::Known(Published::Value { .. }));
+            assert!(
+                !is_one || reference.widest.is_some(),
+                "law: {id} is judged by one value, and so says how wide its interval may be"
+            );
+        } else {
+            assert!(
+                has_address(source) || WITHOUT_ADDRESS.iter().any(|text| source.contains(text)),
+                "law: {id} has an address, or says why it has none, got `{source}`"
+            );
+            assert!(
+                !has_number || !source.contains("none is published"),
+                "law: {id} states no number of which its source says that there is none"
+            );
+        }
+    }
+    for (source, expected) in [
+        ("Mankoc et al. 2007, seen at ar5iv.labs.arxiv.org/html/0707.4550: a 5/2 law", true),
+        ("(seen at hindawi.com/journals/tswj/2014/290207/tab1)", true),
+        ("Lube et al. 2004, J. Fluid Mech. 508: (r∞ − r₀)/r₀ = 1.24 a, ± 3.5/2 %", false),
+        ("a handbook", false),
+    ] {
+        assert_eq!(has_address(source), expected, "law: an address in `{source}`");
+    }
+}
+
+#[test]
+fn verdicts_follow_from_the_interval_and_what_is_published() {
+    // Student's t of three values in steps of s reaches 2.48 s to either side of their mean.
+    for (id, values, expected) in [
+        // 2.4 to 2.6, seen.
+        ("hopper-exponent", vec![2.49, 2.50, 2.51], Verdict::Within),
+        ("hopper-exponent", vec![2.80, 2.81, 2.82], Verdict::Outside),
+        ("hopper-exponent", vec![2.20, 2.21, 2.22], Verdict::Outside),
+        ("hopper-exponent", vec![2.57, 2.58, 2.59], Verdict::Undecided),
+        ("hopper-exponent", vec![2.3, 2.5, 2.7], Verdict::Undecided),
+        ("hopper-exponent", vec![2.5], Verdict::Undecided),
+        ("hopper-exponent", Vec::new(), Verdict::NotRun),
+        // 1 to 2, not seen.
+        ("hopper-k", vec![1.49, 1.50, 1.51], Verdict::NotJudged),
+        ("hopper-k", vec![7.0, 7.0, 7.1], Verdict::NotJudged),
+        // Nothing is published.
+        ("density-e-max", vec![0.95, 0.96, 0.97], Verdict::NotJudged),
+    ] {
+        let row = Row::of("a test", id, "a quantity", &values);
+        assert_eq!(row.verdict, expected, "law: {id} with {values:?}: {:?}", row.interval);
+    }
+    let law = Published::Range { low: 1.0, high: 1.4 };
+    for (values, expected) in [
+        (vec![1.19, 1.20, 1.21], Verdict::Within),
+        (vec![0.49, 0.50, 0.51], Verdict::Outside),
+    ] {
+        let row = Row::of("column", "column-run-out-1", "run-out", &values).beside(law);
+        assert_eq!(row.verdict, expected, "law: {values:?} beside 1.0 to 1.4");
+    }
+}
+
+#[test]
+fn a_kept_row_takes_the_published_number_of_today() {
+    let values = [2.49, 2.50, 2.51];
+    let stale = Some(Published::Range { low: 3.0, high: 4.0 });
+    let again = |id: &str| {
+        let mut row = Row::of("a test", id, "a quantity", &values);
+        (row.published, row.verdict) = (stale, Verdict::Outside);
+        row.judge();
+        (row.published, row.verdict)
+    };
+    let expected = (Some(Published::Range { low: 2.4, high: 2.6 }), Verdict::Within);
+    assert_eq!(again("hopper-exponent"), expected, "law: the range of today, and its verdict");
+    let expected = (None, Verdict::NotJudged);
+    assert_eq!(again("density-e-max"), expected, "law: what is published no longer goes");
+    let expected = (stale, Verdict::Outside);
+    assert_eq!(again("column-run-out-1"), expected, "law: a law's value is the row's own");
+}
+
+#[test]
+fn kept_rows_are_judged_by_the_references_of_today() {
+    for row in kept() {
+        let mut today = row.clone();
+        today.judge();
+        assert_eq!(
+            (today.published, &today.source[..], today.verdict),
+            (row.published, &row.source[..], row.verdict),
+            "law: {} says what benches/laboratory/references.rs says; `make laboratory \
+             ARGS=\"--judge --out docs/results/laboratory.json\"` judges kept rows again",
+            row.id
+        );
+    }
+}
