@@ -5,6 +5,7 @@
 mod builds;
 mod derived;
 mod joint;
+mod laboratory;
 mod list;
 mod make;
 mod marks;

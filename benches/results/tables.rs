@@ -2,9 +2,9 @@
 
 use serde_json::Value;
 
-use super::{builds, joint, list, missed::missed, referee, speed, value::Results};
+use super::{builds, joint, laboratory, list, missed::missed, referee, speed, value::Results};
 
-type Cells<'a> = &'a dyn Fn(&str) -> Result<String, String>;
+pub(super) type Cells<'a> = &'a dyn Fn(&str) -> Result<String, String>;
 
 /// The table of a name, as Markdown.
 pub fn named(name: &str, results: &Results) -> Result<String, String> {
@@ -20,8 +20,12 @@ pub fn named(name: &str, results: &Results) -> Result<String, String> {
         "calibration" => calibration(results.source("calibration")?.as_ref()),
         "stock" => stock(&quote),
         "missed" => missed(results.source("verify")?.as_ref()),
-        "laboratory" => laboratory(&quote, results.source("laboratory")?.as_ref()),
-        "laboratory-sources" => sources(results.source("laboratory")?.as_ref()),
+        "laboratory" => laboratory::verdicts(&quote, results.source("laboratory")?.as_ref()),
+        "laboratory-sources" => Ok(laboratory::sources(results.source("laboratory")?.as_ref())),
+        "laboratory-missed" => laboratory::missed(&quote, results.source("laboratory")?.as_ref()),
+        "laboratory-density" => laboratory::density(&quote, results.source("laboratory")?.as_ref()),
+        "laboratory-shear" => laboratory::shear_end(&quote, results.source("laboratory")?.as_ref()),
+        "laboratory-build" => Ok(laboratory::build(&builds::read(results.root())?)),
         "grain-sieve" => grain_sieve(&quote, results.source("grains")?.as_ref()),
         "grain-sizes" => grain_sizes(&quote),
         "grain-shape" => grain_shape(&quote),
@@ -421,50 +425,4 @@ fn files(builds: &[builds::Build]) -> String {
             &row(&[format!("[{file}]({file})"), (*what).to_owned(), String::new(), String::new()]);
     }
     text
-}
-
-/// Rows of the standard tests: what is published, ours, and what came of it.
-fn laboratory(quote: Cells, all: &Value) -> Result<String, String> {
-    let mut text = head(&["", "published", "ours, 95 % confidence", "realisations", "verdict"]);
-    for value in all.as_array().into_iter().flatten() {
-        let typed = |field: &str| value[field].as_str().unwrap_or_default().to_owned();
-        let id = typed("id");
-        let decimals = value["decimals"].as_u64().unwrap_or(2);
-        let at = |path: &str| quote(&format!("laboratory:{id}/{path}:.{decimals}"));
-        let published = &value["published"];
-        let published = if published["value"].is_number() {
-            let widest = value["widest_half_width"].is_number().then(|| at("widest_half_width"));
-            let widest =
-                widest.transpose()?.map_or_else(String::new, |w| format!(" (± {w} at most)"));
-            at("published/value")? + &widest
-        } else if published["low"].is_number() {
-            format!("{} to {}", at("published/low")?, at("published/high")?)
-        } else {
-            String::new()
-        };
-        let mut ours = match value["ours"].is_number() {
-            true => at("ours")?,
-            false => String::new(),
-        };
-        if value["interval"].is_object() {
-            ours += &format!(" ({} to {})", at("interval/low")?, at("interval/high")?);
-        }
-        let verdict = match typed("verdict").as_str() {
-            "outside" => "**missed**".to_owned(),
-            other => other.replace('_', " "),
-        };
-        let count = value["values"].as_array().map_or(0, Vec::len);
-        text += &row(&[typed("quantity"), published, ours, count.to_string(), verdict]);
-    }
-    Ok(text)
-}
-
-/// Where the published numbers of the standard tests were seen, and what a reader must know.
-fn sources(all: &Value) -> Result<String, String> {
-    let mut text = head(&["", "source", "how it was measured, and what was tried"]);
-    for value in all.as_array().into_iter().flatten() {
-        let typed = |field: &str| value[field].as_str().unwrap_or_default().to_owned();
-        text += &row(&[typed("quantity"), typed("source"), typed("note")]);
-    }
-    Ok(text)
 }

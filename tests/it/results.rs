@@ -10,6 +10,8 @@ mod builds;
 mod derived;
 #[path = "../../benches/results/joint.rs"]
 mod joint;
+#[path = "../../benches/results/laboratory.rs"]
+mod laboratory;
 #[allow(dead_code)] // pictures are for the generator
 #[path = "../../benches/results/list.rs"]
 mod list;
