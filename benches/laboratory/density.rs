@@ -208,7 +208,7 @@ fn with_change(
     let out = format!("{}-{}", folder(scenario, &STRONG), tried.name);
     let change = |text: &&str| text.parse::<Override>().map_err(|e| e.to_string());
     let changes = tried.changes.iter().map(change).collect::<Result<Vec<_>, String>>()?;
-    vibrated(bench, scenario, &STRONG, duration_s, (changes, most, &out))
+    vibrated(bench, scenario, &STRONG, duration_s, (changes, most, &out[..]))
 }
 
 /// What a change makes of the void ratios of both states, against the same realisations without it.

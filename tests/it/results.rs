@@ -332,3 +332,47 @@ fn builds_have_their_day_and_age() {
         assert_eq!(build.is_older(15), is_older, "law: `{format}` is older than 15");
     }
 }
+
+/// Law: what the page of the standard tests says of its rows follows from them, and nothing is said
+/// of rows that are not there.
+#[test]
+fn sentences_of_the_standard_tests_follow_from_their_rows() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let results = folder.path().join(list::FOLDER);
+    fs::create_dir_all(&results).expect("made");
+    let said = |table: &str, rows: &[serde_json::Value]| {
+        let text = serde_json::json!(rows).to_string();
+        fs::write(results.join("laboratory.json"), text).expect("written");
+        tables::named(table, &Results::of(folder.path())).expect("a table")
+    };
+    let row = |id: &str, ours: f64, values: &[f64]| {
+        serde_json::json!({ "id": id, "ours": ours, "values": values, "decimals": 1 })
+    };
+    let peak = row("direct-shear-dilation", 10.5, &[10.5, 10.5]);
+    let rises = row("direct-shear-dilation-end", 7.4, &[3.8, 11.0]);
+    let rests = row("direct-shear-dilation-end", -0.2, &[-0.1, -0.3]);
+    let far = [
+        row("direct-shear-far-end", 41.04, &[41.04]),
+        row("direct-shear-far-dilation-end", 0.5, &[0.5]),
+    ];
+    let text = said("laboratory-shear", &[peak.clone(), rises.clone()]);
+    assert!(text.contains("in 2 of 2 realisations: **the end"), "law: it rises, got {text}");
+    assert!(!text.contains("twice as far"), "law: that was not run, got {text}");
+    let text = said("laboratory-shear", &[peak.clone(), rests]);
+    assert!(text.contains("at −0.2°") && text.contains("in 0 of 2 realisations."), "got {text}");
+    let text = said("laboratory-shear", &[vec![peak, rises], far.to_vec()].concat());
+    let expected = "twice as far ends at 41.0°, with the lid rising at 0.5°.";
+    assert!(text.contains(expected), "law: `{expected}`, got {text}");
+    assert_eq!(said("laboratory-shear", &[]), "", "law: no row, no sentence");
+
+    let judged = |verdict: &str| {
+        serde_json::json!({ "id": "a", "quantity": "e", "verdict": verdict, "decimals": 1,
+            "published": { "low": 1.0, "high": 2.0 }, "ours": 0.5, "values": [0.5],
+            "note": "417 grains. Tried: with less friction -0.1" })
+    };
+    assert_eq!(said("laboratory-missed", &[judged("within")]), "No row misses.\n", "law: no miss");
+    let text = said("laboratory-missed", &[judged("within"), judged("outside")]);
+    let expected = "| e | 1.0 to 2.0 | 0.5 | Tried: with less friction -0.1 |";
+    assert_eq!(text.lines().last(), Some(expected), "law: a miss stands with what was tried");
+    assert_eq!(text.lines().count(), 3, "law: a row beside the head, got {text}");
+}
