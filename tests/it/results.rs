@@ -373,6 +373,6 @@ fn sentences_of_the_standard_tests_follow_from_their_rows() {
     assert_eq!(said("laboratory-missed", &[judged("within")]), "No row misses.\n", "law: no miss");
     let text = said("laboratory-missed", &[judged("within"), judged("outside")]);
     let expected = "| e | 1.0 to 2.0 | 0.5 | Tried: with less friction -0.1 |";
-    assert_eq!(text.lines().last(), Some(expected), "law: a miss stands with what was tried");
+    assert_eq!(text.lines().next_back(), Some(expected), "law: a miss stands with what was tried");
     assert_eq!(text.lines().count(), 3, "law: a row beside the head, got {text}");
 }
