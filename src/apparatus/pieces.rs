@@ -32,6 +32,9 @@ pub struct RigidPiece {
 
 impl RigidPiece {
     /// Builds a piece.
+    ///
+    /// # Errors
+    /// When it has no shape, or one that its dimensions make impossible.
     pub fn new(spec: &PieceSpec) -> Result<Self, ApparatusError> {
         let parts = parts_of(&spec.shape).map_err(unbuilt("piece of the laboratory"))?;
         let [x, y, z] = spec.rotation_deg.map(from_deg);

@@ -103,6 +103,9 @@ pub(super) fn cone(
 }
 
 /// A round floor about the z axis with its upper face at z = 0; radius and thickness in m.
+///
+/// # Errors
+/// When a dimension makes it impossible.
 pub fn round_floor(radius: f64, thickness: f64) -> Result<Piece, ApparatusError> {
     ConvexPolyhedron::prism(&polygon(radius, FLOOR_SIDES), -thickness, 0.0)
         .map(piece)
@@ -130,6 +133,9 @@ pub struct Cylinder {
 
 impl Cylinder {
     /// Builds the container.
+    ///
+    /// # Errors
+    /// When a dimension makes a piece impossible.
     pub fn new(spec: &CylinderSpec) -> Result<Self, ApparatusError> {
         let (radius, height) = (from_mm(spec.inner_diameter_mm) / 2.0, from_mm(spec.height_mm));
         let thickness = from_mm(spec.wall_thickness_mm);
@@ -160,6 +166,9 @@ pub struct Funnel {
 impl Funnel {
     /// Builds the funnel with its opening at a height above the cylinder's
     /// floor and a collar of the given height on top, both in m.
+    ///
+    /// # Errors
+    /// When a dimension makes a piece impossible.
     pub fn new(
         spec: &FunnelSpec,
         opening_height: f64,
@@ -206,6 +215,9 @@ pub struct TopPlate {
 
 impl TopPlate {
     /// Builds the plate.
+    ///
+    /// # Errors
+    /// When a dimension makes it impossible.
     pub fn new(spec: &TopPlateSpec) -> Result<Self, ApparatusError> {
         let (radius, thickness) = (from_mm(spec.diameter_mm) / 2.0, from_mm(spec.thickness_mm));
         let outline = polygon(radius, spec.sides);

@@ -32,6 +32,9 @@ pub struct StandingPiece {
 /// The pieces that stand in this state: cylinder with floor, funnel, lid, a pile's
 /// base. The top plate is a free body and none of them; the collar that funnels have
 /// while they are filled is left out.
+///
+/// # Errors
+/// When the funnel's dimensions make no funnel.
 pub fn standing(
     setup: &Setup,
     grains: &GrainSet,

@@ -285,6 +285,9 @@ pub struct SceneError {
 
 impl Scene {
     /// The scene of a specimen in its laboratory; `motion` is what the table does next.
+    ///
+    /// # Errors
+    /// When the apparatus cannot be built.
     pub fn of(
         setup: &Setup,
         specimen: &Specimen,
@@ -347,6 +350,9 @@ impl Scene {
     }
 
     /// Whether a reader of this version may use what it has read.
+    ///
+    /// # Errors
+    /// The field that says otherwise.
     pub fn check(&self) -> Result<(), SceneError> {
         if self.format != FORMAT {
             let (found, expected) = (format!("`{}`", self.format), format!("`{FORMAT}`"));

@@ -56,6 +56,9 @@ pub struct Moment<'a> {
 
 /// Reads the stages of a run folder, or one of them, by the names and numbers of
 /// [`super::read_run`].
+///
+/// # Errors
+/// [`ExportError`], naming the file or what was asked for.
 pub fn read_moments(folder: &Path, stage: Option<&str>) -> Result<Moments, ExportError> {
     let manifest = Manifest::of(folder)?;
     let before = |number: usize| number.checked_sub(1).and_then(|n| manifest.stages.get(n));

@@ -73,6 +73,9 @@ impl Part {
 
 /// Every part of a laboratory, and the base of a pile where there is one. The
 /// collar that funnels have while they are filled is left out.
+///
+/// # Errors
+/// When the dimensions of the funnel or of the base make none.
 pub fn parts(
     setup: &Setup,
     grains: &GrainSet,

@@ -27,18 +27,27 @@ pub struct PlayedStage {
 }
 
 /// Reads a run folder as `pluvia run` and `reproduce` write it.
+///
+/// # Errors
+/// [`ExportError`], naming the file.
 pub fn read_playback(folder: &Path) -> Result<Playback, ExportError> {
     read(folder, StageStore::frames_in, None)
 }
 
 /// The same for somebody who asked for a stage, by the names and numbers of [`super::read_run`]:
 /// where it is the rest test, that is the last of the stages.
+///
+/// # Errors
+/// [`ExportError`], naming the file or the stages there are.
 pub fn read_playback_for(folder: &Path, asked: Option<&str>) -> Result<Playback, ExportError> {
     read(folder, StageStore::frames_in, asked)
 }
 
 /// The same with the first frame of every stage and the last two alone, so that a
 /// long run takes no more memory than a short one.
+///
+/// # Errors
+/// [`ExportError`], naming the file.
 pub fn read_playback_ends(folder: &Path) -> Result<Playback, ExportError> {
     read(folder, StageStore::frame_ends_in, None)
 }

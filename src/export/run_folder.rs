@@ -106,6 +106,9 @@ pub struct Exported {
 
 impl Exported {
     /// In the exchange format.
+    ///
+    /// # Errors
+    /// When the apparatus cannot be built.
     pub fn scene(&self) -> Result<Scene, ApparatusError> {
         Scene::of(&self.setup, &self.specimen, self.next_motion.as_ref(), self.made_by.clone())
     }
@@ -114,6 +117,9 @@ impl Exported {
 /// Reads a run folder as `pluvia run`, `reproduce` and `compare` write it.
 /// `stage` is a stage's number from 0, its name, where one stage alone has it, or
 /// `rest_test`; without it, the last stage is taken.
+///
+/// # Errors
+/// [`ExportError`], naming the file or what was asked for.
 pub fn read_run(folder: &Path, stage: Option<&str>) -> Result<Exported, ExportError> {
     let manifest = Manifest::of(folder)?;
     let setup = manifest.setup()?;
@@ -145,12 +151,18 @@ pub fn read_run(folder: &Path, stage: Option<&str>) -> Result<Exported, ExportEr
 
 /// The run's specimen at rest: at the end of its rest test or, where it has none, of its
 /// last stage. The run's own specimen must be as it was written either way.
+///
+/// # Errors
+/// [`ExportError`], naming the file.
 pub fn read_at_rest(folder: &Path) -> Result<Exported, ExportError> {
     let last = read_run(folder, None)?;
     stage_at_rest(folder)?.map_or(Ok(last), |asked| read_run(folder, Some(asked)))
 }
 
 /// How the stage is asked for at whose end a run's specimen is at rest, where that is not its last.
+///
+/// # Errors
+/// [`ExportError`], naming the file.
 pub fn stage_at_rest(folder: &Path) -> Result<Option<&'static str>, ExportError> {
     Ok(Manifest::of(folder)?.rest_test.is_some().then_some(REST_TEST))
 }

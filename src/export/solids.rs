@@ -48,6 +48,9 @@ pub fn grains_obj(specimen: &Specimen) -> String {
 }
 
 /// The apparatus around them: the pieces of cylinder, funnel and lid that stand, and the top plate.
+///
+/// # Errors
+/// When the apparatus cannot be built.
 pub fn apparatus_obj(setup: &Setup, specimen: &Specimen) -> Result<String, ApparatusError> {
     let mut objects = Objects::new("apparatus");
     for s in standing(setup, &specimen.grains, &specimen.state)? {
@@ -77,6 +80,9 @@ pub fn grains_stl(specimen: &Specimen) -> io::Result<Vec<u8>> {
 }
 
 /// A PLY file (text): polygonal faces, each with the number of its grain.
+///
+/// # Errors
+/// None in memory.
 pub fn grains_ply(specimen: &Specimen) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     write_ply_of(in_place(specimen).iter().map(|(n, shape)| (*n, shape)), &mut bytes)?;

@@ -35,6 +35,9 @@ fn in_mm(of: &Vector) -> [f64; 3] {
 
 /// One row a grain, also for those that left the apparatus (where they were last seen): centroid,
 /// orientation of the principal axes, velocities in world axes.
+///
+/// # Errors
+/// The writer's; writing to memory does not fail.
 pub fn grains_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
     let grains = specimen.grains.grains.iter().zip(&specimen.state.bodies);
     let rows = grains.enumerate().map(|(n, (grain, state))| {
@@ -54,6 +57,9 @@ pub fn grains_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
 
 /// One row a loaded contact: point midway between the surfaces, unit normal from the second to the
 /// first, force on the first. Where the engine gave no contacts, the header alone.
+///
+/// # Errors
+/// The writer's; writing to memory does not fail.
 pub fn contacts_csv(setup: &Setup, specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
     let row = |c: &SavedContact| {
         let names = c.between.map(|party| party_name(setup, party));
@@ -66,6 +72,9 @@ pub fn contacts_csv(setup: &Setup, specimen: &Specimen) -> Result<Vec<u8>, csv::
 /// One row for every two grains that touch, measured outside any engine: gap, negative where they
 /// overlap, and the overlap in percent of the mean of their equivalent diameters (0 where they do
 /// not). Where none do, the header alone.
+///
+/// # Errors
+/// The writer's; writing to memory does not fail.
 pub fn pairs_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
     let present: Vec<usize> = specimen.present().collect();
     let grains = &specimen.grains.grains;

@@ -156,6 +156,9 @@ impl From<ConvexPolyhedron> for Raw {
 impl ConvexPolyhedron {
     /// Builds a polyhedron from vertices (metres) and faces (vertex indices, counter-clockwise seen
     /// from outside), checking closedness, convexity and positive volume.
+    ///
+    /// # Errors
+    /// The first fault found, as a [`PolyhedronError`].
     pub fn new(vertices: Vec<Point>, faces: Vec<Vec<u32>>) -> Result<Self, PolyhedronError> {
         let polyhedron = Self { vertices, faces: Arc::new(faces), sphere: None, rounded: None };
         polyhedron.sanity_check()?;
@@ -208,6 +211,9 @@ impl ConvexPolyhedron {
     }
 
     /// Checks every invariant of the type; `new` calls it, tests call it again on what they made.
+    ///
+    /// # Errors
+    /// The first fault found.
     pub fn sanity_check(&self) -> Result<(), PolyhedronError> {
         if self.vertices.len() < 4 || self.faces.len() < 4 {
             return Err(PolyhedronError::TooSmall {
@@ -437,6 +443,9 @@ impl ConvexPolyhedron {
 
     /// A right prism over a convex polygon (corners counter-clockwise seen
     /// from above, metres) between the heights `bottom` and `top` in metres.
+    ///
+    /// # Errors
+    /// When the result is no convex polyhedron.
     pub fn prism(polygon: &[(f64, f64)], bottom: f64, top: f64) -> Result<Self, PolyhedronError> {
         let lower = polygon.iter().map(|&(x, y)| Point::new(x, y, bottom)).collect::<Vec<_>>();
         let upper = polygon.iter().map(|&(x, y)| Point::new(x, y, top)).collect::<Vec<_>>();

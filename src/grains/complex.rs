@@ -189,6 +189,9 @@ impl CellComplex {
     }
 
     /// All cells as polyhedra.
+    ///
+    /// # Errors
+    /// [`GrainsError::BadCell`] for the first cell that is none.
     pub fn into_polyhedra(self) -> Result<Vec<ConvexPolyhedron>, GrainsError> {
         (0..self.cells.len())
             .map(|cell| self.cell(cell).map_err(|source| GrainsError::BadCell { cell, source }))

@@ -112,6 +112,9 @@ pub fn to_json(grains: &GrainSet) -> GrainsJson {
 
 /// The grain set of a file's content. Everything is computed from the meshes;
 /// what the file states beside them must agree.
+///
+/// # Errors
+/// The first fault, with the numbers of block and cell.
 pub fn from_json(json: &GrainsJson) -> Result<GrainSet, GrainsError> {
     let mut blocks = Vec::with_capacity(json.blocks.len());
     for (index, block) in json.blocks.iter().enumerate() {
@@ -147,6 +150,9 @@ pub fn read_json(from: impl Read) -> Result<GrainSet, GrainsError> {
 }
 
 /// Writes `grains.json`, ending in a line feed.
+///
+/// # Errors
+/// When writing fails.
 pub fn write_json(grains: &GrainSet, into: impl Write) -> Result<(), GrainsError> {
     let mut out = std::io::BufWriter::new(into);
     serde_json::to_writer(&mut out, &to_json(grains))?;

@@ -9,6 +9,9 @@ fn cells(grains: &GrainSet) -> impl Iterator<Item = &ConvexPolyhedron> + Clone +
 }
 
 /// Writes a Wavefront OBJ file: one object a grain, polygonal faces, metres.
+///
+/// # Errors
+/// When writing fails.
 pub fn write_obj(grains: &GrainSet, into: impl Write) -> std::io::Result<()> {
     let mut out = BufWriter::new(into);
     writeln!(out, "# {} grains, lengths in metres", cells(grains).count())?;
@@ -33,11 +36,17 @@ pub fn write_obj(grains: &GrainSet, into: impl Write) -> std::io::Result<()> {
 
 /// Writes a PLY file (text): all grains in one mesh with polygonal faces,
 /// each face with the number of its grain; metres.
+///
+/// # Errors
+/// When writing fails.
 pub fn write_ply(grains: &GrainSet, into: impl Write) -> std::io::Result<()> {
     write_ply_of(cells(grains).enumerate(), into)
 }
 
 /// The same of shapes with the numbers of their grains, where they are.
+///
+/// # Errors
+/// When writing fails.
 pub fn write_ply_of<'a>(
     shapes: impl Iterator<Item = (usize, &'a ConvexPolyhedron)> + Clone,
     into: impl Write,
@@ -72,11 +81,17 @@ pub fn write_ply_of<'a>(
 
 /// Writes a binary STL file: the triangles of all grains, metres (STL itself
 /// knows no unit, and holds single precision).
+///
+/// # Errors
+/// When writing fails.
 pub fn write_stl(grains: &GrainSet, into: impl Write) -> std::io::Result<()> {
     write_stl_of(cells(grains), into)
 }
 
 /// The same of shapes where they are.
+///
+/// # Errors
+/// When writing fails.
 pub fn write_stl_of<'a>(
     shapes: impl Iterator<Item = &'a ConvexPolyhedron> + Clone,
     into: impl Write,

@@ -49,6 +49,9 @@ pub fn sieve_csv(
 }
 
 /// A table in memory, of rows of names and cells; the names are those of the first row.
+///
+/// # Errors
+/// The writer's; writing to memory does not fail.
 pub fn table_csv<N: AsRef<[u8]>>(
     rows: impl Iterator<Item = Vec<(N, String)>>,
 ) -> Result<Vec<u8>, csv::Error> {

@@ -73,6 +73,9 @@ impl Container {
     }
 
     /// Checks that the lengths are positive and finite.
+    ///
+    /// # Errors
+    /// [`MeasureError::BadContainer`].
     pub fn check(&self) -> Result<(), MeasureError> {
         let positive = |v: f64| v.is_finite() && v > 0.0;
         for (what, value) in [("radius", self.radius), ("height", self.height)] {

@@ -52,6 +52,9 @@ impl HeightMap {
     }
 
     /// Maps copies of grains, each by its number and its pose, over the container's cross-section.
+    ///
+    /// # Errors
+    /// As [`HeightMap::of`].
     pub fn of_poses(
         grains: &GrainSet,
         poses: &[(usize, Pose)],

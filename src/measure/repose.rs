@@ -133,6 +133,9 @@ pub enum NoPile {
 ///
 /// Heights are above the mean height of the base: that of the fixed grains and
 /// the floor between them.
+///
+/// # Errors
+/// [`MeasureError`] of the height map.
 pub fn pile_surface(specimen: &Specimen) -> Result<Option<PileSurface>, MeasureError> {
     let Some(base) = &specimen.state.base else { return Ok(None) };
     let over = over(base, &specimen.grains);
@@ -158,6 +161,9 @@ pub fn over(base: &Base, grains: &GrainSet) -> Container {
 }
 
 /// Mean height in m of a specimen's base above z = 0; 0 without fixed grains.
+///
+/// # Errors
+/// [`MeasureError`] of the height map.
 pub fn base_level(specimen: &Specimen) -> Result<f64, MeasureError> {
     let Some(base) = specimen.state.base.as_ref().filter(|b| !b.fixed_grains.is_empty()) else {
         return Ok(0.0);
@@ -179,6 +185,9 @@ pub fn pile_top(specimen: &Specimen) -> Option<f64> {
 
 impl PileSurface {
     /// The angle of repose, or why there is none.
+    ///
+    /// # Errors
+    /// [`NoPile`].
     pub fn repose(&self) -> Result<Repose, NoPile> {
         let area = self.cell * self.cell;
         let sum: f64 = self.cells.iter().map(|c| c.height).sum();

@@ -59,6 +59,10 @@ pub struct Settlement {
 
 /// Reads the settlement off a series; heights between samples by linear interpolation. The series
 /// ends where the final reading is taken: leave out what comes after (a rest test).
+///
+/// # Errors
+/// [`MeasureError::EmptySeries`], [`MeasureError::BadSample`],
+/// [`MeasureError::NoPeriod`], [`MeasureError::BadPeriod`].
 pub fn settlement(series: &[HeightSample], periods: &[Period]) -> Result<Settlement, MeasureError> {
     check(series, periods)?;
     let start = height_clamped(series, periods[0].start);

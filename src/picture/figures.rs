@@ -23,6 +23,9 @@ const MADE: &str = "Cast ray by ray from the simulated shapes in their simulated
 
 /// The grains, the filled funnel and the specimen at its end, before and after
 /// vibration where there was one, from the folder of any run.
+///
+/// # Errors
+/// When the run cannot be read or a picture cannot be drawn.
 pub fn of_run(folder: &Path) -> Result<Vec<Picture>, PictureError> {
     let run = read_playback_ends(folder)?;
     let mut pictures = vec![grains(&run, "picture-grains", "Grains")?];

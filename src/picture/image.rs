@@ -77,6 +77,9 @@ impl Image {
     }
 
     /// As PNG, which names its colours as sRGB.
+    ///
+    /// # Errors
+    /// When the size makes no PNG.
     pub fn to_png(&self, background: Background) -> Result<Vec<u8>, PictureError> {
         let (colours, bytes) = match background {
             Background::White => (png::ColorType::Rgb, self.to_rgb()),

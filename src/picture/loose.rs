@@ -26,6 +26,9 @@ pub const VIEW: View = View { azimuth_deg: 0.0, elevation_deg: 60.0 };
 
 /// A picture of up to three rows of grains of each fraction, evenly picked, the
 /// coarsest at the back, each on its largest face, beside a bar of known length.
+///
+/// # Errors
+/// Numbers out of range, colours that need a run, text that cannot be drawn.
 pub fn loose_grains(grains: &GrainSet, shot: &Shot) -> Result<Image, PictureError> {
     shot.check()?;
     let grains_there = vec![Some(Pose::identity()); grains.grains.len()];

@@ -19,6 +19,10 @@ const NEAR: f64 = 0.0801;
 /// The moment of a run at a time in s since it began, in a stage named by its
 /// number from 0 or its name. Without a time it is the end of the stage, without
 /// a stage any may have that time; without both it is the end of the run.
+///
+/// # Errors
+/// [`PictureError::NoStage`], [`PictureError::SeveralStages`] and [`PictureError::NoTime`], saying
+/// what there is.
 pub fn at(run: &Playback, stage: Option<&str>, time: Option<f64>) -> Result<At, PictureError> {
     let chosen = stage.map(|asked| stage_of(run, asked)).transpose()?;
     let nothing = || PictureError::NoStage { asked: "the last".into(), stages: "none".into() };

@@ -97,6 +97,10 @@ pub(super) fn stage_scene(
 }
 
 /// A picture of a moment of a run.
+///
+/// # Errors
+/// Numbers out of range, frames that the colours need and that are missing, text
+/// that cannot be drawn.
 pub fn picture(run: &Playback, at: At, shot: &Shot) -> Result<Image, PictureError> {
     shot.check()?;
     let (scene, notes) = stage_scene(run, at, shot, None)?;

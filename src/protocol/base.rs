@@ -63,6 +63,9 @@ fn fixed_grains(radius: f64, set: &GrainSet, seed: u64, configuration: u32) -> V
 }
 
 /// The bodies of a pile's base, the floor last; none where there is no base.
+///
+/// # Errors
+/// When the floor cannot be built.
 pub fn base_pieces(
     grains: &GrainSet,
     base: Option<&Base>,

@@ -119,6 +119,9 @@ pub struct Fed {
 
 impl Fed {
     /// Whether it can be of so many grains.
+    ///
+    /// # Errors
+    /// What does not fit, for a reader.
     pub(super) fn check(&self, grains: usize) -> Result<(), String> {
         if self.count > grains {
             return Err(format!("`fed.count` is {}, and there are {grains} grains", self.count));

@@ -49,7 +49,10 @@ pub fn region(spec: &RegionSpec) -> Region {
 }
 
 impl StressKeeper {
-    /// By what a scenario says, for a stage that begins with a specimen; or why it cannot be kept.
+    /// By what a scenario says, for a stage that begins with a specimen.
+    ///
+    /// # Errors
+    /// Why it cannot be kept.
     pub(super) fn of(
         spec: &KeepMeanStressSpec,
         setup: &Setup,

@@ -26,6 +26,9 @@ pub(super) fn check(setup: &Setup, table_peak: f64) -> RunTimeCheck {
 /// grains that are there.
 ///
 /// The funnel, where it stands, has a collar of a height in m; the table's peak speed is in m/s.
+///
+/// # Errors
+/// What is wrong, in words.
 pub fn plausible(
     setup: &Setup,
     specimen: &Specimen,

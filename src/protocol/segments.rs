@@ -65,6 +65,9 @@ pub struct Midway {
 impl Midway {
     /// Whether a stage of so many grains can go on from here: what was read from a
     /// file may be of other grains, or hold numbers that no stage comes to.
+    ///
+    /// # Errors
+    /// What does not fit, for a reader.
     pub fn check(&self, grains: usize) -> Result<(), String> {
         self.state.check(grains)?;
         if Duration::try_from_secs_f64(self.engine_s).is_err() {

@@ -56,6 +56,9 @@ pub struct SettleCriterion {
 
 impl Setup {
     /// The laboratory of a scenario.
+    ///
+    /// # Errors
+    /// When a dimension makes a piece of the apparatus impossible.
     pub fn new(scenario: &Scenario) -> Result<Self, ApparatusError> {
         let settle = &scenario.settle;
         let mut pairs = pair_table(&scenario.contact);

@@ -63,11 +63,17 @@ impl<'a> Bench<'a> {
     }
 
     /// An empty scene under gravity along −z of the laboratory.
+    ///
+    /// # Errors
+    /// [`VerifyError::World`].
     pub fn scene(&self, pairs: &PairTable) -> Result<Scene, VerifyError> {
         self.scene_under(Vector::new(0.0, 0.0, -GRAVITY), pairs)
     }
 
     /// An empty scene under a gravity (m/s²) given in the laboratory's axes.
+    ///
+    /// # Errors
+    /// [`VerifyError::World`].
     pub fn scene_under(&self, gravity: Vector, pairs: &PairTable) -> Result<Scene, VerifyError> {
         let world = (self.make)(&self.engine, self.view.vector_out(gravity), pairs)?;
         Ok(Scene::new(world, self.view, self.larger))

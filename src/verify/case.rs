@@ -58,6 +58,9 @@ impl KnownFailure {
 
 impl Case {
     /// Reads a case; `file` names it in errors.
+    ///
+    /// # Errors
+    /// [`VerifyError::Case`] with the place in the file.
     pub fn from_json(file: &str, text: &str) -> Result<Self, VerifyError> {
         let fault = |reason: String| VerifyError::Case { file: file.to_owned(), reason };
         let mut reader = serde_json::Deserializer::from_str(text);
@@ -127,6 +130,9 @@ files! {
 
 /// The cases under `scenarios/verification/`, built into the program so that
 /// it needs no other file; in the order of the table.
+///
+/// # Errors
+/// [`VerifyError::Case`] for a file with a fault.
 pub fn builtin() -> Result<Vec<Case>, VerifyError> {
     FILES.iter().map(|(file, text)| Case::from_json(file, text)).collect()
 }

@@ -393,6 +393,9 @@ pub fn mass_of(body: &Body) -> (f64, Vector) {
 }
 
 /// About `count` grains of 8 to 10 mm, cut as the paper's are.
+///
+/// # Errors
+/// [`VerifyError::Setup`] where they cannot be cut.
 pub fn grains(count: usize, seed: u64) -> Result<GrainSet, VerifyError> {
     // A fraction has V / (π/6 d³) grains of its mean diameter 9 mm.
     let volume_mm3 = count as f64 * std::f64::consts::PI / 6.0 * 9.0_f64.powi(3);

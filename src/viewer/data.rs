@@ -77,6 +77,9 @@ struct Section {
 const CONSTANTS: usize = 5;
 
 /// Reads a run folder as `pluvia run` and `reproduce` write it.
+///
+/// # Errors
+/// [`ExportError`], naming the file.
 pub fn read_run_data(folder: &Path) -> Result<RunData, ExportError> {
     let playback = read_playback(folder)?;
     let ends = (0..playback.stages.len())

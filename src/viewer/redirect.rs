@@ -20,6 +20,9 @@ pub struct Redirect {
 impl Redirect {
     /// Writes the page into a new folder of the system's for temporary files. Folder and file are
     /// for their owner alone.
+    ///
+    /// # Errors
+    /// When it cannot be written.
     pub fn to(url: &str) -> io::Result<Self> {
         let mut builder = tempfile::Builder::new();
         builder.prefix("pluvia-view-");

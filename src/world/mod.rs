@@ -264,6 +264,9 @@ pub trait World {
     }
 
     /// Reads the state of one body.
+    ///
+    /// # Errors
+    /// [`WorldError::NoSuchBody`].
     fn read_body(&self, id: BodyId) -> Result<BodyState, WorldError> {
         let mut all = Vec::new();
         self.read(&mut all);
@@ -271,6 +274,9 @@ pub trait World {
     }
 
     /// Advances by one time step.
+    ///
+    /// # Errors
+    /// [`WorldError::Engine`].
     fn step(&mut self) -> Result<(), WorldError>;
 
     /// Length of a step in s.
@@ -321,6 +327,9 @@ pub trait World {
     }
 
     /// The coefficients that a contact between these bodies gets.
+    ///
+    /// # Errors
+    /// [`WorldError::NoSuchBody`].
     fn pair_coefficients(&self, a: BodyId, b: BodyId) -> Result<PairCoefficients, WorldError>;
 
     /// Every engine setting as read back from the engine.

@@ -78,6 +78,9 @@ impl<'a> Series<'a> {
 /// Writes the moments of a run, about `every` s apart, into a folder: grains and apparatus at each,
 /// contacts and force chains at the ends of stages where the engine gave contacts. `told` hears how
 /// many of how many moments are done.
+///
+/// # Errors
+/// When a file cannot be written.
 pub fn write_vtk(
     moments: &Moments,
     every: f64,

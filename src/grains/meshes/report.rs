@@ -106,6 +106,9 @@ impl MeshRecord {
 }
 
 /// `stones.csv`: one row per grain.
+///
+/// # Errors
+/// As [`table_csv`].
 pub fn meshes_csv(records: &[MeshRecord]) -> Result<Vec<u8>, csv::Error> {
     let row = |record: &MeshRecord| {
         vec![

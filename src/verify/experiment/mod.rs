@@ -224,6 +224,9 @@ impl Experiment {
     }
 
     /// Runs it.
+    ///
+    /// # Errors
+    /// [`VerifyError`] when the engine fails or the event waited for does not come.
     pub fn run(&self, bench: &Bench) -> Result<Outcome> {
         match *self {
             Self::MassProperties => properties(),

@@ -9,6 +9,9 @@ use crate::world::{WorldError, finite, positive, sound};
 
 /// Everything that is fixed when a world is made; gravity in m/s²,
 /// and how many materials bodies are of.
+///
+/// # Errors
+/// [`WorldError::BadSetting`] for a value that Bullet cannot take.
 pub(super) fn definition(
     s: &EngineSettings,
     gravity: Vector,

@@ -192,6 +192,9 @@ pub struct ProbeDrive {
 impl BulletBackend {
     /// Finds the contacts where the bodies are without a step: with the impulses
     /// that the next step begins with.
+    ///
+    /// # Errors
+    /// [`WorldError::Engine`].
     pub fn find_contacts(&mut self) -> Result<(), WorldError> {
         self.world.pin_mut().find_contacts().map_err(engine)
     }
