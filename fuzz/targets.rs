@@ -234,11 +234,8 @@ pub fn reads_design(data: &[u8]) -> bool {
         let folder = path.parent().expect("a folder");
         beside(folder, "scenario.json", include_bytes!("beside/scenario.json"));
         for quick in [false, true] {
-            let options = StudyOptions {
-                design: Some(path.to_owned()),
-                quick,
-                configurations: None,
-            };
+            let options =
+                StudyOptions { design: Some(path.to_owned()), quick, configurations: None };
             read |= converge(&options).is_ok();
             read |= sensitivity(&options).is_ok();
         }

@@ -71,7 +71,9 @@ pub use stress::{Stress, stress_in};
 // What its parts are made of, too.
 use statrs::distribution::StudentsT;
 
-use crate::geometry::{ConvexPolyhedron, MassProperties, Point, Pose, Sphere, Vector, cut, edges_of};
+use crate::geometry::{
+    ConvexPolyhedron, MassProperties, Point, Pose, Sphere, Vector, cut, edges_of,
+};
 use crate::grains::GrainSet;
 use crate::scale;
 pub use crate::specimen::Region;

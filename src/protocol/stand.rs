@@ -42,7 +42,9 @@ pub(super) struct Stand<'a> {
 /// How a segment ended.
 pub(super) enum SegmentEnd {
     /// With the stage or a part of it, and whether everything had settled.
-    OfPart { settled: bool },
+    OfPart {
+        settled: bool,
+    },
     /// Because its time was up.
     Seam,
     Cancelled,

@@ -345,9 +345,7 @@ fn sentences_of_the_standard_tests_follow_from_their_rows() {
         fs::write(results.join("laboratory.json"), text).expect("written");
         tables::named(table, &Results::of(folder.path())).expect("a table")
     };
-    let row = |id: &str, ours: f64, values: &[f64]| {
-        serde_json::json!({ "id": id, "ours": ours, "values": values, "decimals": 1 })
-    };
+    let row = |id: &str, ours: f64, values: &[f64]| serde_json::json!({ "id": id, "ours": ours, "values": values, "decimals": 1 });
     let peak = row("direct-shear-dilation", 10.5, &[10.5, 10.5]);
     let rises = row("direct-shear-dilation-end", 7.4, &[3.8, 11.0]);
     let rests = row("direct-shear-dilation-end", -0.2, &[-0.1, -0.3]);

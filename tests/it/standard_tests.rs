@@ -120,10 +120,9 @@ fn verdicts_follow_from_the_interval_and_what_is_published() {
         assert_eq!(row.verdict, expected, "law: {id} with {values:?}: {:?}", row.interval);
     }
     let law = Published::Range { low: 1.0, high: 1.4 };
-    for (values, expected) in [
-        (vec![1.19, 1.20, 1.21], Verdict::Within),
-        (vec![0.49, 0.50, 0.51], Verdict::Outside),
-    ] {
+    for (values, expected) in
+        [(vec![1.19, 1.20, 1.21], Verdict::Within), (vec![0.49, 0.50, 0.51], Verdict::Outside)]
+    {
         let row = Row::of("column", "column-run-out-1", "run-out", &values).beside(law);
         assert_eq!(row.verdict, expected, "law: {values:?} beside 1.0 to 1.4");
     }

@@ -165,8 +165,7 @@ fn creep(study: &StudyView, counting: &StudyView) -> String {
     };
     let vibrated = runs.iter().filter(|r| r.kind.is_vibration());
     let mm = vibrated.filter_map(over_vibration).reduce(f64::max);
-    let over =
-        mm.map_or_else(String::new, |mm| format!(", {} mm over the vibration", at_most(mm)));
+    let over = mm.map_or_else(String::new, |mm| format!(", {} mm over the vibration", at_most(mm)));
     format!("Numerical creep at rest: {} µm/s{over}.", at_most(most))
 }
 

@@ -205,9 +205,7 @@ impl SweepStudy {
         let point = self.points.iter().find(|p| p.name == row.variation);
         let outcomes = match row.failure {
             Some(_) => BTreeMap::new(),
-            None => {
-                outcomes_in(&read_json(&folder_of(out, &row.run).join("summary.json"))?)
-            }
+            None => outcomes_in(&read_json(&folder_of(out, &row.run).join("summary.json"))?),
         };
         Ok(SweepRun {
             run: row.run.clone(),

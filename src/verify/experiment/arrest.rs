@@ -60,9 +60,7 @@ pub enum Catch {
 #[serde(tag = "how", rename_all = "snake_case", deny_unknown_fields)]
 pub enum LetDown {
     /// Steadily: largest upward velocity afterwards, in mm/s.
-    Sinks {
-        speed_mm_per_s: f64,
-    },
+    Sinks { speed_mm_per_s: f64 },
     /// What held it is pulled away: √(rise/fall).
     Drops,
     /// It is not; the floor comes up steadily: velocity of separation over that of approach.
