@@ -18,70 +18,89 @@ pub const HEIGHT_BAND: f64 = 0.05;
 /// less one: 5 % of the height are 0.05 (1 + e), 0.1 for e near 0.95.
 pub const VOID_RATIO_BAND: f64 = 0.1;
 
-/// Checks a comparison of engines, which leaves `compare.json`, `report.html`, `figures/` and
-/// `runs/<name>/`.
+/// Checks a comparison of engines, makes its grains and builds its laboratories. It leaves
+/// `compare.json`, `report.html`, `figures/` and `runs/<name>/`.
 ///
 /// # Errors
 /// [`StudyError::Faults`] where an engine cannot do the scenario: the first may run for hours
-/// before the turn of one that cannot.
+/// before the turn of one that cannot; [`StudyError`] where grains or a laboratory cannot be had.
 pub fn compare(
     scenario: Scenario,
     backends: &[Backend],
 ) -> Result<Study<CompareRecord>, StudyError> {
     let each: Vec<Scenario> = backends.iter().map(|b| with(&scenario, *b)).collect();
     each.iter().try_for_each(check)?;
+    let question = json!({ "scenario": in_question(&scenario), "backends": backends });
+    let scenarios = each.clone();
+    let comparison = Comparison::new(scenario, each)?;
     Ok(Study {
         command: "compare",
-        question: json!({ "scenario": in_question(&scenario), "backends": backends }),
-        scenarios: each.clone(),
-        conclude: Box::new(move |run| compared(&scenario, &each, run)),
+        question,
+        scenarios,
+        conclude: Box::new(move |run| comparison.carry_out(run)),
     })
 }
 
-/// Runs a scenario that is given in each engine, and compares the runs.
-fn compared(
-    scenario: &Scenario,
-    each: &[Scenario],
-    options: &RunOptions,
-) -> Result<CompareRecord, StudyError> {
-    let grains = Arc::new(make_grains(scenario)?);
-    let handed_on = scenario
-        .stages
-        .iter()
-        .position(|s| matches!(s, StageSpec::Vibrate { .. }))
-        .unwrap_or(scenario.stages.len());
-    let runs = planned(each, &grains, handed_on);
-    // Two may have the same engine: their names tell them apart.
-    let plan = Plan::named(&runs)?;
-    let (records, _) = carry_out(&plan, &runs, options, |run| folder_of(&options.out, &run.name))?;
-    for record in &records {
-        report::run_figures(&folder_of(&options.out, &record.name).join("figures"), record)?;
+/// A comparison that can begin.
+struct Comparison {
+    scenario: Scenario,
+    /// The scenario in each engine.
+    each: Vec<Scenario>,
+    /// After how many stages the specimen is handed on.
+    handed_on: usize,
+    runs: Vec<PlannedRun>,
+    plan: Plan,
+}
+
+impl Comparison {
+    /// Of a scenario that is given in each engine.
+    fn new(scenario: Scenario, each: Vec<Scenario>) -> Result<Self, StudyError> {
+        let grains = Arc::new(make_grains(&scenario)?);
+        let handed_on = scenario
+            .stages
+            .iter()
+            .position(|s| matches!(s, StageSpec::Vibrate { .. }))
+            .unwrap_or(scenario.stages.len());
+        let runs = planned(&each, &grains, handed_on);
+        // Two may have the same engine: their names tell them apart.
+        let plan = Plan::named(&runs)?;
+        Ok(Self { scenario, each, handed_on, runs, plan })
     }
-    let compared = runs.iter().zip(records).map(|(run, record)| CompareRun {
-        name: record.name,
-        backend: name(run.scenario.engine.backend),
-        specimen_by: run.prepared.as_ref().map(|p| name(p.engine.backend)),
-        wall_s_per_simulated_s: record.summary.wall_s / record.summary.simulated_s,
-        summary: record.summary,
-        series: record.series,
-    });
-    let compared: Vec<CompareRun> = compared.collect();
-    let quantities = quantities(&compared);
-    let not_judged = not_judged(&compared);
-    let within = quantities.iter().all(|q| q.within_band != Some(false));
-    let record = CompareRecord {
-        scenario: scenario.name.clone(),
-        backends: each.iter().map(|own| crate::world::info(own.engine.backend)).collect(),
-        handed_on_after_stages: handed_on,
-        runs: compared,
-        quantities,
-        within_bands: not_judged.is_none().then_some(within),
-        not_judged,
-        vibrated: handed_on < scenario.stages.len(),
-        standard: standard(&scenario.scale()),
-    };
-    report::write_comparison(&options.out, &record)?;
-    Ok(record)
+
+    /// Runs the scenario in each engine, and compares the runs.
+    fn carry_out(&self, options: &RunOptions) -> Result<CompareRecord, StudyError> {
+        let Self { scenario, each, handed_on, runs, plan } = self;
+        let folder = |run: &str| folder_of(&options.out, run);
+        let (records, _) = carry_out(plan, runs, options, |run| folder(&run.name))?;
+        for record in &records {
+            report::run_figures(&folder(&record.name).join("figures"), record)?;
+        }
+        let compared = runs.iter().zip(records).map(|(run, record)| CompareRun {
+            name: record.name,
+            backend: name(run.scenario.engine.backend),
+            specimen_by: run.prepared.as_ref().map(|p| name(p.engine.backend)),
+            wall_s_per_simulated_s: record.summary.wall_s / record.summary.simulated_s,
+            summary: record.summary,
+            series: record.series,
+        });
+        let compared: Vec<CompareRun> = compared.collect();
+        let quantities = quantities(&compared);
+        let not_judged = not_judged(&compared);
+        let within = quantities.iter().all(|q| q.within_band != Some(false));
+        let record = CompareRecord {
+            scenario: scenario.name.clone(),
+            backends: each.iter().map(|own| crate::world::info(own.engine.backend)).collect(),
+            handed_on_after_stages: *handed_on,
+            runs: compared,
+            quantities,
+            within_bands: not_judged.is_none().then_some(within),
+            not_judged,
+            vibrated: *handed_on < scenario.stages.len(),
+            standard: standard(&scenario.scale()),
+        };
+        report::write_comparison(&options.out, &record)?;
+        Ok(record)
+    }
 }
 
 fn name(backend: Backend) -> String {

@@ -108,6 +108,27 @@ fn what_an_engine_cannot_do_is_refused_before_the_other_runs() {
     assert!(!out.exists(), "law: faults are found before anything is written");
 }
 
+/// Law: grains that cannot be read are reported before anything is written.
+#[test]
+fn grains_that_are_not_there_leave_nothing() {
+    if !cfg!(feature = "rapier") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut scenario = small::scenario(30.0, 0.25, 0.2);
+    scenario["grains"] = json!({ "file": "nowhere.json" });
+    let path = folder.path().join("small.json");
+    fs::write(&path, scenario.to_string()).expect("a scenario file");
+    let out = folder.path().join("out");
+    let output = compare(&path, "bullet,rapier", &out);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success(), "law: there are no grains, got {said}");
+    for word in ["nowhere.json", "grains.file of `small`"] {
+        assert!(said.contains(word), "`{word}` is missing in: {said}");
+    }
+    assert!(!out.exists(), "law: faults are found before anything is written");
+}
+
 /// Law: one engine alone is no comparison, and one that stands there twice is refused by its name.
 #[test]
 fn engines_are_compared_once_each_and_with_others() {
