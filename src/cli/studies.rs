@@ -1,4 +1,4 @@
-//! How commands carry studies out, and options of those whose design is in a file.
+//! How commands run studies, and options of those whose design is in a file.
 
 use super::*;
 use crate::study::{Study, StudyOptions};
@@ -17,7 +17,7 @@ pub(super) fn carry_out<T>(
     end(&found)
 }
 
-/// What both studies ask for.
+/// What `converge` and `sensitivity` ask for.
 #[derive(Debug, Args)]
 pub(super) struct DesignedArgs {
     /// A few hundred grains instead of 1456, and fewer variations if the design says so

@@ -1,10 +1,12 @@
 //! What a study is: the one description that every command of many runs gives of itself.
 //!
-//! A function reads and checks all that is asked, so that faults are reported before a file is
-//! written, and gives a [`Study`]: its question, its scenarios, and what it concludes from its runs.
-//! For these it asks by `run::carry_out` (all or none), by `run::carry_out_each` (one that fails has
-//! a reason in place of results), or, of variations of a scenario, by the functions of `variations`
-//! (one that fails is a row that says so).
+//! A function reads and checks all that is asked, so that faults in fields are reported before a
+//! file is written, and gives a [`Study`]: its question, its scenarios, and what it concludes from
+//! its runs. Where all of them have the same grains, it makes these and the plan as well;
+//! variations make theirs when they are carried out. For runs it asks by `run::carry_out` (all or
+//! none), by `run::carry_out_each` (one that fails has a reason in place of results), or, of
+//! variations of a scenario, by the functions of `variations` (one that fails is a row that says
+//! so).
 
 use super::*;
 
@@ -28,7 +30,8 @@ pub struct Study<T> {
     pub command: &'static str,
     /// What its results answer: a folder that holds some is taken for the same question alone. What
     /// stands there under [`AT_LEAST`] was no more than this, what stands under [`MEANWHILE`] may
-    /// differ, all else is equal; null for a study that compares by itself.
+    /// differ once nobody is at work there, all else is equal; null for a study that compares by
+    /// itself.
     pub question: Value,
     /// The scenarios whose warnings are reported before anything runs.
     pub scenarios: Vec<Scenario>,
@@ -37,11 +40,10 @@ pub struct Study<T> {
 }
 
 impl<T> Study<T> {
-    /// Carries it out, from its warnings to its files. What is stored in the folder is not done
-    /// again.
+    /// Carries it out, from its warnings to its files. Finished stages in the folder are reused.
     ///
     /// # Errors
-    /// [`StudyError`]. A run that fails is one where the study needs all of its runs.
+    /// [`StudyError`]. A failed run is an error only where the study needs all of its runs.
     pub fn carry_out(self, run: &RunOptions) -> Result<T, StudyError> {
         tell_warnings(&self.scenarios, run.progress.as_ref());
         (self.conclude)(run)

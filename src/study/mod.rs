@@ -1,5 +1,5 @@
 //! Runs scenarios stage by stage, with a store of finished stages, and the studies of many runs:
-//! sweeps, calibration, convergence, sensitivity and comparison.
+//! sweeps and their targets, calibration, convergence, sensitivity, index densities and comparison.
 
 mod accuracy;
 mod begin;

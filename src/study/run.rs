@@ -75,6 +75,8 @@ pub(crate) fn carry_out(
     options: &RunOptions,
     folder: impl Fn(&PlannedRun) -> PathBuf,
 ) -> Result<(Vec<RunRecord>, EffectiveSettings), StudyError> {
+    let same = |two: &[PlannedRun]| Arc::ptr_eq(&two[0].grains, &two[1].grains);
+    debug_assert!(runs.windows(2).all(same), "one grains.json is that of all runs");
     if let Some(PlannedRun { scenario, grains, .. }) = runs.first() {
         write_grains(&options.out, scenario, grains)?;
     }

@@ -239,7 +239,7 @@ pub(super) fn programme(
     runs
 }
 
-/// Holds the runs against the paper and writes claims and report.
+/// Compares the runs with the paper and writes claims and report.
 fn finish(
     options: &ReproduceOptions,
     run: &RunOptions,

@@ -61,11 +61,11 @@ const LEAST_RUNS_A_REALISATION: usize = 6;
 
 /// Checks a calibration as far as that is possible before anything runs: the scenario at both ends
 /// of the range, the unknown, the numbers. It leaves `calibrate.json`, `calibrate.md`,
-/// `report.html`, `evaluations.csv`, `figures/` and `runs/<name>/`; a result that cannot be had is
-/// none.
+/// `report.html`, `evaluations.csv`, `figures/` and `runs/<name>/`.
 ///
 /// # Errors
-/// [`StudyError::Faults`] of the scenario, [`StudyError::Scenario`] else.
+/// [`StudyError::Faults`] of the scenario, [`StudyError::Scenario`] else. A result that no value
+/// reaches is no error.
 pub fn calibrate(options: CalibrationOptions) -> Result<Study<Calibration>, StudyError> {
     let scenario = load_scenario(&options.scenario, &options.changes)?.scenario;
     question::known(&options.target)?;

@@ -16,8 +16,9 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
     });
     let caption = format!(
         "Grain size distribution of the simulated gravel, as specified: {}.{made} The paper's \
-         curve was not available to us (only its text was); the specified one is ours, chosen so that the numbers of the text (1456 \
-         grains of 2343 g, 55 to 65 in 100 g, poorly graded) come out.",
+         curve was not available to us (only its text was); the specified one is ours, chosen so \
+         that the numbers of the text (1456 grains of 2343 g, 55 to 65 in 100 g, poorly graded) \
+         come out.",
         gradation_in_words(&study.gradation),
     );
     let (stem, title) = ("figure-01-grain-size-distribution", "Figure 1. Grain size distribution");
