@@ -1,5 +1,6 @@
-//! All about one paper: what it states, with section and figure, its programme run by us, how each
-//! statement is compared with the runs, and the report that says so. No module below uses it.
+//! One paper: what it states, with section and figure, its programme run by us, how each statement
+//! is compared with the runs, and the report that says so. No module below uses it; its scenarios
+//! stand in `study/presets.rs`, its friction and angle of repose in `report/calibration.rs`.
 //!
 //! The paper is Izadi & Bezuijen (2014), "Simulation of granular soil behaviour using the Bullet
 //! physics library". Only its text was available to us: for what stood in its figures alone (sieve

@@ -178,8 +178,7 @@ pub(crate) fn vibration(
     let time = |at: At| number(frame_at(run, at).time);
     let what = format!(
         "The specimen before vibration (t = {} s) and after it (t = {} s), on one scale: (a) and (b) \
-         without the cylinder's wall, as the paper shows it in 8(c) and 8(d); (c) and (d) with the near half \
-         of the wall cut away.",
+         without the cylinder's wall; (c) and (d) with the near half of the wall cut away.",
         time(before),
         time(after)
     );
@@ -211,6 +210,7 @@ mod tests {
         assert_eq!(stems(&run), ["funnel", "shaken"]);
         let after = vibration(&run, "s", "").expect("a picture").expect("there is one");
         assert!(after.caption.contains("t = 0.24 s") && after.caption.contains("t = 1 s"));
+        assert!(!after.caption.contains("paper"), "law: of any run, got {}", after.caption);
         let header =
             png::Decoder::new(std::io::Cursor::new(&after.png)).read_info().expect("a PNG");
         assert_eq!(header.info().width, WIDTH);

@@ -23,6 +23,28 @@ pub(super) fn of_programme(folder: &Path) -> Result<Vec<Picture>, PictureError> 
     ];
     pictures.extend(funnel(&run, "figure-06-funnel", "Figure 6: grains in the funnel")?);
     let title = "Figure 8: before and after vibration";
-    pictures.extend(vibration(&run, "figure-08-vibration", title)?);
+    pictures.extend(vibration(&run, "figure-08-vibration", title)?.map(with_the_paper_s_views));
     Ok(pictures)
+}
+
+/// A picture of the specimen before and after vibration that says which of its views the paper has.
+fn with_the_paper_s_views(picture: Picture) -> Picture {
+    let views = "The paper shows the specimen as (a) and (b) do in its 8(c) and 8(d).";
+    Picture { caption: format!("{} {views}", picture.caption), ..picture }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Law: the caption of the programme's picture names the paper's views after what it shows.
+    #[test]
+    fn the_paper_s_views_are_named() {
+        let caption = "Before and after.".to_owned();
+        let of_any_run = Picture { stem: "s".into(), title: "t".into(), caption, png: vec![1] };
+        let got = with_the_paper_s_views(of_any_run);
+        let begins = got.caption.starts_with("Before and after. The paper shows");
+        assert!(begins && got.caption.contains("8(c) and 8(d)"), "got {}", got.caption);
+        assert_eq!((got.stem.as_str(), got.png), ("s", vec![1]), "law: all else is as it was");
+    }
 }
