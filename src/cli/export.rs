@@ -103,7 +103,7 @@ pub(super) fn run(args: &ExportArgs, context: &Context) -> Result<ExitStatus, Cl
         let what = "--every needs --format vtk or --animate";
         return Err(CliError::Usage(what.to_owned()));
     }
-    asked::refuse(&args.out, "export")?;
+    refuse_others(args)?;
     let written = match args.format {
         Format::Vtk => frames(args, context)?,
         Format::Glb => scene(args)?,
@@ -125,6 +125,12 @@ pub(super) fn run(args: &ExportArgs, context: &Context) -> Result<ExitStatus, Cl
     context.done(&text, &written)
 }
 
+/// Refuses a folder of another command: at first, and again just before files are written, as
+/// another command may have begun there while they were made.
+fn refuse_others(args: &ExportArgs) -> Result<(), FileError> {
+    asked::refuse(&args.out, "export")
+}
+
 /// The specimen at the end of a stage, whole files at once.
 fn specimen(args: &ExportArgs) -> Result<Written, CliError> {
     let run = match args.stage.as_deref() {
@@ -133,6 +139,7 @@ fn specimen(args: &ExportArgs) -> Result<Written, CliError> {
     };
     output_folder::prepare(&args.out)?;
     let contents = contents(args, &run)?;
+    refuse_others(args)?;
     let files = output_folder::write_files(&args.out, &contents, args.force)?;
     Ok(Written {
         scenario: run.made_by.scenario,
@@ -206,6 +213,7 @@ fn frames(args: &ExportArgs, context: &Context) -> Result<Written, CliError> {
     if !args.force {
         output_folder::refuse_any(&args.out, &VTK_LISTS)?;
     }
+    refuse_others(args)?;
     let every = args.every.unwrap_or(DEFAULT_EVERY);
     let count = moments.thinned(every).len();
     context.progress.begin_pieces(ID, "moments", count);
@@ -234,6 +242,7 @@ fn scene(args: &ExportArgs) -> Result<Written, CliError> {
     }
     let made = glb(&moments, every).map_err(|e| CliError::Usage(e.to_string()))?;
     output_folder::prepare(&args.out)?;
+    refuse_others(args)?;
     let bytes = made.bytes.len() as u64;
     let file = [("specimen.glb", made.bytes)];
     Ok(Written {

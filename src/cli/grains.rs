@@ -77,6 +77,8 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
         written.map_err(|error| FileError::new("write", &args.out.join(name), error))?;
         files.push((name, content));
     }
+    // Grains take seconds, in which another command may have begun there.
+    asked::refuse(&args.out, "grains")?;
     let files = output_folder::write_files(&args.out, &files, args.force)?;
     let made = Made {
         scenario: scenario.name,
