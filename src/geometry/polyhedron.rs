@@ -46,6 +46,9 @@ pub enum PolyhedronError {
         /// What is wrong with it.
         reason: String,
     },
+    /// The vertex with this index is in no face.
+    #[error("vertex {0} is in no face")]
+    Unused(usize),
     /// An edge is not shared by exactly two faces running in opposite directions.
     #[error(
         "the surface is not closed: edge {from}-{to} of face {face} has no opposite edge in another face"
@@ -93,7 +96,7 @@ pub enum PolyhedronError {
 /// indices, counter-clockwise seen from outside.
 ///
 /// Every value of this type has passed [`ConvexPolyhedron::new`]'s checks:
-/// closed surface, outward faces, convex within rounding, positive volume.
+/// closed surface, every vertex in a face, outward faces, convex within rounding, positive volume.
 ///
 /// A polyhedron may stand for a [`Sphere`]: then its vertices lie on the sphere, lengths, volumes
 /// and moments are the sphere's, and only vertices, faces and triangles are those of a mesh. The
@@ -234,6 +237,7 @@ impl ConvexPolyhedron {
     }
 
     fn check_faces(&self) -> Result<(), PolyhedronError> {
+        let mut in_a_face = vec![false; self.vertices.len()];
         for (face, corners) in self.faces.iter().enumerate() {
             let fault = |reason: String| Err(PolyhedronError::BadFace { face, reason });
             if corners.len() < 3 {
@@ -250,8 +254,12 @@ impl ConvexPolyhedron {
             if sorted.windows(2).any(|w| w[0] == w[1]) {
                 return fault("it visits a vertex twice".into());
             }
+            corners.iter().for_each(|&c| in_a_face[c as usize] = true);
         }
-        Ok(())
+        match in_a_face.iter().position(|used| !used) {
+            Some(vertex) => Err(PolyhedronError::Unused(vertex)),
+            None => Ok(()),
+        }
     }
 
     fn check_closed(&self) -> Result<(), PolyhedronError> {

@@ -67,6 +67,16 @@ fn bad_face() {
     assert!(matches!(e, PolyhedronError::BadFace { face: 0, .. }), "no area: {e}");
 }
 
+/// Law: every vertex is in a face, wherever it lies.
+#[test]
+fn a_vertex_in_no_face() {
+    for place in [Point::origin(), Point::new(1.0, 1.0, 1.0), Point::new(9.0, 0.0, 0.0)] {
+        let e = fault(|vertices, _| vertices.push(place));
+        assert_eq!(e, PolyhedronError::Unused(8), "at {place}");
+        assert_eq!(e.to_string(), "vertex 8 is in no face");
+    }
+}
+
 #[test]
 fn not_closed() {
     let e = fault(|_, faces| drop(faces.pop()));

@@ -185,7 +185,7 @@ impl BulletBackend {
         if let Some((index, _)) = self.shapes.get(&key) {
             return Ok(*index);
         }
-        let index = self.world.pin_mut().add_shape(&flat(shape)).map_err(engine)?;
+        let index = self.world.pin_mut().add_shape(&flat(shape)).map_err(refused)?;
         self.shapes.insert(key, (index, Arc::clone(shape)));
         Ok(index)
     }
