@@ -1,10 +1,10 @@
 //! Friction and restitution of each pair of materials, exactly as typed.
 //!
-//! Rapier combines one value of each body. Its rule `Average` is linear: with g for grains and 2·t
-//! - g for another material, grains and that material get t. So every pair with a grain gets its
-//! own value, to rounding. A pair of two other materials gets what then comes out of it; where that
-//! is not what the table says, rapier's hook for the contacts sets it. The hook is left off where
-//! it is not needed because rapier never recycles contacts that have one.
+//! Rapier combines one value of each body. Its rule `Average` is linear: with `g` for grains and
+//! `2·t - g` for another material, grains and that material get `t`. So every pair with a grain
+//! gets its own value, to rounding. A pair of two other materials gets what then comes out of it;
+//! where that is not what the table says, rapier's hook for the contacts sets it. The hook is left
+//! off where it is not needed because rapier never recycles contacts that have one.
 
 use rapier3d_f64::prelude::{
     ActiveHooks, CoefficientCombineRule, Collider, ColliderBuilder, ColliderHandle,
