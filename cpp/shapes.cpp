@@ -40,14 +40,14 @@ void TightHull::finish(std::unique_ptr<const HullData> data) {
 
 std::unique_ptr<const HullData> make_hull_data(const Units &units, const ShapeDefinition &shape) {
     const auto &starts = shape.face_starts;
-    if (shape.coordinates.empty() && starts.empty()) {
+    if (shape.coordinates.empty() && starts.empty() && shape.face_vertices.empty()) {
         if (!(std::isfinite(shape.radius) && shape.radius > 0)) {
             throw std::runtime_error("the radius of a sphere is not positive");
         }
         return std::make_unique<const HullData>(shape.radius * units.scale());
     }
     if (!(std::isfinite(shape.radius) && shape.radius >= 0)) {
-        throw std::runtime_error("the radius of a rounded polyhedron is negative");
+        throw std::runtime_error("the radius of a rounded polyhedron is negative or not finite");
     }
     std::vector<double> scaled(shape.coordinates.begin(), shape.coordinates.end());
     const bool finite =

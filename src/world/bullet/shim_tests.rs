@@ -75,11 +75,20 @@ fn malformed() -> Vec<(&'static str, ffi::ShapeDefinition)> {
         (words, shape)
     };
     let (vertices, faces, closed) = ("three finite numbers", "follow one another", "closed");
+    let radius = "negative or not finite";
     vec![
         spoilt("no vertex", vertices, |s| s.coordinates.clear()),
         spoilt("half a vertex", vertices, |s| s.coordinates.truncate(11)),
         spoilt("not a number", vertices, |s| s.coordinates[4] = f64::NAN),
         spoilt("infinite", vertices, |s| s.coordinates[4] = f64::INFINITY),
+        spoilt("corners of nothing", vertices, |s| {
+            s.radius = 0.001;
+            s.coordinates.clear();
+            s.face_starts.clear();
+        }),
+        spoilt("a ball of less than nothing", radius, |s| s.radius = -0.001),
+        spoilt("a ball of no number", radius, |s| s.radius = f64::NAN),
+        spoilt("an infinite ball", radius, |s| s.radius = f64::INFINITY),
         spoilt("no list of faces", faces, |s| s.face_starts.clear()),
         spoilt("no face", faces, |s| s.face_starts.truncate(1)),
         spoilt("beginning late", faces, |s| s.face_starts[0] = 1),
