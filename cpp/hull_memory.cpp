@@ -8,10 +8,6 @@ namespace pluvia {
 
 namespace {
 
-// Bits of a face or an edge in a packed feature, as in the points' ids.
-constexpr std::uint32_t INDEX_BITS = 14;
-constexpr std::uint32_t INDEX = (1U << INDEX_BITS) - 1;
-
 // Two numbers in the bits of a number, each in the other's place.
 std::uint32_t exchanged(std::uint32_t bits) {
     return (bits & INDEX) << INDEX_BITS | (bits >> INDEX_BITS & INDEX);

@@ -10,10 +10,17 @@ namespace pluvia {
 // What touches.
 enum class Feature : std::uint8_t { None, FaceOfA, FaceOfB, Edges };
 
-// A kind and the numbers of two faces, edges or corners in one number, with room for 2^14 of each:
-// beyond, numbers repeat.
+// The bits of the number of a face, an edge or a corner where two are packed into one number.
+constexpr std::uint32_t INDEX_BITS = 14;
+constexpr std::uint32_t INDEX = (1U << INDEX_BITS) - 1;
+
+// Faces, edges or corners that a hull has at most: beyond, packed numbers would repeat. The last
+// two numbers are no edge's: they name the point of a sphere and the closest one of rounded bodies.
+constexpr std::uint32_t MOST_NUMBERED = INDEX - 1;
+
+// A kind and the numbers of two faces, edges or corners in one number.
 constexpr std::uint32_t packed(std::uint32_t kind, std::uint32_t first, std::uint32_t second) {
-    return kind << 28 | (first & 0x3fffU) << 14 | (second & 0x3fffU);
+    return kind << 2 * INDEX_BITS | (first & INDEX) << INDEX_BITS | (second & INDEX);
 }
 
 // What touched in a step; 0 for nothing.

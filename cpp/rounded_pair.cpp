@@ -12,7 +12,7 @@ namespace {
 constexpr double ANY = std::numeric_limits<double>::infinity(); // distance
 
 // The point where the bodies are closest, whichever is named first (`swapped_id`).
-constexpr std::uint32_t CLOSEST = packed(3, 0x3ffe, 0x3ffe);
+constexpr std::uint32_t CLOSEST = packed(3, INDEX - 1, INDEX - 1);
 
 // Cosines of the angles between the axis and the normal of a face: up to 0.01 rad the face is what
 // touches (the gap along its normal is wrong by half the square of that, of the radii), up to

@@ -10,7 +10,7 @@ namespace pluvia {
 namespace {
 
 // The one point of a contact, whichever body is named first (`swapped_id`).
-constexpr std::uint32_t OF_SPHERE = packed(3, 0x3fff, 0x3fff);
+constexpr std::uint32_t OF_SPHERE = packed(3, INDEX, INDEX);
 
 // Where the surface of a body is closest to a point outside, or, for a point inside, where the
 // face of least penetration is. In the body's frame.
