@@ -2,19 +2,20 @@
 // its surface is closed.
 #include "hull_data.h"
 
+#include "hull_memory.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
 namespace pluvia {
 
 namespace {
-
-constexpr std::size_t MOST = std::numeric_limits<std::uint16_t>::max();
 
 // Cosine between an edge and the normals of its faces up to which the edge's
 // end points are taken to say its direction. Vertices are merged at 1e-6 of
@@ -43,10 +44,14 @@ HullData::HullData(const Polyhedron &polyhedron, double rounding_radius)
     : rounding(rounding_radius) {
     const auto &[coordinates, vertex_count, face_starts, face_count, face_vertices] = polyhedron;
     const std::size_t loop_length = face_count > 0 ? face_starts[face_count] : 0;
-    if (vertex_count > MOST || face_count > MOST || loop_length > MOST) {
-        throw std::runtime_error("a hull has more than 65535 vertices, faces or corners of faces");
+    // Every edge is met twice.
+    if (std::max({vertex_count, face_count, loop_length / 2}) > MOST_NUMBERED) {
+        throw std::runtime_error("a hull has " + std::to_string(vertex_count) + " vertices, " +
+                                 std::to_string(face_count) + " faces and " +
+                                 std::to_string(loop_length / 2) + " edges, at most " +
+                                 std::to_string(MOST_NUMBERED) + " of each are possible");
     }
-    // Every edge is met twice, once in each direction.
+    // Once in each direction.
     std::map<std::pair<std::uint32_t, std::uint32_t>, Half> halves;
     for (std::size_t f = 0; f < face_count; ++f) {
         for (std::uint32_t k = face_starts[f]; k < face_starts[f + 1]; ++k) {

@@ -44,8 +44,8 @@ struct Polyhedron {
 class HullData {
   public:
     // Throws std::runtime_error for a surface that is not closed, a vertex in no face, a face
-    // without area, or more than 65535 vertices, faces or corners of faces. `rounding`: radius of
-    // the ball that sweeps it.
+    // without area, or more vertices, faces or edges than MOST_NUMBERED (hull_memory.h).
+    // `rounding`: radius of the ball that sweeps it.
     HullData(const Polyhedron &polyhedron, double rounding);
     // A sphere about the origin.
     explicit HullData(double radius);

@@ -134,7 +134,37 @@ fn malformed_hulls_come_back_as_errors() {
     let mut most = tetrahedron();
     most.coordinates = [0.01; 3 * 70_000].to_vec();
     let added = bare(PATHS[1]).pin_mut().add_shape(&most);
-    assert_thrown(added, "65535", "a hull of too many vertices");
+    assert_thrown(added, "70000 vertices", "a hull of too many vertices");
+}
+
+/// Law: a hull of more edges than packed features have numbers for is refused; one of as many is
+/// not.
+#[test]
+fn hulls_of_too_many_edges_are_refused_bodies() {
+    let _turn = shared_turn();
+    let cylinder = |sides: u32| {
+        let corner = |k| (std::f64::consts::TAU * f64::from(k) / f64::from(sides)).sin_cos();
+        let outline: Vec<(f64, f64)> = (0..sides).map(corner).map(|(y, x)| (x, y)).collect();
+        Arc::new(ConvexPolyhedron::prism(&outline, -0.5, 0.5).expect("a prism"))
+    };
+    for (sides, fits) in [(5460, true), (5461, false)] {
+        let shape = cylinder(sides);
+        for path in PATHS {
+            let settings = EngineSettings { contact_solver: path, ..Default::default() };
+            let world = BulletBackend::new(&settings, GRAVITY, &uniform(0.5, 0.0));
+            let floor = Body { shape: Arc::clone(&shape), ..slab(Motion::Static) };
+            let added = world.expect("a world").add(&floor);
+            let refused = matches!(
+                &added,
+                Err(WorldError::BadBody(reason))
+                    if reason.contains("16383 edges") && reason.contains("16382")
+            );
+            assert!(
+                if fits { added.is_ok() } else { refused },
+                "law: {sides} sides on {path:?} fit: {fits}, got {added:?}"
+            );
+        }
+    }
 }
 
 #[test]
