@@ -139,7 +139,7 @@ pub enum GrainsError {
         /// Radius of the region in m.
         region_m: f64,
     },
-    /// A realisation of other grains than so many.
+    /// A realisation that is no permutation of this number of grains.
     #[error("the realisation is not a permutation of the {0} grains")]
     ForeignRealisation(usize),
     /// Text that is no `grains.json`.

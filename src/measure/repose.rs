@@ -124,7 +124,7 @@ pub enum NoPile {
         /// Least height in m.
         least: f64,
     },
-    /// It does not slope down from its axis on all sides, but in so many sectors.
+    /// The number of sectors with a flank that slopes down is too small.
     #[error("only {0} of {SECTORS} sectors about the axis have a flank that slopes down")]
     NoFlanks(usize),
 }
