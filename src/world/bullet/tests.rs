@@ -143,6 +143,18 @@ fn settings_that_bullet_cannot_take_are_refused() {
 }
 
 #[test]
+fn worlds_with_different_process_wide_settings_do_not_live_together() {
+    let _turn = exclusive_turn();
+    let _first = world(&on(ContactSolver::Stock));
+    let other = EngineSettings { contact_threshold_mm: 0.5, ..on(ContactSolver::Stock) };
+    let second = BulletBackend::new(&other, GRAVITY, &uniform(0.5, 0.0)).map(|_| ());
+    assert!(
+        matches!(&second, Err(WorldError::Engine(text)) if text.contains("whole process")),
+        "law: another contact threshold is refused while a world has one, got {second:?}"
+    );
+}
+
+#[test]
 fn the_manifold_path_holds_a_box_at_its_four_corners() {
     let _turn = shared_turn();
     let mut world = world(&on(ContactSolver::Native));
