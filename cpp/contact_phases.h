@@ -80,7 +80,7 @@ template <class L> using Kernel = void (*)(Phase phase, Problem<L> &problem, con
 // The pairs and bodies of a step.
 template <class L> struct Problem {
     using N = typename Lane<L>::Number;
-    const Contacts *contacts = nullptr; // of which they are made; there until the step is over
+    const Contacts *contacts = nullptr; // the step's pairs and bodies; valid until the step ends
     Kernel<L> kernel = nullptr;         // runs phases
     Pairs<L> all;
     UnsetVector<PointMemory<L>> memory; // of all points

@@ -83,9 +83,9 @@ class EngineWorld : public btDiscreteDynamicsWorld {
     virtual void read_contacts(rust::Vec<ContactRead> &out) const = 0;
     // Of a pair that touches.
     virtual PairValue pair_value(const btRigidBody &a, const btRigidBody &b) const = 0;
-    // As they act on the world, beside what both kinds have.
+    // Settings as they act on the world, beside those of both kinds.
     virtual void read_settings(ReadBack &out) const = 0;
-    // The same of what every free body has alike.
+    // Settings that every free body has alike, by one of them, likewise.
     virtual void read_body(const btRigidBody &, ReadBack &) const {}
     virtual PhaseTimes phases() const { return phases_; }
 
