@@ -8,8 +8,8 @@ use crate::geometry::Vector;
 /// What can go wrong in a world.
 #[derive(Debug, thiserror::Error)]
 pub enum WorldError {
-    /// A body was refused before it reached the engine, and why.
-    #[error("body refused: {0}")]
+    /// A body, or what is asked of it, was refused, and why.
+    #[error("a request about a body was refused: {0}")]
     BadBody(String),
     /// No body of that number is in the world.
     #[error("there is no body {0:?} in this world")]

@@ -215,7 +215,7 @@ pub trait World {
     /// Adds a body; it takes part from the next step on.
     ///
     /// # Errors
-    /// [`WorldError::BadBody`] for values no engine should see.
+    /// [`WorldError::BadBody`] for values no engine should see, and for what this one cannot take.
     fn add(&mut self, body: &Body) -> Result<BodyId, WorldError>;
 
     /// Removes a body with its contacts.
