@@ -233,9 +233,7 @@ void BulletWorld::read_contacts(rust::Vec<ContactRead> &out) const {
 }
 
 void BulletWorld::find_contacts() {
-    if (impl_->native != nullptr) {
-        impl_->native->find_contacts();
-    }
+    impl_->native_that("are found without a step").find_contacts();
 }
 
 void BulletWorld::remember_contacts(rust::Vec<ContactRead> &out) const {

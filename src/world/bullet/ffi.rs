@@ -261,7 +261,7 @@ mod bridge {
         /// Tells a new world, before its first step, where a kinematic body was at the
         /// ends of the last three, the last one last.
         fn recall_drive(self: Pin<&mut BulletWorld>, id: u32, ends: &[BodyPose]) -> Result<()>;
-        /// Lets a kinematic body move so alone from now on.
+        /// From now on a kinematic body moves only as `definition` says.
         fn press_body(
             self: Pin<&mut BulletWorld>,
             id: u32,
@@ -288,7 +288,7 @@ mod bridge {
         /// contacts, and once a body came or went.
         fn read_drives(self: &BulletWorld, out: &mut Vec<DriveRead>);
         fn read_contacts(self: &BulletWorld, out: &mut Vec<ContactRead>);
-        /// Finds the contact points with what they carry, without a step; nothing with stock
+        /// Finds the contact points with what they carry, without a step; refused with stock
         /// Bullet contacts.
         fn find_contacts(self: Pin<&mut BulletWorld>) -> Result<()>;
         /// Points that bear something, where they are now. Empty with stock Bullet contacts.

@@ -284,7 +284,10 @@ impl World for BulletBackend {
             },
             _ => return Ok(BodyId(id)),
         };
-        self.world.pin_mut().press_body(id, &definition).map_err(refused)?;
+        if let Err(error) = self.world.pin_mut().press_body(id, &definition) {
+            self.world.pin_mut().remove_body(id).map_err(engine)?;
+            return Err(refused(error));
+        }
         self.pressed.push(BodyId(id));
         Ok(BodyId(id))
     }

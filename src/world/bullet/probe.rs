@@ -194,7 +194,7 @@ impl BulletBackend {
     /// that the next step begins with.
     ///
     /// # Errors
-    /// [`WorldError::Engine`].
+    /// [`WorldError::Engine`], always with stock Bullet contacts.
     pub fn find_contacts(&mut self) -> Result<(), WorldError> {
         self.world.pin_mut().find_contacts().map_err(engine)
     }

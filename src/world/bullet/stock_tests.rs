@@ -1,6 +1,6 @@
 //! What only stock Bullet contacts can be told, against what it must do.
 
-use super::tests::{exclusive_turn, free_box, shared_turn, slab, state, steps, uniform};
+use super::tests::{exclusive_turn, free_box, shared_turn, slab, snapshot, state, steps, uniform};
 use super::*;
 use crate::geometry::testing::near;
 use crate::scenario::{ContactSolver, InertiaRule, StockSettings};
@@ -154,6 +154,11 @@ fn what_only_native_contacts_do_is_refused_or_empty() {
     assert!(world.recall(&[made_up]).is_ok(), "law: what is recalled is no fault");
     world.remember(&mut remembered);
     assert!(remembered.is_empty(), "law: nothing is recalled, got {remembered:?}");
+    let found = world.find_contacts();
+    assert!(
+        matches!(&found, Err(WorldError::Engine(said)) if said.contains("only native contacts")),
+        "law: contacts are found in steps alone, got {found:?}"
+    );
     assert!(world.drives().is_empty(), "law: kinematic bodies go on from no step before");
     assert_eq!(world.recorded_substep(), SubstepRecord::default(), "law: there is no sub-step");
     assert_eq!(world.solver_residual(), None, "law: no residual is measured");
@@ -169,6 +174,8 @@ fn what_only_native_contacts_do_is_refused_or_empty() {
             "law: pressed and turned bodies and bodies of parts are refused, got {refused:?}"
         );
     }
+    let there = snapshot(&world).iter().flatten().count();
+    assert_eq!(there, 3, "law: what is refused is not in the world");
 }
 
 /// Law: a value that Bullet cannot take is refused by the name that a scenario has for it.
