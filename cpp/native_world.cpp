@@ -66,7 +66,7 @@ void NativeWorld::add(btRigidBody &body, BodyKind kind) {
 
 void NativeWorld::remove(btRigidBody &body) {
     if (solver_.has_parts(body.getUserIndex())) {
-        throw std::runtime_error("a body leaves after those that are parts of it");
+        throw std::runtime_error("others are parts of it, and leave first");
     }
     EngineWorld::remove(body);
     solver_.forget(body.getUserIndex());
@@ -258,7 +258,7 @@ void NativeWorld::read_settings(ReadBack &out) const {
     out.put("box_slack_m", units_.metres(slack_));
     out.put("threads", workers_.count());
     const ContactLaw &law = solver_.law();
-    out.put("portable_instructions", solver_.kernels() == Kernels::Portable);
+    out.put("portable_instructions", collision_.kernels == &axis_kernels(true));
     out.put("gyroscopic", solver_.gyroscopic());
     out.put("substeps", law.substeps);
     out.put("iterations_in_a_substep", law.iterations);

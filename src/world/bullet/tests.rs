@@ -142,6 +142,19 @@ fn settings_that_bullet_cannot_take_are_refused() {
     }
 }
 
+/// Law: portable instructions are read back where they were asked for, however many contacts are
+/// solved at once.
+#[test]
+fn portable_instructions_are_read_back() {
+    let _turn = shared_turn();
+    for contacts_at_once in [1, 8] {
+        let native = NativeSettings { portable: true, contacts_at_once, ..Default::default() };
+        let settings = EngineSettings { native, ..on(ContactSolver::Native) };
+        let held = world(&settings).effective()["portable_instructions"].as_f64();
+        assert_eq!(held, Some(1.0), "law: asked for with {contacts_at_once} at once");
+    }
+}
+
 #[test]
 fn worlds_with_different_process_wide_settings_do_not_live_together() {
     let _turn = exclusive_turn();
