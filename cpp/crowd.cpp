@@ -67,6 +67,8 @@ bool Crowd::lay_grid(const std::vector<CrowdBody> &bodies, const Vec &frame, dou
         double cells = 1;
         for (int i = 0; i < 3; ++i) {
             const double along = std::floor((high[i] - low_[i]) / edge_) + 1;
+            // Bodies beyond the last cell count as in it (more than 250 000 bodies in a line alone
+            // come so far): they get wider margins, and the law holds.
             count_[i] = static_cast<int>(std::min(along, 1e6));
             cells *= along;
         }
