@@ -19,6 +19,7 @@ enum class Phase {
     SolveForcesBackward,
     SolveImpactsForward,
     SolveImpactsBackward,
+    AddResidual, // in order, by one thread
     FindFastestImpact,
     BeginCompression,
     BeginRestitution,
@@ -93,8 +94,9 @@ template <class L> struct Problem {
     std::vector<BodyChange> changes;   // by block
     std::vector<Unsolved<L>> unsolved; // by worker
     LaneLaw<N> law;
-    L beta;       // how far to extrapolate
-    double limit; // from which on a body that changes is active
+    L beta;            // how far to extrapolate
+    double limit;      // from which on a body that changes is active
+    Residual residual; // what AddResidual adds to
 };
 
 template <Solved WHAT, Half HALF, class L>
@@ -189,6 +191,10 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
         break;
     case Phase::SolveImpactsBackward:
         visit_all<Solved::Impacts, Half::Backward>(p, part);
+        break;
+    case Phase::AddResidual:
+        packs([&](const auto &pack, auto *points, auto *, auto *, std::size_t) __attribute__((
+            always_inline)) { add_residual(pack, points, motion, p.residual); });
         break;
     case Phase::FindFastestImpact: {
         L &fastest = p.unsolved[part.worker].fastest;

@@ -297,10 +297,9 @@ template <class L> class Run {
     }
 
     void inspect(Inspection &inspection) {
-        for (const Pack<L> &pack : p_.all.packs) {
-            add_residual(pack, &p_.all.points[pack.first], p_.bodies.motion.data(),
-                         inspection.residual);
-        }
+        p_.residual = Residual{};
+        p_.kernel(Phase::AddResidual, p_, {nullptr, 0, 0, 0, p_.all.packs.size()});
+        inspection.residual = p_.residual;
         if (inspection.record == nullptr) {
             return;
         }

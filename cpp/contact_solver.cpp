@@ -18,7 +18,7 @@ namespace {
 // So many bodies or pairs ahead the memory is asked for them.
 constexpr std::size_t AHEAD = 4;
 
-// Steps from one whose solution is inspected to the next: that costs about as much as an iteration.
+// Steps from one whose solution is inspected to the next: one thread goes over all contacts for it.
 constexpr unsigned INSPECT_EVERY = 16;
 
 // Slices of the specimen by which bodies are sorted.
