@@ -1,10 +1,11 @@
-//! Worlds of boxes that fall on a shaken table, and pairs of boxes by themselves.
+//! Worlds of boxes that fall on a shaken table or are pressed, and pairs of boxes by themselves.
 
 use std::thread;
 
 use crate::{
     BodyDefinition, BodyKind, BodyPose, BulletWorld, CrowdProbeBody, InertiaRule, PairValue,
-    ShapeDefinition, Tolerances, WorldDefinition, crowd_speeds, new_hull_probe, new_world,
+    PressDefinition, ShapeDefinition, Tolerances, WorldDefinition, crowd_speeds, new_hull_probe,
+    new_world,
 };
 
 /// Whether the contacts are Pluvia's own, threads, portable instructions,
@@ -157,6 +158,11 @@ fn grain(world: &mut World, number: u32, position: [f64; 3], rotation: [f64; 4])
         .expect("a grain")
 }
 
+/// Whether one thread does a step of a world of several: worlds go from one to several and back.
+fn alone(step: u32) -> bool {
+    step.is_multiple_of(3)
+}
+
 /// A heap that falls on a table and is shaken; on the way everything is read, a
 /// grain taken out, the table taken out and put back, the contacts remembered
 /// and told to another world, which goes on. How many steps that were.
@@ -180,7 +186,7 @@ pub fn one(kind: Kind, grains: u32, steps: u32) -> u32 {
             let x = 0.01 * (18.8 * time).sin();
             world.pin_mut().drive_body(floor, &at([x, 0.0, -0.01])).expect("driven");
         }
-        world.pin_mut().step(false).expect("a step");
+        world.pin_mut().step(alone(step)).expect("a step");
         world.read_contacts(&mut contacts);
         touched += contacts.len();
         if step % 16 == 0 {
@@ -211,14 +217,15 @@ pub fn one(kind: Kind, grains: u32, steps: u32) -> u32 {
     }
     // Some of them of bodies that this world has not.
     second.pin_mut().recall_contacts(&remembered).expect("told");
-    second.pin_mut().find_contacts().expect("found");
+    let found = second.pin_mut().find_contacts().is_ok();
+    assert_eq!(found, kind.0, "law: native contacts alone are found without a step");
     let ends = [0.0, 1e-4, 3e-4].map(|x| at([x, 0.0, -0.01]));
     second.pin_mut().recall_drive(table, &ends).expect("told");
     assert!(second.pin_mut().recall_drive(table, &ends[..2]).is_err(), "law: three or none");
     assert!(second.pin_mut().recall_drive(table + 1, &ends).is_err(), "law: driven ones alone");
     let mut drives = vec![];
-    for _ in 0..5 {
-        second.pin_mut().step(false).expect("a step");
+    for step in 0..5 {
+        second.pin_mut().step(alone(step)).expect("a step");
         second.read_drives(&mut drives);
         assert_eq!(drives.len(), usize::from(kind.0), "the table");
     }
@@ -243,13 +250,50 @@ pub fn crowd(kind: Kind, steps: u32) -> u32 {
     for step in 0..steps {
         let up = 1e-3 * f64::from(step);
         world.pin_mut().drive_body(floor, &at([0.0, 0.0, up - 0.01])).expect("driven");
-        world.pin_mut().step(false).expect("a step");
+        world.pin_mut().step(alone(step)).expect("a step");
         if step == steps / 2 {
             world.pin_mut().remove_body(ids[7]).expect("removed");
         }
     }
     world.read_contacts(&mut contacts);
     assert!(contacts.len() > 1000, "the check has contacts");
+    steps
+}
+
+/// A lid of two parts that is pressed along a direction, or turned about an axis, above grains on a
+/// table, with its sub-steps recorded; how many steps.
+pub fn pressed(kind: Kind, turns: bool, steps: u32) -> u32 {
+    let (mut world, ..) = with_table(kind);
+    world.pin_mut().record_substeps();
+    for i in 0..9 {
+        let at = [0.013 * (f64::from(i % 3) - 1.0), 0.013 * (f64::from(i / 3) - 1.0), 0.006];
+        grain(&mut world, i, at, STILL);
+    }
+    let [whole, part] = [[0.06, 0.03, 0.01], [0.03, 0.06, 0.01]].map(|sides| {
+        let shape = add(&mut world, &cuboid(sides));
+        let mut lid = body(shape, BodyKind::Kinematic, [0.0, 0.0, 0.02], 0.0, STILL);
+        lid.angular_velocity = [0.0; 3];
+        world.pin_mut().add_body(&lid).expect("a lid")
+    });
+    let definition = PressDefinition {
+        turns,
+        direction: if turns { [0.0, 1.0, 0.0] } else { [0.0, 0.0, -1.0] },
+        about: [0.0, 0.0, 0.02],
+        mass: if turns { 1e-4 } else { 0.1 },
+        speed: 0.0,
+    };
+    world.pin_mut().press_body(whole, &definition).expect("pressed");
+    world.pin_mut().set_force(whole, if turns { 1e-3 } else { 1.0 }).expect("a force");
+    world.pin_mut().join_body(part, whole).expect("one body");
+    let (mut bodies, mut contacts) = (vec![], vec![]);
+    for step in 0..steps {
+        world.pin_mut().step(alone(step)).expect("a step");
+        world.read_substep(&mut bodies, &mut contacts);
+        assert!(world.solver_residual() >= 0.0, "law: native worlds have a residual");
+    }
+    assert!(!bodies.is_empty() && !contacts.is_empty(), "the check has contacts");
+    let [one, other] = [whole, part].map(|id| world.read_one_body(id).expect("a body"));
+    assert_eq!(one.position, other.position, "law: parts move as one");
     steps
 }
 
@@ -281,9 +325,11 @@ pub fn all() -> u32 {
     KINDS.iter().map(|&kind| one(kind, 90, 160)).sum::<u32>()
         + crowd((true, 1, false, 8), 12)
         + crowd((true, 2, true, 8), 12)
+        + pressed((true, 2, false, 8), false, 60)
+        + pressed((true, 1, false, 1), true, 60)
 }
 
-/// Two worlds in two threads, by each contact solver, then one with three
+/// Two worlds in two threads, by each contact solver, then some with three
 /// workers; how many steps.
 pub fn in_threads() -> u32 {
     let mut steps = 0;
@@ -291,7 +337,8 @@ pub fn in_threads() -> u32 {
         let two = [0, 1].map(|_| thread::spawn(move || one(kind, 60, 80)));
         steps += two.map(|one| one.join().expect("no panic")).iter().sum::<u32>();
     }
-    steps + one((true, 3, false, 8), 60, 80) + crowd((true, 3, false, 8), 8)
+    let three = (true, 3, false, 8);
+    steps + one(three, 60, 80) + crowd(three, 8) + pressed(three, false, 40)
 }
 
 /// Pairs of boxes in two thousand poses, at two length scales, with the fastest
