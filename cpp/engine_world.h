@@ -85,7 +85,7 @@ class EngineWorld : public btDiscreteDynamicsWorld {
     virtual PairValue pair_value(const btRigidBody &a, const btRigidBody &b) const = 0;
     // Settings as they act on the world, beside those of both kinds.
     virtual void read_settings(ReadBack &out) const = 0;
-    // Settings that every free body has alike, by one of them, likewise.
+    // Likewise those that all free bodies have alike, read from one of them.
     virtual void read_body(const btRigidBody &, ReadBack &) const {}
     virtual PhaseTimes phases() const { return phases_; }
 

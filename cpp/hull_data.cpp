@@ -44,14 +44,14 @@ HullData::HullData(const Polyhedron &polyhedron, double rounding_radius)
     : rounding(rounding_radius) {
     const auto &[coordinates, vertex_count, face_starts, face_count, face_vertices] = polyhedron;
     const std::size_t loop_length = face_count > 0 ? face_starts[face_count] : 0;
-    // Every edge is met twice.
-    if (std::max({vertex_count, face_count, loop_length / 2}) > MOST_NUMBERED) {
+    const std::size_t edge_count = loop_length / 2;
+    if (std::max({vertex_count, face_count, edge_count}) > MOST_NUMBERED) {
         throw std::runtime_error("a hull has " + std::to_string(vertex_count) + " vertices, " +
                                  std::to_string(face_count) + " faces and " +
-                                 std::to_string(loop_length / 2) + " edges, at most " +
+                                 std::to_string(edge_count) + " edges, at most " +
                                  std::to_string(MOST_NUMBERED) + " of each are possible");
     }
-    // Once in each direction.
+    // Every edge is met twice, once in each direction.
     std::map<std::pair<std::uint32_t, std::uint32_t>, Half> halves;
     for (std::size_t f = 0; f < face_count; ++f) {
         for (std::uint32_t k = face_starts[f]; k < face_starts[f + 1]; ++k) {
@@ -71,7 +71,7 @@ HullData::HullData(const Polyhedron &polyhedron, double rounding_radius)
     }
     vertices = static_cast<int>(vertex_count);
     faces = static_cast<int>(face_count);
-    edges = static_cast<int>(loop_length / 2);
+    edges = static_cast<int>(edge_count);
     allocate(static_cast<int>(loop_length));
     for (int v = 0; v < vertices; ++v) {
         vx[v] = static_cast<float>(coordinates[3 * v]);

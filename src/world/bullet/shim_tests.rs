@@ -143,7 +143,7 @@ fn malformed_hulls_come_back_as_errors() {
 fn hulls_of_too_many_edges_are_refused_bodies() {
     let _turn = shared_turn();
     let cylinder = |sides: u32| {
-        let corner = |k| (std::f64::consts::TAU * f64::from(k) / f64::from(sides)).sin_cos();
+        let corner = |k: u32| (std::f64::consts::TAU * f64::from(k) / f64::from(sides)).sin_cos();
         let outline: Vec<(f64, f64)> = (0..sides).map(corner).map(|(y, x)| (x, y)).collect();
         Arc::new(ConvexPolyhedron::prism(&outline, -0.5, 0.5).expect("a prism"))
     };
