@@ -7,15 +7,13 @@ use crate::report::text::number;
 
 /// What moves the settlement of the plate and its shares at full size, as far as it was measured:
 /// numbers of `targets.json` and `intermittent-1.csv` in `docs/results/joint`.
-pub(super) const MOVES_SETTLEMENT: &str =
-    "At full size a gradual start and stop of the table lowers the settlement and its share in the \
+pub(super) const MOVES_SETTLEMENT: &str = "At full size a gradual start and stop of the table lowers the settlement and its share in the \
      first 5 s; with it 4 of 8 specimens, without it none of 8, have the paper's share in the \
      first period. Friction, cell shape, amplitude and crank over rod showed no effect beyond the \
      wide scatter (docs/studies.md).";
 
 /// What moves the settlement of the smaller specimen, as its page says.
-pub(super) const MOVES_QUICK_SETTLEMENT: &str =
-    "On the quick specimen amplitude and the plate's diameter move the settlement \
+pub(super) const MOVES_QUICK_SETTLEMENT: &str = "On the quick specimen amplitude and the plate's diameter move the settlement \
      (docs/results/sensitivity-quick.md).";
 
 /// Why piles are steeper than the friction of their grains' surfaces: numbers of `calibrate.json`
