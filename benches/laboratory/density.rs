@@ -88,7 +88,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     let mut rows = Vec::new();
     if !bench.is_quick() {
         let found = states(bench, &paper, &STRONG)?;
-        rows.extend(index_rows(bench, "density", "the paper's grains", &found, None, ""));
+        rows.extend(index_rows("density", "the paper's grains", &found, None, ""));
         rows.extend(as_in_the_standard(bench, &found, &states(bench, &paper, &STANDARD)?));
     }
     let mut points = Vec::new();
@@ -101,7 +101,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         };
         let begin = format!("density-{}", material.name);
         let published = material.published;
-        rows.extend(index_rows(bench, &begin, material.title, &found, published, &grains));
+        rows.extend(index_rows(&begin, material.title, &found, published, &grains));
         if let (Some(roundness), Some(published)) = (material.roundness, published) {
             points.push(Compared { roundness, published, found });
         }
@@ -111,16 +111,16 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
 
 /// Rows of the loosest and the densest state, how far they are from each other, and the bound.
 fn index_rows(
-    bench: &Bench,
     begin: &str,
     grains: &str,
     found: &IndexDensities,
     published: Option<(f64, f64)>,
     more: &str,
 ) -> Vec<Row> {
-    let of = |id: &str, state: &str, published, values: &[f64], note: String| {
-        let quantity = format!("void ratio of {grains}, {state}");
-        row(bench, &format!("{begin}-{id}"), &quantity, published, values).noted(note)
+    let of = |id: &str, what: &str, published, state: &IndexState, note: &str| {
+        let quantity = format!("void ratio of {grains}, {what}");
+        let note = made(found, state) + more + note;
+        row(&format!("{begin}-{id}"), &quantity, published, &state.values).noted(note)
     };
     let about = |value: f64| Published::Range { low: value - VOID_RATIO, high: value + VOID_RATIO };
     let states = &found.states;
@@ -129,30 +129,14 @@ fn index_rows(
     let pairs = states.e_max.values.iter().zip(&states.e_min.values);
     let ranges: Vec<f64> = pairs.filter(|_| is_whole).map(|(loose, dense)| loose - dense).collect();
     let range = published.map(|(e_max, e_min)| Published::Value { value: e_max - e_min });
-    let note = |state: &IndexState| made(found, state) + more;
+    let less = format!("void ratio of {grains}, loosest less densest");
+    let densest = format!("densest{}", sinking(found));
+    let (e_max, e_min) = (published.map(|e| about(e.0)), published.map(|e| about(e.1)));
     vec![
-        of(
-            "e-max",
-            "loosest",
-            published.map(|(e_max, _)| about(e_max)),
-            &states.e_max.values,
-            note(&states.e_max),
-        ),
-        of(
-            "e-min",
-            &format!("densest{}", sinking(found)),
-            published.map(|(_, e_min)| about(e_min)),
-            &states.e_min.values,
-            note(&states.e_min) + &still_falls(found),
-        ),
-        of("range", "loosest less densest", range, &ranges, String::new()),
-        of(
-            "frictionless",
-            "without friction, a bound",
-            None,
-            &states.frictionless.values,
-            note(&states.frictionless),
-        ),
+        of("e-max", "loosest", e_max, &states.e_max, ""),
+        of("e-min", &densest, e_min, &states.e_min, &still_falls(found)),
+        row(&format!("{begin}-range"), &less, range, &ranges),
+        of("frictionless", "without friction, a bound", None, &states.frictionless, ""),
     ]
 }
 
@@ -168,28 +152,18 @@ fn as_in_the_standard(
     let vibrated = format!("vibrated as in ASTM D4253, but for {seconds} s{}", sinking(standard));
     let quantity = format!("void ratio of the paper's grains, {vibrated}");
     let note = made(standard, state) + &still_falls(standard);
-    let mut rows = vec![row(bench, "density-d4253", &quantity, None, &state.values).noted(note)];
+    let mut rows = vec![row("density-d4253", &quantity, None, &state.values).noted(note)];
     if let Some((e_max, e_min)) = found.means.e_max.zip(found.means.e_min) {
         let values: Vec<f64> = state.values.iter().map(|e| (e_max - e) / (e_max - e_min)).collect();
         let quantity = format!("relative density of the paper's grains, {vibrated}");
-        let mut row = row(bench, "density-d4253-relative", &quantity, None, &values);
-        row.decimals = 2;
+        let row = Row::of("density", "density-d4253-relative", &quantity, None, &values);
         rows.push(row.noted("By the means of the loosest and the densest state above"));
     }
     rows
 }
 
-fn row(
-    bench: &Bench,
-    id: &str,
-    quantity: &str,
-    published: Option<Published>,
-    values: &[f64],
-) -> Row {
-    let mut row = Row::of("density", id, quantity, published, values);
-    row.decimals = 3;
-    bench.design().clone_into(&mut row.design);
-    row
+fn row(id: &str, quantity: &str, published: Option<Published>, values: &[f64]) -> Row {
+    Row { decimals: 3, ..Row::of("density", id, quantity, published, values) }
 }
 
 /// How a state was made.
@@ -261,14 +235,13 @@ fn settling(bench: &Bench, paper: &str) -> Result<Chart, String> {
             plot.add(name, Look::marked(kind), points.collect());
         }
     }
-    Ok(Chart {
-        stem: "density-vibration".into(),
-        title: "How specimens sink while they are vibrated".into(),
-        caption: "Mean surface against time, at the same moment of the table's cycle, each \
-                  realisation a line. Where it still falls, the densest state is not reached."
-            .into(),
-        panels: vec![plot],
-    })
+    Ok(Chart::new(
+        "density-vibration",
+        "How specimens sink while they are vibrated",
+        "Mean surface against time, at the same moment of the table's cycle, each realisation a \
+         line. Where it still falls, the densest state is not reached.",
+        vec![plot],
+    ))
 }
 
 fn states(bench: &Bench, scenario: &str, vibration: &Vibration) -> Result<IndexDensities, String> {
@@ -306,10 +279,10 @@ fn chart(compared: &[Compared]) -> Chart {
     add("Without friction", Look::points(2), |of| of.found.states.frictionless.values.clone());
     add("Published, loosest", Look::dots(0), |of| vec![of.published.0]);
     add("Published, densest", Look::dots(1), |of| vec![of.published.1]);
-    Chart {
-        stem: "density".into(),
-        title: "Loosest and densest states of published materials".into(),
-        caption: "Void ratio over roundness: each realisation, and what is published.".into(),
-        panels: vec![plot],
-    }
+    Chart::new(
+        "density",
+        "Loosest and densest states of published materials",
+        "Void ratio over roundness: each realisation, and what is published.",
+        vec![plot],
+    )
 }

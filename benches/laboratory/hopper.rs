@@ -221,9 +221,7 @@ fn rows(bench: &Bench, grains: &Grains, flows: &Flows, changed: &str) -> Vec<Row
         let id = format!("{}-{id}", grains.id);
         let quantity = format!("hopper, {}{quantity}", grains.called);
         let published = Published::Range { low, high };
-        let mut row = Row::of("hopper", &id, &quantity, Some(published), &values);
-        bench.design().clone_into(&mut row.design);
-        row
+        Row::of("hopper", &id, &quantity, Some(published), &values)
     };
     let all = openings(bench);
     let across = |n: usize| FLOOR[n].1 / to_mm(SIZE);
@@ -324,13 +322,11 @@ fn chart(bench: &Bench, angular: &Flows, spheres: &Flows) -> Chart {
         plot.add(format!("Fitted, C {c:.2}, k {k:.2}"), Look::law(n), law(density, c, k));
     }
     plot.add(format!("C {USUAL_C}, k {USUAL_K}"), Look::law(2), law(density, USUAL_C, USUAL_K));
-    Chart {
-        stem: "hopper".into(),
-        title: "Discharge of a flat-bottomed bin".into(),
-        caption:
-            "Steady rate against the diameter of the opening, angular grains and spheres, each \
-                  realisation a point."
-                .into(),
-        panels: vec![plot],
-    }
+    Chart::new(
+        "hopper",
+        "Discharge of a flat-bottomed bin",
+        "Steady rate against the diameter of the opening, angular grains and spheres, each \
+         realisation a point.",
+        vec![plot],
+    )
 }

@@ -140,7 +140,6 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     }
     let mut rows = rows(bench, &design, &tests);
     for row in &mut rows {
-        bench.design().clone_into(&mut row.design);
         row.decimals = if row.id.contains("void-ratio") { 3 } else { 1 };
     }
     Ok(Found { rows, charts: vec![chart(&tests), profiles(&tests)] })
@@ -150,23 +149,11 @@ fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
     let of = |point: usize, configuration: u32| {
         tests.iter().find(|t| t.point == point && t.configuration == configuration)
     };
-    let angles = |ratio: fn(&ShearStrength) -> f64| -> Vec<f64> {
-        let angle = |configuration: u32| {
-            let stresses: Option<Vec<(f64, f64)>> = STRESSES
-                .iter()
-                .enumerate()
-                .map(|(n, s)| Some((*s, s * ratio(&of(n, configuration)?.strength))))
-                .collect();
-            friction_angle(&stresses?).map(f64::to_degrees)
-        };
-        (1..=bench.configurations).filter_map(angle).collect()
+    let angles = |ratio: fn(&ShearStrength) -> f64| {
+        angles(bench, &STRESSES, |point, c| Some(ratio(&of(point, c)?.strength)))
     };
-    // Angles of a change less those of the same realisation without it.
-    let change = |point: usize, ratio: fn(&ShearStrength) -> f64| -> Vec<f64> {
-        let angle = |test: &Test| ratio(&test.strength).atan().to_degrees();
-        (1..=bench.configurations)
-            .filter_map(|c| Some(angle(of(point, c)?) - angle(of(TRIED, c)?)))
-            .collect()
+    let change = |point: usize, ratio: fn(&ShearStrength) -> f64| {
+        changes(bench, [TRIED, point], |point, c| Some(ratio(&of(point, c)?.strength)))
     };
     let peak: fn(&ShearStrength) -> f64 = |s| s.peak;
     let end: fn(&ShearStrength) -> f64 = |s| s.end;
@@ -283,37 +270,44 @@ fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
             &each(TRIED, &|test| test.void_ratios[1]),
             box_wide.to_owned(),
         ),
-        row(
-            "rate-peak",
-            "direct shear at half the speed, change of the peak, °",
-            None,
-            &change(3, peak),
-            half.clone(),
-        ),
-        row(
-            "rate-end",
-            "direct shear at half the speed, change of the end, °",
-            None,
-            &change(3, end),
-            half,
-        ),
-        row(
-            "stiffness-peak",
-            "direct shear, contacts twice as stiff, change of the peak, °",
-            None,
-            &change(4, peak),
-            stiffer.clone(),
-        ),
-        row(
-            "stiffness-end",
-            "direct shear, contacts twice as stiff, change of the end, °",
-            None,
-            &change(4, end),
-            stiffer,
-        ),
     ];
+    for (point, id, what, note) in [
+        (3, "rate", "direct shear at half the speed", &half),
+        (4, "stiffness", "direct shear, contacts twice as stiff", &stiffer),
+    ] {
+        for (name, ratio) in [("peak", peak), ("end", end)] {
+            let quantity = format!("{what}, change of the {name}, °");
+            let values = change(point, ratio);
+            rows.push(row(&format!("{id}-{name}"), &quantity, None, &values, note.clone()));
+        }
+    }
     rows.extend(rounder);
     rows
+}
+
+/// Friction angles in degrees, realisation by realisation, of the stress ratios at stresses in kPa
+/// by their numbers.
+pub fn angles(
+    bench: &Bench,
+    stresses: &[f64],
+    ratio: impl Fn(usize, u32) -> Option<f64>,
+) -> Vec<f64> {
+    let angle = |configuration: u32| {
+        let point = |(n, stress): (usize, &f64)| Some((*stress, stress * ratio(n, configuration)?));
+        let points: Option<Vec<(f64, f64)>> = stresses.iter().enumerate().map(point).collect();
+        friction_angle(&points?).map(f64::to_degrees)
+    };
+    (1..=bench.configurations).filter_map(angle).collect()
+}
+
+/// Angles of a change less those of the same realisation without it, by the numbers of both points.
+pub fn changes(
+    bench: &Bench,
+    [without, with]: [usize; 2],
+    ratio: impl Fn(usize, u32) -> Option<f64>,
+) -> Vec<f64> {
+    let angle = |point: usize, c: u32| Some(ratio(point, c)?.atan().to_degrees());
+    (1..=bench.configurations).filter_map(|c| Some(angle(with, c)? - angle(without, c)?)).collect()
 }
 
 /// Void ratio of all grains in the box at the first moment and at the last.
@@ -369,36 +363,46 @@ pub fn moments(run: &Run, plane: f64) -> Result<Vec<Sheared>, String> {
     Ok(first.chain(whole.map(|pair| pair[1])).map(moment).collect())
 }
 
-/// Tests at the three stresses, the first at each with its name.
-fn named(tests: &[Test]) -> impl Iterator<Item = (&Test, String)> {
-    let at_stresses = tests.iter().enumerate().filter(|(_, test)| test.point < STRESSES.len());
-    at_stresses.map(|(n, test)| {
-        let is_first = tests[..n].iter().all(|earlier| earlier.point != test.point);
-        (test, if is_first { format!("{} kPa", STRESSES[test.point]) } else { String::new() })
-    })
+/// What the first test at each stress is called in a figure, the others nothing, by the numbers of
+/// their stresses.
+pub fn names(stresses: &[f64], points: &[usize]) -> Vec<String> {
+    let name = |(n, point): (usize, &usize)| {
+        let is_first = !points[..n].contains(point);
+        if is_first { format!("{} kPa", stresses[*point]) } else { String::new() }
+    };
+    points.iter().enumerate().map(name).collect()
 }
 
-fn chart(tests: &[Test]) -> Chart {
-    let panel = |name: &str, y: fn(&Test, &Sheared) -> f64| {
+/// Stress ratio and rise of the lid against displacement: of each test the number of its stress, of
+/// stresses in kPa, and its moments.
+pub fn panels(stresses: &[f64], tests: &[(usize, &[Sheared])]) -> Vec<Plot> {
+    let points: Vec<usize> = tests.iter().map(|test| test.0).collect();
+    let panel = |name: &str, y: fn(&Sheared, &Sheared) -> f64| {
         let x = Axis::linear("Displacement (mm)").from_zero();
         let mut plot = Plot::new(x, Axis::linear(name).from_zero());
-        for (test, name) in named(tests) {
-            let points = test.moments.iter().map(|m| (to_mm(m.displacement), y(test, m)));
-            plot.add(name, Look::marked(test.point), points.collect());
+        for ((point, moments), name) in tests.iter().zip(names(stresses, &points)) {
+            let points = moments.iter().map(|m| (to_mm(m.displacement), y(&moments[0], m)));
+            plot.add(name, Look::marked(*point), points.collect());
         }
         plot
     };
-    let ratio = panel("Stress ratio τ/σ", |_, m| m.ratio());
-    let rise = |test: &Test, m: &Sheared| to_mm(m.height - test.moments[0].height);
-    let lid = panel("Rise of the lid (mm)", rise);
-    Chart {
-        stem: "direct-shear".into(),
-        title: "Direct shear at three stresses".into(),
-        caption:
-            "Stress ratio and height of the lid against displacement, each realisation a line."
-                .into(),
-        panels: vec![ratio, lid],
-    }
+    vec![
+        panel("Stress ratio τ/σ", |_, m| m.ratio()),
+        panel("Rise of the lid (mm)", |first, m| to_mm(m.height - first.height)),
+    ]
+}
+
+/// Tests at the three stresses.
+fn at_stresses(tests: &[Test]) -> Vec<&Test> {
+    tests.iter().filter(|test| test.point < STRESSES.len()).collect()
+}
+
+fn chart(tests: &[Test]) -> Chart {
+    let curves: Vec<(usize, &[Sheared])> =
+        at_stresses(tests).into_iter().map(|test| (test.point, &test.moments[..])).collect();
+    let seen = "Stress ratio and height of the lid against displacement, each realisation a line.";
+    let panels = panels(&STRESSES, &curves);
+    Chart::new("direct-shear", "Direct shear at three stresses", seen, panels)
 }
 
 fn profiles(tests: &[Test]) -> Chart {
@@ -407,17 +411,17 @@ fn profiles(tests: &[Test]) -> Chart {
         Axis::linear("Height before (mm)").from_zero(),
     );
     plot.mark_level("Plane between the halves", to_mm(PLANE));
-    for (test, name) in named(tests) {
+    let tests = at_stresses(tests);
+    let points: Vec<usize> = tests.iter().map(|test| test.point).collect();
+    for (test, name) in tests.into_iter().zip(names(&STRESSES, &points)) {
         let points = test.profile.iter().map(|(height, way)| (to_mm(*way), to_mm(*height)));
         plot.add(name, Look::marked(test.point), points.collect());
     }
-    Chart {
-        stem: "direct-shear-profile".into(),
-        title: "Where a shear box shears".into(),
-        caption:
-            "How far grains have come with the lower half at the end, by layers a grain high, \
-                  each realisation a line."
-                .into(),
-        panels: vec![plot],
-    }
+    Chart::new(
+        "direct-shear-profile",
+        "Where a shear box shears",
+        "How far grains have come with the lower half at the end, by layers a grain high, each \
+         realisation a line.",
+        vec![plot],
+    )
 }

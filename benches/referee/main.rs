@@ -37,7 +37,7 @@ struct Options {
     #[arg(long)]
     quick: bool,
     /// Only these parts, with commas between; results of the others stay in the file
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = Part::ALL)]
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = Part::value_variants())]
     only: Vec<Part>,
     /// Instants of each scene [default: 10, quick 1]
     #[arg(long)]
@@ -80,23 +80,15 @@ struct Options {
 enum Part {
     /// One sub-step at random instants
     OneStep,
-    /// Small pours
-    Pours,
     /// The least friction with which specimens stand
     Static,
-}
-
-impl Part {
-    const ALL: [Self; 3] = [Self::OneStep, Self::Static, Self::Pours];
+    /// Small pours
+    Pours,
 }
 
 impl std::fmt::Display for Part {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::OneStep => "one-step",
-            Self::Pours => "pours",
-            Self::Static => "static",
-        })
+        f.write_str(self.to_possible_value().expect("none is skipped").get_name())
     }
 }
 
@@ -117,7 +109,7 @@ fn compare(options: &Options) -> Result<(), String> {
     let mut results = earlier(&options.out)?;
     options.check_others(&results)?;
     let mut tables = String::new();
-    for part in Part::ALL.into_iter().filter(|p| options.only.contains(p)) {
+    for part in Part::value_variants().iter().filter(|part| options.only.contains(part)) {
         tables += &match part {
             Part::OneStep => one_step(options, &folder, &mut results)?,
             Part::Pours => pours(options, &folder, &mut results)?,

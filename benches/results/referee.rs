@@ -22,18 +22,10 @@ fn small(of: &Value) -> String {
 
 /// A row a scene.
 pub fn one_step(all: &Value) -> Result<String, String> {
-    let mut table = head(&[
-        "scene",
-        "grains",
-        "instants",
-        "contact points",
-        "median %",
-        "p99 %",
-        "worst %",
-        "instant median %",
-        "residual of the native solver",
-        "of the reference",
-    ]);
+    let mut table = head(
+        "scene | grains | instants | contact points | median % | p99 % | worst % | instant median \
+         % | residual of the native solver | of the reference",
+    );
     for of in part(all, "one_step")? {
         table += &row(&[
             text(&of["scene"]),
@@ -53,18 +45,10 @@ pub fn one_step(all: &Value) -> Result<String, String> {
 
 /// A row a specimen and engine.
 pub fn certificates(all: &Value) -> Result<String, String> {
-    let mut table = head(&[
-        "specimen",
-        "engine",
-        "contact points",
-        "least friction",
-        "of 99 % of the grains",
-        "fall",
-        "unbalanced",
-        "left, worst %",
-        "left, all %",
-        "stands",
-    ]);
+    let mut table = head(
+        "specimen | engine | contact points | least friction | of 99 % of the grains | fall | \
+         unbalanced | left, worst % | left, all % | stands",
+    );
     for of in part(all, "static")? {
         let stands = if of["stands"] == true { "yes" } else { "no" };
         table += &row(&[

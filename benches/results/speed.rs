@@ -26,16 +26,10 @@ pub fn peers(all: &Value) -> Result<String, String> {
             engines.push(name);
         }
     }
-    let mut text = head(&[
-        "engine",
-        "rest",
-        "shaken",
-        "pour",
-        "time over Pluvia's, shaken",
-        "overlap at rest, mean / p99, %",
-        "numerical creep, µm/s",
-        "MiB",
-    ]);
+    let mut text = head(
+        "engine | rest | shaken | pour | time over Pluvia's, shaken | overlap at rest, mean / p99, \
+         % | numerical creep, µm/s | MiB",
+    );
     for engine in engines {
         let rest = of(engine, "rest");
         let settings = match (rest["rate_hz"].as_f64(), rest["iterations"].as_u64()) {
@@ -63,17 +57,10 @@ pub fn peers(all: &Value) -> Result<String, String> {
 
 /// A row a specimen, state and number of threads.
 pub fn steps(all: &Value) -> Result<String, String> {
-    let mut text = head(&[
-        "state",
-        "grains",
-        "threads",
-        "ms per step",
-        "µs per grain and step",
-        "growth",
-        "serial share, %",
-        "faster than on one thread",
-        "KiB per grain",
-    ]);
+    let mut text = head(
+        "state | grains | threads | ms per step | µs per grain and step | growth | serial share, % \
+         | faster than on one thread | KiB per grain",
+    );
     for of in rows(all)? {
         let state = of["state"].as_str().ok_or("a row without a state")?.replace('_', ", ");
         let serial = of["serial_share"].as_f64();

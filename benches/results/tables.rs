@@ -48,61 +48,44 @@ pub(super) fn row(cells: &[String]) -> String {
     text + "\n"
 }
 
-pub(super) fn head(names: &[&str]) -> String {
-    row(&names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>())
-        + "|"
-        + &" --- |".repeat(names.len())
-        + "\n"
+/// The names of columns, with `|` between them, and the line below.
+pub(super) fn head(names: &str) -> String {
+    format!("| {names} |\n|{}\n", " --- |".repeat(names.matches('|').count() + 1))
 }
 
-/// Quantities of the programme, with what the paper's text says of them.
-const TEN: [(&str, &str, usize, &str, &str); 11] = [
-    ("mean surface, poured from 0 cm, mm", "standing height from 0 cm", 1, "", ""),
-    ("from 5 cm", "standing height from 5 cm", 1, "", ""),
-    ("from 10 cm", "standing height from 10 cm", 1, "", ""),
-    ("from 20 cm", "standing height from 20 cm", 1, "", ""),
+/// Quantities of the programme, with what the paper's text says of them. Shares are in whole
+/// percent, lengths have one decimal.
+const TEN: [(&str, &str, &str, &str); 11] = [
+    ("mean surface, poured from 0 cm, mm", "standing height from 0 cm", "", ""),
+    ("from 5 cm", "standing height from 5 cm", "", ""),
+    ("from 10 cm", "standing height from 10 cm", "", ""),
+    ("from 20 cm", "standing height from 20 cm", "", ""),
     (
         "plate settlement after 5 s, continuous, mm",
         "continuous vibration, plate, after 5 s",
-        1,
         "",
         "",
     ),
-    ("after 20 s", "continuous vibration, plate, final", 1, "", "14 to 19.61"),
-    (
-        "share in the first 5 s",
-        "continuous vibration, plate, share after 5 s",
-        0,
-        " %",
-        "about 80 %",
-    ),
-    ("surface settlement after 20 s, mm", "continuous vibration, mean surface, final", 1, "", ""),
-    ("plate settlement, intermittent, mm", "intermittent vibration, plate, final", 1, "", ""),
+    ("after 20 s", "continuous vibration, plate, final", "", "14 to 19.61"),
+    ("share in the first 5 s", "continuous vibration, plate, share after 5 s", " %", "about 80 %"),
+    ("surface settlement after 20 s, mm", "continuous vibration, mean surface, final", "", ""),
+    ("plate settlement, intermittent, mm", "intermittent vibration, plate, final", "", ""),
     (
         "share in the first period",
         "intermittent vibration, plate, share after the first period",
-        0,
         " %",
         "about 85 %",
     ),
-    (
-        "surface settlement, intermittent, mm",
-        "intermittent vibration, mean surface, final",
-        1,
-        "",
-        "",
-    ),
+    ("surface settlement, intermittent, mm", "intermittent vibration, mean surface, final", "", ""),
 ];
 
 fn ten(quote: Cells) -> Result<String, String> {
-    let mut text = head(&[
-        "ten realisations",
-        "mean, 95 % confidence",
-        "standard deviation",
-        "smallest to largest",
-        "paper",
-    ]);
-    for (label, quantity, decimals, unit, paper) in TEN {
+    let mut text = head(
+        "ten realisations | mean, 95 % confidence | standard deviation | smallest to largest | \
+         paper",
+    );
+    for (label, quantity, unit, paper) in TEN {
+        let decimals = usize::from(unit.is_empty());
         let key = |path: &str, word: &str| {
             quote(&format!("uncertainty:quantities/{quantity}{path}:{word}.{decimals}"))
         };
@@ -119,7 +102,7 @@ fn ten(quote: Cells) -> Result<String, String> {
 
 /// The paper's three realisations; `all`: with rows that the short table leaves out.
 fn three(quote: Cells, all: bool) -> Result<String, String> {
-    let mut text = head(&["", "realisation 1", "realisation 2", "realisation 3"]);
+    let mut text = head("| realisation 1 | realisation 2 | realisation 3");
     let value = |quantity: &str, n: usize, decimals: usize| {
         quote(&format!("uncertainty:quantities/{quantity}/values/{n}:.{decimals}"))
     };
@@ -133,28 +116,22 @@ fn three(quote: Cells, all: bool) -> Result<String, String> {
     }
     text += &row(&heights);
     let continuous = [
-        (
-            "plate settlement after 20 s, continuous, mm",
-            "continuous vibration, plate, final",
-            1,
-            "",
-        ),
-        ("surface settlement, the same, mm", "continuous vibration, mean surface, final", 1, ""),
+        ("plate settlement after 20 s, continuous, mm", "continuous vibration, plate, final", ""),
+        ("surface settlement, the same, mm", "continuous vibration, mean surface, final", ""),
         (
             "share of the plate's in the first 5 s",
             "continuous vibration, plate, share after 5 s",
-            0,
             " %",
         ),
-        ("plate settlement, intermittent, mm", "intermittent vibration, plate, final", 1, ""),
+        ("plate settlement, intermittent, mm", "intermittent vibration, plate, final", ""),
         (
             "share of the plate's in the first period",
             "intermittent vibration, plate, share after the first period",
-            0,
             " %",
         ),
     ];
-    for (label, quantity, decimals, unit) in continuous {
+    for (label, quantity, unit) in continuous {
+        let decimals = usize::from(unit.is_empty());
         if !all && label.starts_with("surface") {
             continue;
         }
@@ -188,16 +165,10 @@ fn cell(
 }
 
 fn engines(quote: Cells, all: &Value) -> Result<String, String> {
-    let mut text = head(&[
-        "contacts",
-        "μ",
-        "e",
-        "realisations",
-        "jammed",
-        "void ratio",
-        "standard deviation",
-        "height over the native one, %",
-    ]);
+    let mut text = head(
+        "contacts | μ | e | realisations | jammed | void ratio | standard deviation | height over \
+         the native one, %",
+    );
     for (name, value) in items(all) {
         let at = |path: &str, format: &str| {
             cell(quote, value, "engines", &format!("{name}/{path}"), format)
@@ -218,13 +189,10 @@ fn engines(quote: Cells, all: &Value) -> Result<String, String> {
 }
 
 fn handed(quote: Cells) -> Result<String, String> {
-    let mut text = head(&[
-        "poured by",
-        "shaken by",
-        "settlement of the surface, mm",
-        "of the plate, mm",
-        "largest numerical creep, µm/s",
-    ]);
+    let mut text = head(
+        "poured by | shaken by | settlement of the surface, mm | of the plate, mm | largest \
+         numerical creep, µm/s",
+    );
     for by in ["native", "rapier"] {
         for engine in ["native", "rapier"] {
             let at =
@@ -243,14 +211,9 @@ fn handed(quote: Cells) -> Result<String, String> {
 }
 
 fn settlement(quote: Cells, all: &Value) -> Result<String, String> {
-    let mut text = head(&[
-        "setting",
-        "height, %",
-        "surface settlement, mm",
-        "deviation, %",
-        "plate, mm",
-        "deviation, %",
-    ]);
+    let mut text = head(
+        "setting | height, % | surface settlement, mm | deviation, % | plate, mm | deviation, %",
+    );
     for (n, (name, value)) in items(all).into_iter().enumerate() {
         let at = |path: &str, format: &str| {
             cell(quote, value, "settlement", &format!("{n}/{path}"), format)
@@ -268,16 +231,10 @@ fn settlement(quote: Cells, all: &Value) -> Result<String, String> {
 }
 
 fn twins(quote: Cells) -> Result<String, String> {
-    let mut text = head(&[
-        "times as large",
-        "runs",
-        "void ratio",
-        "height / size, mm",
-        "coordination number",
-        "overlap, mean %",
-        "99th percentile %",
-        "largest numerical creep, µm/s (allowed)",
-    ]);
+    let mut text = head(
+        "times as large | runs | void ratio | height / size, mm | coordination number | overlap, \
+         mean % | 99th percentile % | largest numerical creep, µm/s (allowed)",
+    );
     for larger in ["0.1", "1", "5"] {
         let at = |path: &str, format: &str| {
             quote(&format!("twins-means:name={larger}/0/{path}:{format}"))
@@ -299,7 +256,7 @@ fn twins(quote: Cells) -> Result<String, String> {
 
 fn calibration(found: &Value) -> Result<String, String> {
     let mut text =
-        head(&["friction coefficient μ", "atan μ", "angle of repose, 95 % confidence", "piles"]);
+        head("friction coefficient μ | atan μ | angle of repose, 95 % confidence | piles");
     for of in found["values"].as_array().ok_or("a calibration has values")? {
         let at = |field: &str| of[field].as_f64().ok_or(format!("a value has its {field}"));
         text += &row(&[
@@ -313,7 +270,7 @@ fn calibration(found: &Value) -> Result<String, String> {
 }
 
 fn stock(quote: Cells) -> Result<String, String> {
-    let mut text = head(&["", "paper", "realisation 1", "2", "3"]);
+    let mut text = head("| paper | realisation 1 | 2 | 3");
     for (label, paper, field, decimals) in [
         ("standing height from 0 cm, mm", "", "height_from_0_cm_mm", 1),
         ("from 5 cm", "", "height_from_5_cm_mm", 1),
@@ -333,7 +290,7 @@ fn stock(quote: Cells) -> Result<String, String> {
 
 fn grain_sieve(quote: Cells, grains: &Value) -> Result<String, String> {
     let mut text =
-        head(&["stays between, mm", "specified, % of mass", "found, % of mass", "grains found"]);
+        head("stays between, mm | specified, % of mass | found, % of mass | grains found");
     let fractions = grains["sieve_analysis"]["fractions"].as_array().map_or(0, Vec::len);
     for n in 0..fractions {
         let fraction = &grains["sieve_analysis"]["fractions"][n];
@@ -356,7 +313,7 @@ fn grain_sieve(quote: Cells, grains: &Value) -> Result<String, String> {
 }
 
 fn grain_sizes(quote: Cells) -> Result<String, String> {
-    let mut text = head(&["", "D10, mm", "D30, mm", "D50, mm", "D60, mm", "Cu", "Cc", "USCS"]);
+    let mut text = head("| D10, mm | D30, mm | D50, mm | D60, mm | Cu | Cc | USCS");
     for (label, path) in [("specified", "specified/"), ("generated", "")] {
         let mut cells = vec![label.to_owned()];
         for field in [
@@ -376,7 +333,7 @@ fn grain_sizes(quote: Cells) -> Result<String, String> {
 }
 
 fn grain_shape(quote: Cells) -> Result<String, String> {
-    let mut text = head(&["", "10th percentile", "median", "90th percentile", "mean"]);
+    let mut text = head("| 10th percentile | median | 90th percentile | mean");
     for (label, field, decimals) in [
         ("elongation L/I", "elongation", 2),
         ("flatness I/S", "flatness", 2),
@@ -401,7 +358,7 @@ fn grain_shape(quote: Cells) -> Result<String, String> {
 
 /// What each file of `docs/results/` is.
 fn files(builds: &[builds::Build]) -> String {
-    let mut text = head(&["files", "what", "made by", "build"]);
+    let mut text = head("files | what | made by | build");
     for kept in list::KEPT {
         let names: Vec<String> =
             kept.files.iter().map(|(file, _)| format!("[{file}]({file})")).collect();
@@ -425,7 +382,7 @@ fn files(builds: &[builds::Build]) -> String {
 
 /// Rows of the standard tests: what is published, ours, and what came of it.
 fn laboratory(quote: Cells, all: &Value) -> Result<String, String> {
-    let mut text = head(&["", "published", "ours, 95 % confidence", "realisations", "verdict"]);
+    let mut text = head("| published | ours, 95 % confidence | realisations | verdict");
     for value in all.as_array().into_iter().flatten() {
         let typed = |field: &str| value[field].as_str().unwrap_or_default().to_owned();
         let id = typed("id");
@@ -461,7 +418,7 @@ fn laboratory(quote: Cells, all: &Value) -> Result<String, String> {
 
 /// Where the published numbers of the standard tests were seen, and what a reader must know.
 fn sources(all: &Value) -> Result<String, String> {
-    let mut text = head(&["", "source", "how it was measured, and what was tried"]);
+    let mut text = head("| source | how it was measured, and what was tried");
     for value in all.as_array().into_iter().flatten() {
         let typed = |field: &str| value[field].as_str().unwrap_or_default().to_owned();
         text += &row(&[typed("quantity"), typed("source"), typed("note")]);
