@@ -10,7 +10,7 @@ use std::{
     process::{Command, Stdio},
 };
 
-use super::interruption::write_scenario_in_segments;
+use super::{interruption::write_scenario_in_segments, program::said};
 
 /// A call that changes names, or brings something to the disk.
 #[derive(Debug, Clone, PartialEq)]
@@ -121,7 +121,7 @@ fn names_are_on_the_disk_before_anybody_relies_on_them() {
     let mut command = strace(&log);
     command.arg(env!("CARGO_BIN_EXE_pluvia")).arg("run").arg(&scenario).arg("--out").arg(&out);
     let output = command.arg("--quiet").output().expect("strace starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{}", said(&output));
     let text = fs::read_to_string(&log).expect("a log");
     let calls = calls(&text, &root);
     let count = |is: fn(&Call) -> bool| calls.iter().filter(|call| is(call)).count();

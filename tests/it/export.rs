@@ -3,7 +3,7 @@
 use std::{
     fs,
     path::{Path, PathBuf},
-    process::{Command, Output},
+    process::Output,
     sync::OnceLock,
 };
 
@@ -13,7 +13,10 @@ use pluvia::grains::grain_name;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use super::small;
+use super::{
+    program::{self, assert_holds, json, said, text, write},
+    small,
+};
 
 /// Thirty grams of gravel poured, put under a plate and shaken for a moment, without figures, once
 /// for all tests.
@@ -21,29 +24,21 @@ pub(super) fn small_run() -> &'static Path {
     static RUN: OnceLock<(TempDir, PathBuf)> = OnceLock::new();
     let (_, out) = RUN.get_or_init(|| {
         let folder = tempfile::tempdir().expect("a folder");
-        let scenario = folder.path().join("small.json");
-        let content = small::scenario(30.0, 0.25, 0.1);
-        fs::write(&scenario, content.to_string()).expect("a scenario file");
+        let scenario = write(folder.path(), "small.json", &small::scenario(30.0, 0.25, 0.1));
         let out = folder.path().join("run");
-        let args = ["run", "--quiet", "--no-figures", "--out"];
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-        let output = command.args(args).arg(&out).arg(&scenario).output().expect("it starts");
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        program::done(&["run", text(&scenario), "--quiet", "--no-figures", "--out", text(&out)]);
         (folder, out)
     });
     out
 }
 
 fn export(run: &Path, more: &[&str], out: &Path) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-    command.arg("export").arg(run).args(more).arg("--out").arg(out);
-    command.output().expect("it starts")
+    program::output(&[&["export", text(run), "--out", text(out)][..], more].concat())
 }
 
 fn done(run: &Path, more: &[&str], out: &Path) {
     let output = export(run, more, out);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{more:?}: {said}");
+    assert_eq!(output.status.code(), Some(0), "{more:?}: {}", said(&output));
 }
 
 fn scene(out: &Path) -> Scene {
@@ -106,7 +101,7 @@ fn an_earlier_stage_can_be_chosen_and_carries_what_follows() {
     assert_eq!(scene(folder.path()), named, "law: number and name say the same");
     let earlier = ["--format", "json", "--stage", "fill_funnel"];
     let refused = export(small_run(), &earlier, folder.path());
-    let said = String::from_utf8_lossy(&refused.stderr);
+    let said = said(&refused);
     assert_eq!(refused.status.code(), Some(2), "law: another scene is not written over: {said}");
     assert!(said.contains("--force"), "law: with the way out: {said}");
     done(small_run(), &[&earlier[..], &["--force"]].concat(), folder.path());
@@ -219,13 +214,12 @@ fn frames_lead_from_the_first_stage_to_the_last_specimen() {
         let to = bare.path().join("stages").join(stage.file_name());
         fs::create_dir_all(&to).expect("a folder");
         fs::copy(stage.path().join("specimen.json"), to.join("specimen.json")).expect("a copy");
-        let text = fs::read(stage.path().join("stage.json")).expect("a record");
-        let mut record: serde_json::Value = serde_json::from_slice(&text).expect("JSON");
+        let mut record = json(&stage.path().join("stage.json"));
         let fields = record.as_object_mut().expect("an object");
         for sum in ["frames_sha256", "record_sha256", "identity"] {
             assert!(fields.remove(sum).is_some(), "law: a record has {sum}");
         }
-        fs::write(to.join("stage.json"), record.to_string()).expect("a record");
+        write(&to, "stage.json", &record);
     }
     let bare = read_playback(bare.path()).expect("the run can be read");
     let frames: Vec<usize> = bare.stages.iter().map(|s| s.frames.len()).collect();
@@ -238,7 +232,7 @@ fn frames_for_paraview_are_listed_and_counted() {
     let folder = tempfile::tempdir().expect("a folder");
     let output =
         export(small_run(), &["--format", "vtk", "--every", "0.08", "--json"], folder.path());
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
     let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let lists: Vec<&str> =
         told["files"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
@@ -322,11 +316,9 @@ fn what_cannot_be_exported_is_said_in_one_line() {
     let refused = |run: &Path, more: &[&str], code: i32, words: &[&str]| {
         let out = folder.path().join("out");
         let output = export(run, more, &out);
-        let said = String::from_utf8_lossy(&output.stderr);
+        let said = said(&output);
         assert_eq!(output.status.code(), Some(code), "{more:?}: {said}");
-        for word in words {
-            assert!(said.contains(word), "`{word}` is missing in: {said}");
-        }
+        assert_holds(&said, words);
         assert!(!out.exists(), "nothing is written: {more:?}");
     };
     let run = small_run();
@@ -367,15 +359,14 @@ fn what_cannot_be_exported_is_said_in_one_line() {
     fs::write(damaged.join("specimen.json"), state).expect("a damaged specimen");
     refused(&damaged, &["--format", "csv"], 2, &["specimen.json", "not what was written"]);
     // Older versions noted no sums.
-    let text = fs::read_to_string(run.join("manifest.json")).expect("a manifest");
-    let mut manifest: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let mut manifest = json(&run.join("manifest.json"));
     assert!(manifest["files_sha256"].take().is_object(), "law: a manifest notes sums");
     manifest["files_sha256"] = serde_json::json!({});
-    fs::write(damaged.join("manifest.json"), manifest.to_string()).expect("an old manifest");
+    write(&damaged, "manifest.json", &manifest);
     refused(&damaged, &["--format", "csv"], 2, &["specimen.json", "table_x"]);
     // Of two stages of a name none is meant.
     manifest["stages"][2]["stage"] = serde_json::json!("pour");
-    fs::write(damaged.join("manifest.json"), manifest.to_string()).expect("another manifest");
+    write(&damaged, "manifest.json", &manifest);
     for format in ["json", "vtk", "glb"] {
         refused(&damaged, &["--format", format, "--stage", "pour"], 2, &["`pour`", "1 or 2"]);
     }

@@ -10,6 +10,7 @@ use std::{
 
 use super::{
     interruption::{copy, finished, pluvia, stages, wait_for_stages, write_scenario},
+    program::{self, assert_holds, done, said, text},
     same::assert_same_files,
 };
 
@@ -25,23 +26,17 @@ fn limited(scenario: &Path, out: &Path, blocks: u32) -> Output {
 
 /// Exit code 4 and one line that holds all the words; gives the line.
 fn refused(output: &Output, words: &[&str]) -> String {
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let said = said(output);
     assert_eq!(output.status.code(), Some(4), "law: exit code 4 for files, got: {said}");
     assert_eq!(said.trim().lines().count(), 1, "law: one message, got: {said}");
     assert!(!said.contains("panicked"), "law: no panic, got: {said}");
-    for word in words {
-        assert!(said.contains(word), "law: the message holds `{word}`, got: {said}");
-    }
+    assert_holds(&said, words);
     said
 }
 
 /// Runs it whole.
 fn run(scenario: &Path, out: &Path) -> Output {
     pluvia(scenario, out).stderr(Stdio::piped()).output().expect("the program starts")
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().expect("UTF-8")
 }
 
 #[test]
@@ -147,9 +142,8 @@ fn standard_output_that_is_full_is_told() {
         eprintln!("not tested here: there is no /dev/full");
         return;
     };
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-    let output = command.args(["info", "--json"]).stdout(full).output().expect("it starts");
-    refused(&output, &["standard output", "No space left"]);
+    let output = program::pluvia().args(["info", "--json"]).stdout(full).output();
+    refused(&output.expect("it starts"), &["standard output", "No space left"]);
 }
 
 /// Damage to what a finished run has in store.
@@ -182,11 +176,8 @@ fn a_damaged_stage_is_told_and_done_again() {
     for ((name, damage), stage) in damages.iter().zip(&folders) {
         damage(&stage.join(name));
     }
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-    command.arg("run").arg(&scenario).arg("--out").arg(&hurt);
-    let output = command.output().expect("it starts");
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "law: damage does not end a run, got {said}");
+    let (code, _, said) = program::run(&["run", text(&scenario), "--out", text(&hurt)]);
+    assert_eq!(code, Some(0), "law: damage does not end a run, got {said}");
     for (name, _) in damages {
         let told = said.lines().any(|l| l.contains("damaged and done again") && l.contains(name));
         assert!(told, "law: `{name}` is reported, got {said}");
@@ -199,23 +190,16 @@ fn a_run_that_was_changed_by_hand_is_not_exported() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
     copy(finished(), &out);
-    let export = |format: &str| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-        command.arg("export").arg(&out).args(["--format", format, "--quiet", "--out"]);
-        command.arg(folder.path().join("exported")).output().expect("it starts")
-    };
-    assert!(export("csv").status.success(), "law: as it was written it is exported");
+    let exported = folder.path().join("exported");
+    let export = ["export", text(&out), "--format", "csv", "--quiet", "--out", text(&exported)];
+    done(&export);
     for name in ["grains.json", "specimen.json"] {
         let path = out.join(name);
         let was = fs::read_to_string(&path).expect("a file");
         fs::write(&path, was.replacen("0.0", "0.5", 1)).expect("changed");
-        let output = export("csv");
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "law: {name}: refused for what it holds: {said}");
-        for words in [name, "not what was written"] {
-            assert!(said.contains(words), "law: `{words}` is said, got {said}");
-        }
+        program::refused(&export, 2, &[name, "not what was written"]);
         fs::write(&path, was).expect("as it was");
     }
-    assert!(export("csv").status.success(), "law: put back it is exported again");
+    // Put back it is exported again.
+    done(&export);
 }

@@ -13,37 +13,35 @@ use std::{
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use super::{same::assert_same_files, small};
+use super::{
+    program::{self, write},
+    same::{assert_same_bytes, assert_same_files},
+    small,
+};
 
 /// Forty grams of gravel, poured and shaken for half a second.
 pub fn write_scenario(folder: &Path) -> PathBuf {
-    let path = folder.join("small.json");
-    let scenario = small::scenario(40.0, 0.5, 0.2);
-    fs::write(&path, scenario.to_string()).expect("a scenario file");
-    path
+    write(folder, "small.json", &small::scenario(40.0, 0.5, 0.2))
 }
 
 /// The same, stored on its way after every tenth of a simulated second.
 pub fn write_scenario_in_segments(folder: &Path) -> PathBuf {
-    let path = folder.join("segments.json");
     let mut scenario = small::scenario(40.0, 0.5, 0.2);
     scenario["engine"] = json!({ "native": { "checkpoint_every_s": 0.1 } });
-    fs::write(&path, scenario.to_string()).expect("a scenario file");
-    path
+    write(folder, "segments.json", &scenario)
 }
 
 /// What an uninterrupted run of [`write_scenario`] leaves, once for all tests.
 pub fn finished() -> &'static Path {
-    static MADE: OnceLock<TempDir> = OnceLock::new();
-    static OUT: OnceLock<PathBuf> = OnceLock::new();
-    let folder = MADE.get_or_init(|| {
+    static MADE: OnceLock<(TempDir, PathBuf)> = OnceLock::new();
+    let (_, out) = MADE.get_or_init(|| {
         let folder = tempfile::tempdir().expect("a folder");
-        let scenario = write_scenario(folder.path());
-        let done = pluvia(&scenario, &folder.path().join("out")).status().expect("started");
+        let out = folder.path().join("out");
+        let done = pluvia(&write_scenario(folder.path()), &out).status().expect("started");
         assert!(done.success(), "law: the small scenario can be run");
-        folder
+        (folder, out)
     });
-    OUT.get_or_init(|| folder.path().join("out"))
+    out
 }
 
 /// A copy of a folder, to be changed.
@@ -61,7 +59,7 @@ pub fn copy(from: &Path, to: &Path) {
 
 /// `pluvia run`, saying nothing.
 pub fn pluvia(scenario: &Path, out: &Path) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+    let mut command = program::pluvia();
     command.arg("run").arg(scenario).arg("--out").arg(out).arg("--quiet");
     command.stdout(Stdio::null()).stderr(Stdio::null());
     command
@@ -76,8 +74,7 @@ pub fn without_figures(scenario: &Path, out: &Path) -> Command {
 
 /// The summary without what depends on the machine's speed.
 fn summary(out: &Path) -> Value {
-    let text = fs::read(out.join("summary.json")).expect("a summary");
-    let mut summary: Value = serde_json::from_slice(&text).expect("JSON");
+    let mut summary = program::json(&out.join("summary.json"));
     let fields = summary.as_object_mut().expect("an object");
     for timing in ["wall_s", "engine_s", "peak_memory_mib"] {
         assert!(fields.remove(timing).is_some(), "the summary has {timing}");
@@ -88,13 +85,8 @@ fn summary(out: &Path) -> Value {
 /// The same results.
 pub fn assert_same(a: &Path, b: &Path, what: &str) {
     assert_eq!(summary(a), summary(b), "law: {what}: the same summary but for timings");
-    for file in ["specimen.json", "series.csv", "grains.csv", "rest_test.csv", "grains.json"] {
-        let (one, two) = (fs::read(a.join(file)), fs::read(b.join(file)));
-        assert!(
-            one.expect("written") == two.expect("written"),
-            "law: {what}: the same bytes in {file}"
-        );
-    }
+    let files = ["specimen.json", "series.csv", "grains.csv", "rest_test.csv", "grains.json"];
+    assert_same_bytes(a, b, &files, what);
 }
 
 /// How many stages are stored.

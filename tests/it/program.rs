@@ -1,8 +1,11 @@
-//! The program as users run it.
+//! The program as users run it, and the files that it is given and leaves.
 
-use std::{fs, path::PathBuf};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
 
-use assert_cmd::Command;
 use serde_json::Value;
 
 /// The program, at the root of the tree.
@@ -12,9 +15,14 @@ pub fn pluvia() -> Command {
     command
 }
 
+/// Runs it.
+pub fn output(args: &[&str]) -> Output {
+    pluvia().args(args).output().expect("the program starts")
+}
+
 /// Runs it; gives its exit code, standard output and standard error.
 pub fn run(args: &[&str]) -> (Option<i32>, String, String) {
-    let output = pluvia().args(args).output().expect("the program starts");
+    let output = output(args);
     let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
     (output.status.code(), text(output.stdout), text(output.stderr))
 }
@@ -24,6 +32,59 @@ pub fn done(args: &[&str]) -> String {
     let (code, text, err) = run(args);
     assert_eq!(code, Some(0), "law: {args:?} ends well: {err}");
     text
+}
+
+/// Runs it where it is to be refused, with an exit code and words; gives what it said.
+pub fn refused(args: &[&str], expected: i32, words: &[&str]) -> String {
+    let (code, _, err) = run(args);
+    assert_eq!(code, Some(expected), "law: {args:?} is refused: {err}");
+    assert_holds(&err, words);
+    err
+}
+
+/// A text has all of these words.
+#[track_caller]
+pub fn assert_holds(text: &str, words: &[&str]) {
+    for word in words {
+        assert!(text.contains(word), "law: `{word}` is said, got: {text}");
+    }
+}
+
+/// What a program said.
+pub fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// A path as an argument.
+pub fn text(path: &Path) -> &str {
+    path.to_str().expect("UTF-8")
+}
+
+pub fn json(path: &Path) -> Value {
+    let bytes = fs::read(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    serde_json::from_slice(&bytes).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// Writes JSON into a folder; gives its path.
+pub fn write(folder: &Path, name: &str, value: &Value) -> PathBuf {
+    let path = folder.join(name);
+    fs::write(&path, value.to_string()).expect("a file");
+    path
+}
+
+/// Arguments, as they are typed.
+pub fn words(line: &str) -> Vec<&str> {
+    line.split_whitespace().collect()
+}
+
+/// A column of a table, empty cells as NaN.
+pub fn column(file: &Path, name: &str) -> Vec<f64> {
+    let mut reader = csv::Reader::from_path(file).expect("a table");
+    let head = reader.headers().expect("a head").clone();
+    let at = head.iter().position(|h| h == name);
+    let at = at.unwrap_or_else(|| panic!("no column {name} among {head:?}"));
+    let cell = |row: csv::StringRecord| row[at].parse().unwrap_or(f64::NAN);
+    reader.records().map(|row| cell(row.expect("a row"))).collect()
 }
 
 /// A folder that is gone when this is.
@@ -40,20 +101,23 @@ impl Folder {
 
     /// Path of a file or folder in it, as an argument.
     pub fn out(&self, name: &str) -> String {
-        self.path(name).to_str().expect("UTF-8").to_owned()
+        text(&self.path(name)).to_owned()
     }
 
     /// Writes a scenario; gives its path.
     pub fn scenario(&self, name: &str, scenario: &Value) -> String {
-        fs::write(self.path(name), scenario.to_string()).expect("a file");
-        self.out(name)
+        text(&write(self.0.path(), name, scenario)).to_owned()
     }
 
     pub fn bytes(&self, name: &str) -> Vec<u8> {
         fs::read(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
 
+    pub fn text(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
     pub fn json(&self, name: &str) -> Value {
-        serde_json::from_slice(&self.bytes(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+        json(&self.path(name))
     }
 }

@@ -140,6 +140,35 @@ fn sound() -> Value {
     })
 }
 
+/// Paths and texts of the faults for which a scenario was refused; none where it was not.
+pub fn told<T>(scenario: Result<T, ScenarioErrors>) -> Vec<(String, String)> {
+    match scenario {
+        Ok(_) => Vec::new(),
+        Err(ScenarioErrors::Faults(faults)) => {
+            faults.into_iter().map(|f| (f.path.clone(), f.to_string())).collect()
+        }
+        Err(other) => panic!("{other}"),
+    }
+}
+
+/// The same of a scenario's file.
+pub fn told_of(value: &Value) -> Vec<(String, String)> {
+    told(load_text(&value.to_string(), &[]))
+}
+
+/// A fault is told at a path, with words.
+#[track_caller]
+pub fn assert_told(found: &[(String, String)], path: &str, words: &str) {
+    let is_told = found.iter().any(|(at, text)| at == path && text.contains(words));
+    assert!(is_told, "law: `{path}` is reported with `{words}`, got {found:#?}");
+}
+
+/// A value with another one at a pointer.
+pub fn changed(mut value: Value, pointer: &str, to: Value) -> Value {
+    *value.pointer_mut(pointer).unwrap_or_else(|| panic!("there is {pointer}")) = to;
+    value
+}
+
 /// A folder with the given files.
 fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -15,6 +15,8 @@ use tempfile::TempDir;
 
 use super::super::{
     interruption::stages,
+    program::{words, write},
+    reproduce::PROGRAMME,
     same::{assert_same_files, half_written},
     segments::in_segments_timed,
     small,
@@ -208,8 +210,7 @@ pub fn sweep() -> &'static Trial {
     static MADE: OnceLock<Trial> = OnceLock::new();
     MADE.get_or_init(|| {
         Trial::new("sweep", |folder| {
-            let path = folder.join("small.json");
-            fs::write(&path, small::layer(30.0).to_string()).expect("a scenario file");
+            let path = write(folder, "small.json", &small::layer(30.0));
             let mut args = vec!["sweep".into(), path.into_os_string()];
             args.extend(["--over", "seed=1,2", "--jobs", "2"].map(OsString::from));
             args
@@ -222,19 +223,8 @@ pub fn reproduce() -> &'static Trial {
     static MADE: OnceLock<Trial> = OnceLock::new();
     MADE.get_or_init(|| {
         Trial::new("reproduce", |_| {
-            let args = [
-                "reproduce",
-                "--quick",
-                "--configurations",
-                "1",
-                "--jobs",
-                "2",
-                "--set",
-                "grains.total_mass_g=30",
-                "--set",
-                "rest_test_s=0.2",
-            ];
-            args.map(OsString::from).to_vec()
+            let args = words(PROGRAMME).into_iter().chain(["--jobs", "2"]);
+            args.map(OsString::from).collect()
         })
     })
 }
