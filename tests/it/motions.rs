@@ -4,23 +4,24 @@ use std::{fs, path::Path};
 
 use serde_json::{Value, json};
 
-use super::{interruption::without_figures, small};
+use super::{
+    program::{done, json as read, text, write},
+    small,
+};
 
 /// Runs the small scenario with a change of it; its summary.
 fn carried_out(folder: &Path, name: &str, change: impl Fn(&mut Value)) -> Value {
     let mut scenario = small::scenario(90.0, 0.5, 0.2);
     change(&mut scenario);
-    let file = folder.join(format!("{name}.json"));
-    fs::write(&file, scenario.to_string()).expect("a scenario");
+    let file = write(folder, &format!("{name}.json"), &scenario);
     // One folder: what runs share is run once.
     let out = folder.join("out");
-    let done = without_figures(&file, &out).arg("--force").output().expect("started");
-    assert!(done.status.success(), "{name}: {}", String::from_utf8_lossy(&done.stderr));
+    let run = ["run", text(&file), "--out", text(&out)];
+    done(&[&run[..], &["--quiet", "--no-figures", "--force"]].concat());
     for table in ["series.csv", "rest_test.csv", "manifest.json"] {
         fs::copy(out.join(table), folder.join(format!("{name}-{table}"))).expect("kept");
     }
-    let summary = fs::read(out.join("summary.json")).expect("a summary");
-    serde_json::from_slice(&summary).expect("JSON")
+    read(&out.join("summary.json"))
 }
 
 /// Rows of a table by column.
@@ -167,8 +168,7 @@ fn every_motion_drives_a_stage_and_says_what_it_is() {
             "law: peak acceleration of {name}, expected {acceleration}, got {got}, tolerance 1 %"
         );
         assert!(motion["waveform"].as_str().is_some_and(|w| w.contains(words)), "{name}: {motion}");
-        let manifest = fs::read(folder.path().join(format!("{name}-manifest.json"))).expect("kept");
-        let manifest: Value = serde_json::from_slice(&manifest).expect("JSON");
+        let manifest = read(&folder.path().join(format!("{name}-manifest.json")));
         assert_eq!(&manifest["vibrations"][0]["motion"], motion, "law: both say the same");
         assert_eq!(summary["grains"]["escaped"], 0, "law: nothing passes a wall, {name}");
         let series = rows(folder.path(), &format!("{name}-series.csv"));
@@ -209,8 +209,7 @@ fn plates_are_laid_anew_on_the_same_specimen_and_seated_on_demand() {
         });
         let series = rows(folder.path(), &format!("{name}-series.csv"));
         let plate = series.into_iter().rfind(|r| number(&r["stage"]) == 2.0).expect("a plate");
-        let manifest = fs::read(folder.path().join(format!("{name}-manifest.json"))).expect("kept");
-        let manifest: Value = serde_json::from_slice(&manifest).expect("JSON");
+        let manifest = read(&folder.path().join(format!("{name}-manifest.json")));
         (summary, number(&plate["plate_height_mm"]), manifest["stages"].clone())
     };
     let (_, axis, first) = placed("axis", json!({}));

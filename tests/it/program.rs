@@ -2,6 +2,7 @@
 
 use std::{
     fs,
+    io::{self, Write},
     path::{Path, PathBuf},
     process::{Command, Output},
 };
@@ -53,6 +54,12 @@ pub fn assert_holds(text: &str, words: &[&str]) {
 /// What a program said.
 pub fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Says aloud that a test was skipped: what a macro prints is captured, and nobody would see it.
+pub fn skipped(what: &str, why: &str) {
+    let said = format!("\n*** SKIPPED: {what} is NOT tested: {why} ***\n");
+    let _ = io::stderr().write_all(said.as_bytes());
 }
 
 /// A path as an argument.

@@ -3,7 +3,6 @@
 use std::{
     fs,
     os::unix::process::ExitStatusExt,
-    path::{Path, PathBuf},
     process::{Child, Command, ExitStatus, Stdio},
     thread::sleep,
     time::{Duration, Instant},
@@ -13,6 +12,7 @@ use serde_json::{Value, json};
 
 use super::{
     interruption::{copy, finished, pluvia, stages, write_scenario},
+    program::{self, words, write},
     same::assert_whole_files,
     small,
 };
@@ -68,20 +68,11 @@ fn stops(mut command: Command, signal: &str, what: &str, reached: &dyn Fn() -> b
     assert_eq!(status.code(), STOPPED, "law: {what}: it says that it was stopped, got {status:?}");
 }
 
-fn write(folder: &Path, name: &str, scenario: &Value) -> PathBuf {
-    let path = folder.join(name);
-    fs::write(&path, scenario.to_string()).expect("a scenario");
-    path
-}
-
 /// Half a tonne of gravel: cutting and sieving so many grains takes minutes.
 fn many() -> Value {
     json!({
         "name": "many",
-        "grains": {
-            "total_mass_g": 500_000, "density_kg_per_m3": 2673.9,
-            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-        },
+        "grains": small::gravel(5e5),
         "apparatus": {
             "cylinder": { "inner_diameter_mm": 1500, "height_mm": 1500 },
             "funnel": { "opening_diameter_mm": 900, "top_diameter_mm": 1400 }
@@ -122,35 +113,28 @@ fn in_a_pour() {
 fn in_every_command_that_computes() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = write(folder.path(), "long.json", &small::scenario(200.0, 20.0, 0.2));
-    let scenario = scenario.to_str().expect("UTF-8");
-    let commands: [&[&str]; 6] = [
-        &["sweep", scenario, "--over", "seed=1,2", "--jobs", "2"],
-        &["compare", scenario],
-        &[
-            "calibrate",
-            scenario,
-            "--target",
-            "void_ratio=0.8",
-            "--unknown",
-            "contact.grain_grain_friction",
-            "--between",
-            "0.2..0.9",
-        ],
-        &["reproduce", "--quick"],
-        &["interpretations", "--quick"],
-        &["verify"],
+    let friction =
+        "--target void_ratio=0.8 --unknown contact.grain_grain_friction --between 0.2..0.9";
+    let commands = [
+        ("sweep", true, "--over seed=1,2 --jobs 2"),
+        ("compare", true, ""),
+        ("calibrate", true, friction),
+        ("reproduce", false, "--quick"),
+        ("interpretations", false, "--quick"),
+        ("verify", false, ""),
     ];
-    for (n, args) in commands.iter().enumerate() {
-        let out = folder.path().join(args[0]);
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-        command.args(*args).arg("--quiet").arg("--out").arg(&out);
+    for (n, (name, of_scenario, more)) in commands.into_iter().enumerate() {
+        let out = folder.path().join(name);
+        let mut command = program::pluvia();
+        command.arg(name).args(of_scenario.then_some(&scenario)).args(words(more));
+        command.arg("--quiet").arg("--out").arg(&out);
         command.stdout(Stdio::null()).stderr(Stdio::null());
         let reached = || {
-            let there = out.join("stages/.lock").exists() || args[0] == "verify" && out.exists();
+            let there = out.join("stages/.lock").exists() || name == "verify" && out.exists();
             sleep(Duration::from_millis(if there { 300 } else { 0 }));
             there
         };
-        stops(command, ["TERM", "INT"][n % 2], args[0], &reached);
+        stops(command, ["TERM", "INT"][n % 2], name, &reached);
     }
 }
 
@@ -229,7 +213,7 @@ fn after_it_was_suspended() {
 fn while_it_serves() {
     use std::io::{BufRead, BufReader};
     for (signal, number) in [("TERM", 15), ("INT", 2)] {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+        let mut command = program::pluvia();
         command.arg("view").arg(super::export::small_run()).arg("--no-browser");
         let mut child = command.stdout(Stdio::piped()).spawn().expect("it starts");
         let lines = BufReader::new(child.stdout.take().expect("a pipe")).lines();

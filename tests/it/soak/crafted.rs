@@ -21,7 +21,7 @@ use tempfile::TempDir;
 use super::{
     super::{interruption::copy, small},
     Ground,
-    trials::{PATIENCE, Trial, ended, message, program, segments, spawned, sweep},
+    trials::{PATIENCE, Trial, ended, program, said, segments, spawned, sweep},
 };
 
 #[path = "../../../src/study/crafts_tests.rs"]
@@ -71,7 +71,7 @@ fn slippery() -> &'static Path {
 /// Runs once more what was crafted.
 fn made_anew(trial: &Trial, out: &Path, crafted: usize, what: &str) {
     let output = ended(spawned(trial.command(out)), PATIENCE, what);
-    let said = message(&output);
+    let said = said(&output);
     assert!(output.status.success(), "law: {what} does not end a run: {said}");
     let reported = said.matches("damaged and done again").count();
     assert_eq!(reported, crafted, "law: {what} is reported once for each, got {said}");

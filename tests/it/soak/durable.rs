@@ -14,7 +14,7 @@ use super::{
     super::same::assert_whole_files,
     Ground,
     log::{KILLED, SKIPPED},
-    trials::{PATIENCE, Trial, assert_whole_store, ended, message, segments, spawned, sweep},
+    trials::{PATIENCE, Trial, assert_whole_store, ended, said, segments, spawned, sweep},
 };
 
 const CLASS: &str = "durable points";
@@ -39,7 +39,7 @@ fn killed_at(trial: &Trial, call: &str, n: u32, out: &Path) -> Option<String> {
         return None;
     }
     let killed = output.status.signal() == Some(9) || output.status.code() == Some(137);
-    assert!(killed, "law: it is killed, got {}: {}", output.status, message(&output));
+    assert!(killed, "law: it is killed, got {}: {}", output.status, said(&output));
     Some(trial.phase(out))
 }
 

@@ -15,7 +15,7 @@ use super::{
     super::same::assert_whole_files,
     Ground,
     log::{KILLED, SKIPPED},
-    trials::{PATIENCE, Trial, ended, message, segments, spawned, sweep, verdict},
+    trials::{PATIENCE, Trial, ended, said, segments, spawned, sweep, verdict},
 };
 
 const CLASS: &str = "limits";
@@ -58,7 +58,7 @@ impl Drop for Group {
 
 /// The verdict, where memory may be short: the allocators of Rust and C++ end a process.
 fn of_memory(output: &Output) -> Result<String, String> {
-    let said = message(output);
+    let said = said(output);
     let short = ["memory allocation of", "bad_alloc", "memory allocation failed", "out of memory"];
     let is_short = short.iter().any(|words| said.contains(words));
     let loader = said.contains("error while loading shared libraries")

@@ -17,7 +17,7 @@ use super::{
     durable::strace,
     image::Mounted,
     log::SKIPPED,
-    trials::{PATIENCE, Trial, assert_whole_store, ended, message, segments, spawned, sweep},
+    trials::{PATIENCE, Trial, assert_whole_store, ended, said, segments, spawned, sweep},
 };
 
 const CLASS: &str = "power cut";
@@ -33,7 +33,7 @@ fn dark(disk: &Mounted, mut run: Child) -> Option<(bool, String)> {
     let _ = run.kill();
     let output = ended(run, PATIENCE, "a process without power");
     disk.again(false, OPTIONS);
-    cut.then(|| (done, message(&output)))
+    cut.then(|| (done, said(&output)))
 }
 
 /// How many stages it had said to have ended.
@@ -102,7 +102,7 @@ fn nothing_brought_to_the_disk(ground: &mut Ground) {
     let how = ["-e", "trace=fsync,fdatasync", "-e", "inject=fsync,fdatasync:retval=0"];
     let run = spawned(trial.under(&[&outer[..], &how[..]].concat(), &out));
     let output = ended(run, PATIENCE, "a run without fsync");
-    assert!(output.status.success(), "law: it notices nothing: {}", message(&output));
+    assert!(output.status.success(), "law: it notices nothing: {}", said(&output));
     let all = FILES.len();
     assert_eq!(whole_files(&out, &trial.whole), all, "law: with power all is there");
     if !disk.cut() {

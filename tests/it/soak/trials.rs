@@ -13,6 +13,7 @@ use std::{
 
 use tempfile::TempDir;
 
+pub use super::super::program::said;
 use super::super::{
     interruption::stages,
     program::{words, write},
@@ -83,7 +84,7 @@ impl Trial {
     /// Once more, undisturbed: all is as if nothing had happened, and the store is whole.
     pub fn finish(&self, out: &Path, what: &str) {
         let output = ended(spawned(self.command(out)), PATIENCE, what);
-        let said = message(&output);
+        let said = said(&output);
         assert!(output.status.success(), "law: {what}: {} can be finished: {said}", self.name);
         self.assert_same(out, what);
     }
@@ -134,7 +135,7 @@ pub fn assert_whole_store(out: &Path, what: &str) {
         Some(0),
         "law: {what}: the store is whole, got {}{}",
         String::from_utf8_lossy(&output.stdout),
-        message(&output)
+        said(&output)
     );
 }
 
@@ -149,16 +150,11 @@ pub fn ended(mut child: Child, within: Duration, what: &str) -> Output {
         if begun.elapsed() > within {
             let _ = child.kill();
             let output = child.wait_with_output().expect("its output");
-            panic!("law: {what}: it ends within {within:?}; it said: {}", message(&output));
+            panic!("law: {what}: it ends within {within:?}; it said: {}", said(&output));
         }
         sleep(Duration::from_millis(3));
     }
     child.wait_with_output().expect("its output")
-}
-
-/// What a process said.
-pub fn message(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 /// Sends a signal by its name; one to a process that has ended goes nowhere.
@@ -181,7 +177,7 @@ pub fn code(status: ExitStatus) -> String {
 /// The verdict on a process for which something was not to be had: it ended well, or with one of
 /// the exit codes and one message.
 pub fn verdict(output: &Output, codes: &[i32]) -> Result<String, String> {
-    let said = message(output);
+    let said = said(output);
     let errors = said.lines().filter(|line| line.starts_with("error: ")).count();
     let refused = output.status.code().filter(|code| codes.contains(code));
     match refused {

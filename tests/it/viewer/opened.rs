@@ -11,7 +11,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::super::export::small_run;
+use super::super::{export::small_run, program::pluvia};
 use super::{assert_status, exchange};
 
 /// A launcher of browsers that notes what it is started with, and takes a copy of the page.
@@ -40,7 +40,7 @@ impl Drop for Served {
 /// Starts the command with that launcher; gives it, its address and the page that was opened.
 fn opened(notes: &Path) -> (Served, String, String) {
     launcher(notes);
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+    let mut command = pluvia();
     let path = format!("{}:/usr/bin:/bin", notes.display());
     command.arg("view").arg(small_run()).env("PATH", path).env("NOTES", notes);
     let mut child = Served(command.stdout(Stdio::piped()).spawn().expect("it starts"));
