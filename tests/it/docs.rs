@@ -3,22 +3,15 @@
 
 mod markdown;
 
-use std::{collections::BTreeSet, fs, path::Path};
+use std::{collections::BTreeSet, fs};
 
 use pluvia::export::Carrier;
 use pluvia::grains::load_scenario;
 use pluvia::scenario::{EngineSettings, NativeSettings, RapierSettings, Scenario, StockSettings};
 use serde_json::Value;
 
+use super::program::{self, done, page as read, root};
 use markdown::{anchors, blocks, links, make_targets};
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
-fn read(path: &str) -> String {
-    fs::read_to_string(root().join(path)).unwrap_or_else(|e| panic!("{path} cannot be read: {e}"))
-}
 
 /// Paths of the Markdown files at the root and in the folders of the documentation.
 fn documents() -> Vec<String> {
@@ -233,11 +226,7 @@ fn paths<'a>(prefix: &str, value: &'a Value) -> Box<dyn Iterator<Item = String> 
 
 #[test]
 fn every_field_of_a_scenario_is_on_its_page() {
-    let printed = std::process::Command::new(env!("CARGO_BIN_EXE_pluvia"))
-        .args(["schema", "--page"])
-        .output()
-        .expect("the program starts");
-    let printed = String::from_utf8(printed.stdout).expect("UTF-8");
+    let printed = done(&["schema", "--page"]);
     let kept = read("docs/scenario.md");
     let differs = printed.lines().zip(kept.lines()).find(|(new, old)| new != old);
     assert!(
@@ -298,11 +287,7 @@ fn a_pile_is_explained_with_its_defaults() {
 
 #[test]
 fn options_of_pictures_are_explained_with_their_defaults() {
-    let printed = std::process::Command::new(env!("CARGO_BIN_EXE_pluvia"))
-        .args(["picture", "--help"])
-        .output()
-        .expect("the program starts");
-    let help = String::from_utf8(printed.stdout).expect("UTF-8");
+    let help = done(&["picture", "--help"]);
     let page = read("docs/pictures.md");
     for option in ["--cylinder", "--azimuth", "--elevation", "--width", "--background"] {
         let of_option = help.split(&format!("\n      {option} ")).nth(1).unwrap_or_default();
@@ -376,14 +361,9 @@ fn every_page_is_in_the_contents_of_the_site() {
 
 /// Help of the program or of one of its commands, 100 columns wide.
 fn help(arguments: &[&str]) -> String {
-    let printed = std::process::Command::new(env!("CARGO_BIN_EXE_pluvia"))
-        .args(arguments)
-        .arg("--help")
-        .env("COLUMNS", "100")
-        .env("NO_COLOR", "1")
-        .output()
-        .expect("the program starts");
-    String::from_utf8(printed.stdout).expect("UTF-8")
+    let mut command = program::pluvia();
+    command.args(arguments).arg("--help").envs([("COLUMNS", "100"), ("NO_COLOR", "1")]);
+    String::from_utf8(command.output().expect("the program starts").stdout).expect("UTF-8")
 }
 
 /// The page of commands, from the program's own help.

@@ -6,7 +6,7 @@ use std::{
     path::Path,
     process::{Command, Output, Stdio},
     thread,
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use serde_json::{Value, json};
@@ -24,17 +24,8 @@ const SOON: Duration = Duration::from_secs(60);
 
 /// Waits for a program to end; kills one that does not.
 fn ended(mut command: Command, what: &str) -> Output {
-    let mut child =
-        command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts");
-    let begun = Instant::now();
-    while child.try_wait().expect("its state").is_none() {
-        if begun.elapsed() > SOON {
-            child.kill().expect("killed");
-            panic!("law: {what} ends; expected within seconds, got nothing in {SOON:?}");
-        }
-        thread::sleep(Duration::from_millis(20));
-    }
-    child.wait_with_output().expect("its output")
+    command.stdout(Stdio::null()).stderr(Stdio::piped());
+    program::ended(program::spawned(command), SOON, what)
 }
 
 fn pluvia(args: &[&str], out: &Path) -> Command {

@@ -4,15 +4,27 @@ use std::{
     fs,
     io::{self, Write},
     path::{Path, PathBuf},
-    process::{Command, Output},
+    process::{Child, Command, Output, Stdio},
+    thread::sleep,
+    time::{Duration, Instant},
 };
 
 use serde_json::Value;
 
+/// The root of the tree.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The text of a file of the tree.
+pub fn page(path: &str) -> String {
+    fs::read_to_string(root().join(path)).unwrap_or_else(|e| panic!("{path} cannot be read: {e}"))
+}
+
 /// The program, at the root of the tree.
 pub fn pluvia() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    command.current_dir(root());
     command
 }
 
@@ -41,6 +53,31 @@ pub fn refused(args: &[&str], expected: i32, words: &[&str]) -> String {
     assert_eq!(code, Some(expected), "law: {args:?} is refused: {err}");
     assert_holds(&err, words);
     err
+}
+
+pub fn spawned(mut command: Command) -> Child {
+    command.spawn().unwrap_or_else(|e| panic!("{command:?} cannot be started: {e}"))
+}
+
+/// Waits for a process, which is given so long, and reads what it said.
+pub fn ended(mut child: Child, within: Duration, what: &str) -> Output {
+    let begun = Instant::now();
+    while child.try_wait().expect("its state").is_none() {
+        if begun.elapsed() > within {
+            let _ = child.kill();
+            let output = child.wait_with_output().expect("its output");
+            panic!("law: {what}: it ends within {within:?}; it said: {}", said(&output));
+        }
+        sleep(Duration::from_millis(3));
+    }
+    child.wait_with_output().expect("its output")
+}
+
+/// Sends a signal by its name; one to a process that has ended goes nowhere.
+pub fn send(child: &Child, signal: &str) {
+    let mut kill = Command::new("kill");
+    kill.args(["-s", signal, &child.id().to_string()]);
+    let _ = kill.stdout(Stdio::null()).stderr(Stdio::null()).status();
 }
 
 /// A text has all of these words.

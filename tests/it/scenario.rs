@@ -17,11 +17,7 @@ use pluvia::grains::{ParticleSizeDistribution, load_grains, load_scenario};
 use pluvia::scenario::{Fault, GrainsSpec, Override, Scenario, ScenarioErrors, check, schema};
 use serde_json::{Value, json};
 
-use super::program::{assert_holds, json as read};
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
+use super::program::{assert_holds, json as read, root};
 
 /// Every scenario under `scenarios/`; verification cases are no scenarios.
 fn files() -> Vec<PathBuf> {

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use super::{
     interruption::{copy, finished, pluvia, stages, write_scenario},
-    program::{self, words, write},
+    program::{self, ended, send, words, write},
     same::assert_whole_files,
     small,
 };
@@ -26,11 +26,6 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// As shells have it: 128 + SIGINT.
 const STOPPED: Option<i32> = Some(130);
 
-fn send(signal: &str, child: &Child) {
-    let sent = Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status();
-    assert!(sent.is_ok_and(|s| s.success()), "SIG{signal} is sent");
-}
-
 /// Waits until a command is where it is meant to be.
 fn reach(child: &mut Child, what: &str, reached: &dyn Fn() -> bool) {
     let begun = Instant::now();
@@ -42,20 +37,9 @@ fn reach(child: &mut Child, what: &str, reached: &dyn Fn() -> bool) {
     }
 }
 
-/// How a process ends that was asked to; it is killed where it does not.
-fn ends(child: &mut Child, what: &str) -> ExitStatus {
-    let asked = Instant::now();
-    loop {
-        if let Some(status) = child.try_wait().expect("its state") {
-            return status;
-        }
-        if asked.elapsed() > WITHIN {
-            let _ = child.kill();
-            let _ = child.wait();
-            panic!("law: {what}: it ends within {WITHIN:?}, got nothing");
-        }
-        sleep(Duration::from_millis(10));
-    }
+/// How a process ends that was asked to.
+fn ends(child: Child, what: &str) -> ExitStatus {
+    ended(child, WITHIN, what).status
 }
 
 /// Law: a command that is somewhere ends when it is asked to, and says that it was stopped.
@@ -63,8 +47,8 @@ fn stops(mut command: Command, signal: &str, what: &str, reached: &dyn Fn() -> b
     let what = format!("{what}, SIG{signal}");
     let mut child = command.spawn().expect("it starts");
     reach(&mut child, &what, reached);
-    send(signal, &child);
-    let status = ends(&mut child, &what);
+    send(&child, signal);
+    let status = ends(child, &what);
     assert_eq!(status.code(), STOPPED, "law: {what}: it says that it was stopped, got {status:?}");
 }
 
@@ -152,8 +136,8 @@ fn while_figures_and_report_are_written() {
         let what = format!("figures, SIG{signal} number {n}");
         reach(&mut child, &what, &|| out.join("figures").exists());
         sleep(Duration::from_millis(60 * n as u64));
-        send(signal, &child);
-        let status = ends(&mut child, &what);
+        send(&child, signal);
+        let status = ends(child, &what);
         // It may have had little left to do.
         let is_stopped = status.code() == STOPPED;
         assert!(is_stopped || status.success(), "law: {what}: stopped or done, got {status:?}");
@@ -199,11 +183,11 @@ fn after_it_was_suspended() {
         let out = folder.path().join(order.join("-"));
         let mut child = pluvia(&scenario, &out).spawn().expect("it starts");
         reach(&mut child, &what, &|| stages(&out) == 1);
-        send("STOP", &child);
+        send(&child, "STOP");
         sleep(Duration::from_secs(1));
         assert!(child.try_wait().expect("its state").is_none(), "law: {what}: it is suspended");
-        order.iter().for_each(|signal| send(signal, &child));
-        let status = ends(&mut child, &what);
+        order.iter().for_each(|signal| send(&child, signal));
+        let status = ends(child, &what);
         assert_eq!(status.code(), STOPPED, "law: {what}: it was stopped, got {status:?}");
     }
 }
@@ -219,8 +203,8 @@ fn while_it_serves() {
         let lines = BufReader::new(child.stdout.take().expect("a pipe")).lines();
         let served = lines.map_while(Result::ok).any(|line| line.starts_with("http://"));
         assert!(served, "law: it serves");
-        send(signal, &child);
-        let status = ends(&mut child, signal);
+        send(&child, signal);
+        let status = ends(child, signal);
         assert_eq!(status.code(), Some(0), "law: SIG{signal} is the way to end it: {status:?}");
         assert_ne!(status.signal(), Some(number), "law: it ends by itself");
     }

@@ -5,15 +5,14 @@ use std::{
     ffi::OsString,
     fs,
     path::{Path, PathBuf},
-    process::{Child, Command, ExitStatus, Output, Stdio},
+    process::{Command, ExitStatus, Output, Stdio},
     sync::OnceLock,
-    thread::sleep,
     time::{Duration, Instant},
 };
 
 use tempfile::TempDir;
 
-pub use super::super::program::said;
+pub use super::super::program::{ended, said, send, spawned};
 use super::super::{
     interruption::stages,
     program::{words, write},
@@ -137,31 +136,6 @@ pub fn assert_whole_store(out: &Path, what: &str) {
         String::from_utf8_lossy(&output.stdout),
         said(&output)
     );
-}
-
-pub fn spawned(mut command: Command) -> Child {
-    command.spawn().unwrap_or_else(|e| panic!("{command:?} cannot be started: {e}"))
-}
-
-/// Waits for a process, which is given so long, and reads what it said.
-pub fn ended(mut child: Child, within: Duration, what: &str) -> Output {
-    let begun = Instant::now();
-    while child.try_wait().expect("its state").is_none() {
-        if begun.elapsed() > within {
-            let _ = child.kill();
-            let output = child.wait_with_output().expect("its output");
-            panic!("law: {what}: it ends within {within:?}; it said: {}", said(&output));
-        }
-        sleep(Duration::from_millis(3));
-    }
-    child.wait_with_output().expect("its output")
-}
-
-/// Sends a signal by its name; one to a process that has ended goes nowhere.
-pub fn send(child: &Child, signal: &str) {
-    let mut kill = Command::new("kill");
-    kill.args(["-s", signal, &child.id().to_string()]);
-    let _ = kill.stdout(Stdio::null()).stderr(Stdio::null()).status();
 }
 
 /// How a process ended, in words.

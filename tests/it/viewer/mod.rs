@@ -12,7 +12,7 @@ use std::{
     io::{BufRead, BufReader, ErrorKind, Read, Write},
     net::{Ipv4Addr, Shutdown, SocketAddr, TcpStream, UdpSocket},
     path::Path,
-    process::{Command, Stdio},
+    process::Stdio,
     thread,
     time::{Duration, Instant},
 };
@@ -21,7 +21,7 @@ use pluvia::viewer::{Server, Site, read_run_data};
 
 use super::{
     export::small_run,
-    program::{pluvia, refused, said, text},
+    program::{pluvia, refused, said, send, text},
 };
 
 /// The page of the small run on a free port.
@@ -185,8 +185,7 @@ fn the_command_serves_until_ctrl_c() {
     let said = said(&second);
     assert!(second.status.code() == Some(2) && said.contains(&port), "law: port taken: {said}");
 
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(sent.is_ok_and(|s| s.success()), "the signal is sent");
+    send(&child, "INT");
     let ended = child.wait().expect("it ends");
     assert_eq!(ended.code(), Some(0), "law: Ctrl-C is the way to end it");
 }

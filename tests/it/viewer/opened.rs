@@ -6,12 +6,15 @@ use std::{
     io::{BufRead, BufReader},
     os::unix::fs::PermissionsExt,
     path::Path,
-    process::{Child, Command, Stdio},
+    process::{Child, Stdio},
     thread::sleep,
     time::{Duration, Instant},
 };
 
-use super::super::{export::small_run, program::pluvia};
+use super::super::{
+    export::small_run,
+    program::{pluvia, send},
+};
 use super::{assert_status, exchange};
 
 /// A launcher of browsers that notes what it is started with, and takes a copy of the page.
@@ -65,13 +68,9 @@ fn wait_for(what: &str, is_so: impl Fn() -> bool) {
 }
 
 fn end(mut child: Served) {
-    let sent = Command::new("kill").args(["-TERM", &child.0.id().to_string()]).status();
-    assert!(sent.is_ok_and(|s| s.success()), "the signal is sent");
-    assert_eq!(
-        child.0.wait().expect("it ends").code(),
-        Some(0),
-        "law: it ends when it is asked to"
-    );
+    send(&child.0, "TERM");
+    let ended = child.0.wait().expect("it ends");
+    assert_eq!(ended.code(), Some(0), "law: it ends when it is asked to");
 }
 
 #[test]
