@@ -1,5 +1,4 @@
-//! A run that is killed goes on from what it had finished, and ends with the
-//! bytes of one that was never killed.
+//! A small run for tests that interrupt it, and what one that nobody interrupted leaves.
 
 use std::{
     fs,
@@ -10,12 +9,11 @@ use std::{
     time::{Duration, Instant},
 };
 
-use serde_json::{Value, json};
+use serde_json::json;
 use tempfile::TempDir;
 
 use super::{
     program::{self, write},
-    same::{assert_same_bytes, assert_same_files},
     small,
 };
 
@@ -72,23 +70,6 @@ pub fn without_figures(scenario: &Path, out: &Path) -> Command {
     command
 }
 
-/// The summary without what depends on the machine's speed.
-fn summary(out: &Path) -> Value {
-    let mut summary = program::json(&out.join("summary.json"));
-    let fields = summary.as_object_mut().expect("an object");
-    for timing in ["wall_s", "engine_s", "peak_memory_mib"] {
-        assert!(fields.remove(timing).is_some(), "the summary has {timing}");
-    }
-    summary
-}
-
-/// The same results.
-pub fn assert_same(a: &Path, b: &Path, what: &str) {
-    assert_eq!(summary(a), summary(b), "law: {what}: the same summary but for timings");
-    let files = ["specimen.json", "series.csv", "grains.csv", "rest_test.csv", "grains.json"];
-    assert_same_bytes(a, b, &files, what);
-}
-
 /// How many stages are stored.
 pub fn stages(out: &Path) -> usize {
     let named = |e: &fs::DirEntry| !e.file_name().to_string_lossy().starts_with('.');
@@ -101,23 +82,4 @@ pub fn wait_for_stages(out: &Path, wanted: usize) {
     while stages(out) < wanted && patience.elapsed() < Duration::from_secs(120) {
         sleep(Duration::from_millis(2));
     }
-}
-
-#[test]
-fn killed_in_the_middle_and_started_again_gives_the_same_as_uninterrupted() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
-    let killed = folder.path().join("killed");
-    // Killed when one stage is stored, then when three are.
-    for wanted in [1, 3] {
-        let mut run = pluvia(&scenario, &killed).spawn().expect("started");
-        wait_for_stages(&killed, wanted);
-        // It may have ended by itself in the meantime: then nothing is killed.
-        let _ = run.kill();
-        run.wait().expect("ended");
-        assert!(stages(&killed) >= wanted, "{wanted} stages stored before the kill");
-    }
-    assert!(pluvia(&scenario, &killed).status().expect("started").success());
-    assert_same(finished(), &killed, "killed and started again");
-    assert_same_files(finished(), &killed, "killed and started again");
 }
