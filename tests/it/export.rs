@@ -14,6 +14,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use super::{
+    near::near,
     program::{self, assert_holds, json, said, text, write},
     small,
 };
@@ -65,17 +66,10 @@ fn the_scene_is_the_specimen() {
     for (grain, state) in got.grains.iter().zip(run.specimen.present()) {
         assert_eq!(grain.grain, state, "law: grains carry their numbers");
         assert_eq!(grain.name, grain_name(state), "law: and the names of all other files");
-        let volume = grain.shape.signed_volume();
-        assert!(
-            (volume / grain.volume_m3 - 1.0).abs() < 1e-9,
-            "law: the faces enclose the volume, expected {}, got {volume}",
-            grain.volume_m3
-        );
-        assert!(
-            (grain.mass_kg / grain.volume_m3 / 2673.9 - 1.0).abs() < 1e-9,
-            "law: mass = density · volume, got {}",
-            grain.mass_kg
-        );
+        let (volume, expected) = (grain.shape.signed_volume(), grain.volume_m3);
+        near("the faces enclose the volume", volume, expected, 1e-9 * expected);
+        let mass = 2673.9 * expected;
+        near("mass = density · volume", grain.mass_kg, mass, 1e-9 * mass);
     }
     // In equilibrium but for what still moves, contacts carry the weight of the plate.
     let carried: f64 = got
@@ -354,6 +348,11 @@ fn what_cannot_be_exported_is_said_in_one_line() {
     for (format, missing) in [("csv", "specimen.json"), ("vtk", "stages"), ("glb", "stages")] {
         refused(&damaged, &["--format", format], 4, &[missing]);
     }
+    fs::copy(run.join("specimen.json"), damaged.join("specimen.json")).expect("a copy");
+    let grains = fs::read_to_string(run.join("grains.json")).expect("grains");
+    fs::write(damaged.join("grains.json"), grains.replacen("0.0", "0.5", 1)).expect("changed");
+    refused(&damaged, &["--format", "csv"], 2, &["grains.json", "not what was written"]);
+    fs::write(damaged.join("grains.json"), grains).expect("as it was");
     let state = fs::read_to_string(run.join("specimen.json")).expect("a specimen");
     let state = state.replace("\"table_x\"", "\"table_y\"");
     fs::write(damaged.join("specimen.json"), state).expect("a damaged specimen");

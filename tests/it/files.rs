@@ -10,7 +10,7 @@ use std::{
 
 use super::{
     interruption::{copy, finished, pluvia, stages, wait_for_stages, write_scenario},
-    program::{self, assert_holds, done, said, text},
+    program::{self, assert_holds, said, text},
     same::assert_same_files,
     soak::image::Mounted,
 };
@@ -171,23 +171,4 @@ fn a_damaged_stage_is_told_and_done_again() {
         assert!(told, "law: `{name}` is reported, got {said}");
     }
     assert_same_files(finished(), &hurt, "three damaged stages");
-}
-
-#[test]
-fn a_run_that_was_changed_by_hand_is_not_exported() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().join("out");
-    copy(finished(), &out);
-    let exported = folder.path().join("exported");
-    let export = ["export", text(&out), "--format", "csv", "--quiet", "--out", text(&exported)];
-    done(&export);
-    for name in ["grains.json", "specimen.json"] {
-        let path = out.join(name);
-        let was = fs::read_to_string(&path).expect("a file");
-        fs::write(&path, was.replacen("0.0", "0.5", 1)).expect("changed");
-        program::refused(&export, 2, &[name, "not what was written"]);
-        fs::write(&path, was).expect("as it was");
-    }
-    // Put back it is exported again.
-    done(&export);
 }

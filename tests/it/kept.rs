@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::{
     interruption::{copy, finished},
-    program::{self, Folder, assert_holds, refused},
+    program::{self, Folder, assert_holds, done, refused},
     same::assert_same_files,
     small,
 };
@@ -135,24 +135,15 @@ fn quiet_commands_print_nothing() {
 #[test]
 fn grains_are_made_whatever_else_a_scenario_says() {
     let folder = Folder::new();
-    let make = |scenario: Value| {
-        let path = folder.scenario("s.json", &scenario);
-        let (code, _, said) = program::run(&["grains", &path, "--out", &folder.out("out")]);
-        (code, said)
+    let out = folder.out("out");
+    let file = |grains: Value| {
+        let stages = json!([{ "stage": "melt" }]);
+        let engine = json!({ "rate_hz": -1, "colour": 1 });
+        let scenario = json!({ "name": "s", "grains": grains, "engine": engine, "stages": stages });
+        folder.scenario("s.json", &scenario)
     };
-    let grains = small::gravel(30.0);
-    let (code, said) = make(json!({
-        "name": "s", "grains": grains, "engine": { "rate_hz": -1, "colour": 1 },
-        "apparatus": { "funnel": { "opening_diameter_mm": 1 } },
-        "stages": [{ "stage": "melt" }]
-    }));
-    assert_eq!(code, Some(0), "law: only the grains count, got {said}");
-    let (code, said) = make(json!({ "name": "s", "grains": grains }));
-    assert_eq!(code, Some(0), "law: nothing else is needed, got {said}");
-    let (code, said) = make(json!({
-        "name": "s", "grains": { "total_mass_g": -1 }, "sead": 2, "engine": { "rate_hz": -1 }
-    }));
-    assert_eq!(code, Some(2), "law: faults of the grains are faults, got {said}");
-    assert_holds(&said, &["grains.total_mass_g", "sead"]);
+    done(&["grains", &file(small::gravel(30.0)), "--out", &out]);
+    let fault = file(json!({ "total_mass_g": -1 }));
+    let said = refused(&["grains", &fault, "--out", &out], 2, &["grains.total_mass_g"]);
     assert!(!said.contains("rate_hz"), "law: of the grains alone, got {said}");
 }

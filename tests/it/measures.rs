@@ -5,7 +5,7 @@ use std::{path::Path, sync::OnceLock};
 use serde_json::{Value, json};
 
 use super::{
-    interruption,
+    interruption, near,
     program::{self, Folder, assert_holds, done, refused, words},
     small,
 };
@@ -82,11 +82,7 @@ fn number(value: &Value, pointer: &str) -> f64 {
 
 #[track_caller]
 fn near(law: &str, expected: f64, got: f64, share: f64) {
-    let tolerance = share * expected.abs();
-    assert!(
-        (got - expected).abs() <= tolerance,
-        "law: {law}: expected {expected}, got {got}, tolerance {tolerance}"
-    );
+    near::near(law, got, expected, share * expected.abs());
 }
 
 /// Law: between smooth walls the vertical force at every height is the weight of what lies above;
@@ -151,10 +147,7 @@ fn lifting_costs_what_it_should_and_energies_balance() {
     let kinetic = number(&summary, "/stages/0/energy/kinetic_energy_j");
     let lost = number(&summary, "/stages/1/energy/dissipated_j");
     let stored = potential(1) - potential(0) - kinetic;
-    assert!(
-        (put_in - stored - lost).abs() < 1e-3 * put_in,
-        "law: {put_in} J = {stored} + {lost} J"
-    );
+    near("what is put in is stored or lost, J", put_in, stored + lost, 1e-3);
     let heights = column("grains.csv", "z_mm");
     let masses = column("grains.csv", "mass_g");
     let expected: f64 = heights.iter().zip(&masses).map(|(z, m)| 1e-6 * z * m * GRAVITY).sum();

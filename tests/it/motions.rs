@@ -5,6 +5,7 @@ use std::{fs, path::Path};
 use serde_json::{Value, json};
 
 use super::{
+    near::near,
     program::{done, json as read, text, write},
     small,
 };
@@ -58,7 +59,7 @@ fn settlement_is_read_at_rest_and_goes_on_through_all_later_stages() {
         "law: held for 0.25 s, at most the limit: {settling}"
     );
     let [start, end] = [0, 1].map(|n| number(&plain["vibrations"][0]["periods_s"][0][n]));
-    assert!((end - start - 0.5).abs() < 1e-9, "law: half a second of shaking, {start} to {end} s");
+    near("half a second of shaking", end - start, 0.5, 1e-9);
 
     let series = rows(folder.path(), "rested-series.csv");
     let later = series.iter().filter(|r| number(&r["stage"]) >= 3.0);
@@ -69,11 +70,7 @@ fn settlement_is_read_at_rest_and_goes_on_through_all_later_stages() {
     );
     for row in later.chain(&rest_test) {
         let (settled, height) = (number(&row["settlement_mm"]), number(&row["plate_height_mm"]));
-        assert!(
-            (settled - (begin - height)).abs() < 1e-9,
-            "law: the drop since the vibration began, expected {}, got {settled}",
-            begin - height
-        );
+        near("the drop since the vibration began", settled, begin - height, 1e-9);
     }
     assert!(
         series.iter().filter(|r| number(&r["stage"]) < 3.0).all(|r| r["settlement_mm"].is_null())
@@ -87,18 +84,10 @@ fn settlement_is_read_at_rest_and_goes_on_through_all_later_stages() {
     let settlement = &plain["settlement_mm"];
     let last = series.iter().rfind(|r| number(&r["stage"]) == 3.0).expect("shaken");
     let at_rest = number(&last["settlement_mm"]);
-    assert!(
-        (number(&settlement["final"]) - at_rest).abs() < 1e-6,
-        "law: at rest, {at_rest}, {settlement}"
-    );
+    near("at rest", number(&settlement["final"]), at_rest, 1e-6);
     let moving = of("plain-series.csv", end);
-    let got = number(&settlement["end_of_shaking"]);
-    assert!((got - moving).abs() < 1e-6, "law: the row at the end of shaking, {moving}, got {got}");
-    let with_rest = number(&rested["settlement_mm"]["final"]);
-    assert!(
-        (with_rest - at_rest).abs() < 0.05,
-        "law: a rest changes nothing, {at_rest}, {with_rest}"
-    );
+    near("the row at the end of shaking", number(&settlement["end_of_shaking"]), moving, 1e-6);
+    near("a rest changes nothing", number(&rested["settlement_mm"]["final"]), at_rest, 0.05);
     assert_eq!(rested["settlement_mm"]["end_of_shaking"], settlement["end_of_shaking"]);
 
     // What comes after the shaking does not act on what was before.
@@ -163,10 +152,7 @@ fn every_motion_drives_a_stage_and_says_what_it_is() {
         let summary = carried_out(folder.path(), name, with(fields));
         let motion = &summary["vibrations"][0]["motion"];
         let got = number(&motion["peak_acceleration_m_per_s2"]);
-        assert!(
-            (got / acceleration - 1.0).abs() < 0.01,
-            "law: peak acceleration of {name}, expected {acceleration}, got {got}, tolerance 1 %"
-        );
+        near(&format!("peak acceleration of {name}"), got, acceleration, 0.01 * acceleration);
         assert!(motion["waveform"].as_str().is_some_and(|w| w.contains(words)), "{name}: {motion}");
         let manifest = read(&folder.path().join(format!("{name}-manifest.json")));
         assert_eq!(&manifest["vibrations"][0]["motion"], motion, "law: both say the same");

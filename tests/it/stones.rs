@@ -4,7 +4,10 @@ use std::fs;
 
 use serde_json::{Value, json};
 
-use crate::program::{Folder, assert_holds, done, refused};
+use crate::{
+    near::near,
+    program::{Folder, assert_holds, done, refused},
+};
 
 const EXAMPLE: &str = "scenarios/meshes/stones.json";
 
@@ -13,21 +16,18 @@ fn the_example_of_stones_makes_grains_and_runs() {
     let folder = Folder::new();
     let grains = |args: &[&str], name: &str| -> Value {
         let out = folder.out(name);
-        let printed = done(&[&["grains"][..], args, &["--json", "--quiet", "--out", &out]].concat());
-        serde_json::from_str(&printed).expect("JSON")
+        let args = [&["grains", "--json", "--quiet", "--out", &out][..], args].concat();
+        serde_json::from_str(&done(&args)).expect("JSON")
     };
     let made_json = grains(&[EXAMPLE, "--format", "obj"], "grains");
     let mass = made_json["mass_g"].as_f64().expect("a number");
-    assert!((mass - 120.0).abs() < 1e-9, "total mass: expected 120 g, got {mass} ± 1e-9");
+    near("total mass, g", mass, 120.0, 1e-9);
     let stones = folder.text("grains/stones.csv");
     assert_eq!(stones.lines().count(), 7, "a head and six meshes");
     let sieve = folder.text("grains/sieve.csv");
     for (row, expected) in sieve.lines().skip(1).zip([48.0, 72.0]) {
         let mass: f64 = row.split(',').nth(7).and_then(|m| m.parse().ok()).expect("a mass");
-        assert!(
-            (mass - expected).abs() < 1e-4,
-            "mass on a sieve: expected {expected} g, got {row}"
-        );
+        near("mass on a sieve, g", mass, expected, 1e-4);
     }
 
     // What was written as meshes are the same grains as meshes.
@@ -39,7 +39,7 @@ fn the_example_of_stones_makes_grains_and_runs() {
     let back = grains(&[&folder.scenario("again.json", &again)], "twice");
     assert_eq!(back["grains"], made_json["grains"], "as many grains as were written");
     let mass = back["mass_g"].as_f64().expect("a number");
-    assert!((mass - 120.0).abs() < 1e-9, "mass read back: expected 120 g, got {mass} ± 1e-9");
+    near("mass read back, g", mass, 120.0, 1e-9);
     assert_eq!(back["notes"], json!([]), "convex as they are");
 
     done(&["run", EXAMPLE, "--quiet", "--no-figures", "--out", &folder.out("run")]);
