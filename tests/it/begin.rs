@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::{
     export::small_run as whole,
-    interruption::copy,
+    interruption::{copy, stored},
     program::{self, assert_holds, done, json as read, refused, said, text, write},
     small,
 };
@@ -162,11 +162,9 @@ fn what_cannot_be_begun_with_is_refused() {
     // A stored specimen that was changed, and one that is too large for the laboratory.
     let changed = folder.path().join("changed");
     copy(whole(), &changed);
-    for stage in fs::read_dir(changed.join("stages")).expect("stages").flatten() {
-        let file = stage.path().join("specimen.json");
-        if let Ok(content) = fs::read_to_string(&file) {
-            fs::write(&file, content.replacen("0.0", "0.1", 1)).expect("changed");
-        }
+    for file in stored(&changed).iter().map(|stage| stage.join("specimen.json")) {
+        let content = fs::read_to_string(&file).expect("a specimen");
+        fs::write(&file, content.replacen("0.0", "0.1", 1)).expect("changed");
     }
     refused(&json!({ "specimen": text(&changed) }), &rest, &["specimen.json", "not what was"]);
     let narrow = json!({

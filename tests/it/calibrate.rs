@@ -6,6 +6,7 @@ use std::fs;
 use serde_json::Value;
 
 use super::{
+    interruption::stored,
     program::{self, Folder, assert_holds, words},
     small,
 };
@@ -75,10 +76,7 @@ fn a_mass_is_found_for_a_height_and_the_same_command_gives_the_same_bytes() {
     assert_eq!(code, Some(0), "{said}");
     assert!(bytes(&folder) == first, "law: the same command gives the same bytes");
     // With stages lost, as when it was killed, it fills the gaps.
-    let entries = fs::read_dir(folder.path("out/stages")).expect("stages").flatten();
-    let mut stages: Vec<_> = entries.map(|e| e.path()).filter(|path| path.is_dir()).collect();
-    stages.sort();
-    for stage in stages.iter().step_by(7) {
+    for stage in stored(&folder.path("out")).iter().step_by(7) {
         fs::remove_dir_all(stage).expect("removed");
     }
     let (code, printed, said) = calibrate(&folder, &asked);

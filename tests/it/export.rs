@@ -14,6 +14,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use super::{
+    interruption::stored,
     near::near,
     program::{self, assert_holds, json, said, text, write},
     small,
@@ -201,14 +202,11 @@ fn frames_lead_from_the_first_stage_to_the_last_specimen() {
     for file in ["manifest.json", "grains.json"] {
         fs::copy(small_run().join(file), bare.path().join(file)).expect("a copy");
     }
-    for stage in fs::read_dir(small_run().join("stages")).expect("stages").flatten() {
-        if !stage.path().is_dir() {
-            continue;
-        }
-        let to = bare.path().join("stages").join(stage.file_name());
+    for stage in stored(small_run()) {
+        let to = bare.path().join("stages").join(stage.file_name().expect("a name"));
         fs::create_dir_all(&to).expect("a folder");
-        fs::copy(stage.path().join("specimen.json"), to.join("specimen.json")).expect("a copy");
-        let mut record = json(&stage.path().join("stage.json"));
+        fs::copy(stage.join("specimen.json"), to.join("specimen.json")).expect("a copy");
+        let mut record = json(&stage.join("stage.json"));
         let fields = record.as_object_mut().expect("an object");
         for sum in ["frames_sha256", "record_sha256", "identity"] {
             assert!(fields.remove(sum).is_some(), "law: a record has {sum}");

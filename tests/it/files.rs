@@ -9,7 +9,7 @@ use std::{
 };
 
 use super::{
-    interruption::{copy, finished, pluvia, stages, wait_for_stages, write_scenario},
+    interruption::{copy, finished, pluvia, stages, stored, wait_for_stages, write_scenario},
     program::{self, assert_holds, said, text},
     same::assert_same_files,
     soak::image::Mounted,
@@ -158,10 +158,7 @@ fn a_damaged_stage_is_told_and_done_again() {
             fs::write(file, content.replacen("\"steps\": ", "\"steps\": 1", 1)).expect("changed");
         }),
     ];
-    let stored = fs::read_dir(hurt.join("stages")).expect("stages").flatten().map(|e| e.path());
-    let mut folders: Vec<PathBuf> = stored.filter(|p| p.join("stage.json").exists()).collect();
-    folders.sort();
-    for ((name, damage), stage) in damages.iter().zip(&folders) {
+    for ((name, damage), stage) in damages.iter().zip(stored(&hurt)) {
         damage(&stage.join(name));
     }
     let (code, _, said) = program::run(&["run", text(&scenario), "--out", text(&hurt)]);

@@ -70,6 +70,21 @@ pub fn without_figures(scenario: &Path, out: &Path) -> Command {
     command
 }
 
+/// Folders of the stages that are stored, in order.
+pub fn stored(out: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(out.join("stages")).expect("stages").flatten().map(|e| e.path());
+    let mut stored: Vec<PathBuf> =
+        entries.filter(|path| path.join("stage.json").exists()).collect();
+    stored.sort();
+    stored
+}
+
+/// The first of them of a name.
+pub fn stored_as(out: &Path, name: &str) -> PathBuf {
+    let is_named = |folder: &PathBuf| program::json(&folder.join("stage.json"))["stage"] == name;
+    stored(out).into_iter().find(is_named).unwrap_or_else(|| panic!("law: {name} is stored"))
+}
+
 /// How many stages are stored.
 pub fn stages(out: &Path) -> usize {
     let named = |e: &fs::DirEntry| !e.file_name().to_string_lossy().starts_with('.');

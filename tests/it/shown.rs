@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use super::{
     crafted::seal,
     export::small_run,
-    interruption::{copy, finished, write_scenario},
+    interruption::{copy, finished, stored, write_scenario},
     program::{self, json as read, said, text, words, write},
     reproduce, small,
     viewer::browser::Browser,
@@ -89,8 +89,7 @@ fn a_terminal_is_told_names_and_nothing_more() {
 /// Copies what the small run left, and gives the folder of one of its stages.
 fn copied(out: &Path) -> PathBuf {
     copy(finished(), out);
-    let stored = fs::read_dir(out.join("stages")).expect("stages").flatten();
-    stored.map(|e| e.path()).find(|path| path.join("stage.json").exists()).expect("a stage")
+    stored(out).remove(0)
 }
 
 /// Law: names in a store that somebody made up stay in their line.

@@ -9,7 +9,7 @@ use std::{
 use serde_json::Value;
 
 use super::{
-    interruption::{copy, finished, write_scenario},
+    interruption::{copy, finished, stored_as, write_scenario},
     program::{assert_holds, done, refused, run, text, write},
     same::assert_same_files,
     small,
@@ -18,18 +18,6 @@ use super::{
 fn check(folder: &Path) -> (Option<i32>, Value, String) {
     let (code, printed, said) = run(&["store", "check", text(folder), "--json"]);
     (code, serde_json::from_str(&printed).unwrap_or_default(), said)
-}
-
-/// Folders of the stored stages, by the name of the stage.
-fn folder_of(out: &Path, stage: &str) -> PathBuf {
-    let entries = fs::read_dir(out.join("stages")).expect("stages").flatten();
-    let is_named = |path: &PathBuf| {
-        let record: Value = fs::read(path.join("stage.json"))
-            .map(|text| serde_json::from_slice(&text).expect("JSON"))
-            .unwrap_or_default();
-        record["stage"] == stage
-    };
-    entries.map(|e| e.path()).find(is_named).expect("law: it is stored and says its name")
 }
 
 #[test]
@@ -44,7 +32,7 @@ fn a_check_says_what_is_whole_and_what_is_damaged() {
     }
     let words = ["fill_funnel", "vibrate", "whole", "5 of 5 stages whole, nothing is damaged"];
     assert_holds(&done(&["store", "check", text(&out)]), &words);
-    let pour = folder_of(&out, "pour");
+    let pour = stored_as(&out, "pour");
     fs::write(pour.join("specimen.json"), "{}").expect("damaged");
     let (code, report, _) = check(&out);
     assert_eq!((code, &report["damaged"]), (Some(1), &1.into()), "law: exit code 1 for damage");
@@ -61,7 +49,7 @@ fn a_stage_in_the_place_of_another_is_reported_and_done_again() {
     let scenario = write_scenario(folder.path());
     let out = folder.path().join("out");
     copy(finished(), &out);
-    let (pour, shaken) = (folder_of(&out, "pour"), folder_of(&out, "vibrate"));
+    let (pour, shaken) = (stored_as(&out, "pour"), stored_as(&out, "vibrate"));
     fs::remove_dir_all(&pour).expect("removed");
     copy(&shaken, &pour);
     let (code, report, _) = check(&out);

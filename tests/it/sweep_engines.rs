@@ -10,6 +10,7 @@ use std::{
 use serde_json::{Value, json};
 
 use super::{
+    interruption::{stored, stored_as},
     program::{assert_holds, done, json as read, pluvia, refused, said, text, write},
     small,
     sweep::{sweep, swept},
@@ -174,12 +175,9 @@ fn clusters_are_asked_for_the_threads_that_are_used() {
             assert!(text.lines().any(|l| l == line), "law: {typed:?} has a line {line}:\n{text}");
             run_job(&script);
         }
-        let stages = fs::read_dir(out.join("stages")).expect("stages").flatten();
-        let mut used = Vec::new();
-        for stage in stages.map(|e| e.path().join("stage.json")).filter(|path| path.exists()) {
-            let threads = threads_of(&read(&stage));
-            used.push(threads.expect("law: the threads of a world are read back"));
-        }
+        let threads = |stage: PathBuf| threads_of(&read(&stage.join("stage.json")));
+        let used: Option<Vec<f64>> = stored(&out).into_iter().map(threads).collect();
+        let used = used.expect("law: the threads of a world are read back");
         // A machine with fewer cores gives no more threads than it has.
         let expected = asked.min(there) as f64;
         assert_eq!(used, [expected; 3], "law: with {typed:?} typed a stage uses what is asked for");
@@ -264,12 +262,7 @@ fn collecting_and_listing_believe_no_damaged_stage() {
     let over = ["--over", "contact.restitution=0.2,0.3"];
     swept(&scenario, &out, &over);
     let table = fs::read(out.join("sweep.csv")).expect("a table");
-    let stored = fs::read_dir(out.join("stages")).expect("stages").flatten().map(|e| e.path());
-    let is_pour = |path: &PathBuf| {
-        let record = fs::read_to_string(path.join("stage.json")).unwrap_or_default();
-        record.contains("\"stage\": \"pour\"")
-    };
-    let pour = stored.filter(is_pour).min().expect("a pour").join("specimen.json");
+    let pour = stored_as(&out, "pour").join("specimen.json");
     let content = fs::read_to_string(&pour).expect("a specimen");
     let changed = content.replacen("0.0", "0.1", 1);
     assert_ne!(changed, content, "a number is changed");
