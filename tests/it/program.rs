@@ -116,6 +116,14 @@ pub fn write(folder: &Path, name: &str, value: &Value) -> PathBuf {
     path
 }
 
+/// Writes a script that can be run.
+#[cfg(unix)]
+pub fn script(path: &Path, text: &str) {
+    use std::os::unix::fs::PermissionsExt;
+    fs::write(path, text).expect("written");
+    fs::set_permissions(path, fs::Permissions::from_mode(0o755)).expect("made a program");
+}
+
 /// Arguments, as they are typed.
 pub fn words(line: &str) -> Vec<&str> {
     line.split_whitespace().collect()

@@ -2,7 +2,6 @@
 
 use std::{
     fs,
-    os::unix::fs::PermissionsExt,
     path::{Path, PathBuf},
     process::Command,
 };
@@ -11,7 +10,7 @@ use serde_json::{Value, json};
 
 use super::{
     interruption::{stored, stored_as},
-    program::{assert_holds, done, json as read, pluvia, refused, said, text, write},
+    program::{assert_holds, done, json as read, pluvia, refused, said, script, text, write},
     small,
     sweep::{sweep, swept},
 };
@@ -127,8 +126,7 @@ cd \"$(dirname \"$0\")\" && echo x >> submitted && wc -l < submitted | tr -d ' '
 fn path_with_sbatch(folder: &Path) -> String {
     let bin = folder.join("bin");
     fs::create_dir(&bin).expect("a folder");
-    fs::write(bin.join("sbatch"), SBATCH).expect("written");
-    fs::set_permissions(bin.join("sbatch"), fs::Permissions::from_mode(0o755)).expect("set");
+    script(&bin.join("sbatch"), SBATCH);
     format!("{}:{}", bin.display(), std::env::var("PATH").unwrap_or_default())
 }
 

@@ -4,7 +4,6 @@
 use std::{
     fs,
     io::{BufRead, BufReader},
-    os::unix::fs::PermissionsExt,
     path::Path,
     process::{Child, Stdio},
     thread::sleep,
@@ -13,7 +12,7 @@ use std::{
 
 use super::super::{
     export::small_run,
-    program::{pluvia, send},
+    program::{self, pluvia, send},
 };
 use super::{assert_status, exchange};
 
@@ -25,9 +24,7 @@ fn launcher(folder: &Path) {
                   stat -c %a \"$(dirname \"$1\")\" >> \"$NOTES/mode\"\n\
                   cp \"$1\" \"$NOTES/page.html\"\n\
                   : > \"$NOTES/done\"\n";
-    let path = folder.join("xdg-open");
-    fs::write(&path, script).expect("written");
-    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).expect("made a program");
+    program::script(&folder.join("xdg-open"), script);
 }
 
 /// A command that serves; it is ended also where a test fails.
