@@ -164,6 +164,18 @@ fn cell(
     quote(&format!("{source}:{path}:{format}"))
 }
 
+/// Cells of fields by their formats, written as `count void_ratio:±.3`.
+fn cells(
+    at: &dyn Fn(&str, &str) -> Result<String, String>,
+    fields: &str,
+) -> Result<Vec<String>, String> {
+    let cell = |field: &str| {
+        let (path, format) = field.split_once(':').unwrap_or((field, ""));
+        at(path, format)
+    };
+    fields.split_whitespace().map(cell).collect()
+}
+
 fn engines(quote: Cells, all: &Value) -> Result<String, String> {
     let mut text = head(
         "contacts | μ | e | realisations | jammed | void ratio | standard deviation | height over \
@@ -174,16 +186,10 @@ fn engines(quote: Cells, all: &Value) -> Result<String, String> {
             cell(quote, value, "engines", &format!("{name}/{path}"), format)
         };
         let typed = |field: &str| value.get(field).map_or(String::new(), Value::to_string);
-        text += &row(&[
-            at("label", "text")?,
-            typed("friction").replace("0.0", "0"),
-            typed("restitution").replace("0.0", "0"),
-            at("count", "")?,
-            at("jammed", "")?,
-            at("void_ratio", "±.3")?,
-            at("void_ratio/sd", ".3")?,
-            at("height_over_native_percent", "±.1")?,
-        ]);
+        let given = ["friction", "restitution"].map(|field| typed(field).replace("0.0", "0"));
+        let found = "count jammed void_ratio:±.3 void_ratio/sd:.3 height_over_native_percent:±.1";
+        let [label, found] = ["label:text", found].map(|fields| cells(&at, fields));
+        text += &row(&[label?, given.to_vec(), found?].concat());
     }
     Ok(text)
 }
@@ -198,13 +204,8 @@ fn handed(quote: Cells) -> Result<String, String> {
             let at =
                 |path: &str, format: &str| quote(&format!("handed:{by} {engine}/{path}:{format}"));
             let decimals = if engine == "native" { ".2" } else { ".0" };
-            text += &row(&[
-                by.to_owned(),
-                engine.to_owned(),
-                at("surface_mm", "±.1")?,
-                at("plate_mm", "±.1")?,
-                at("largest_creep_um_per_s", decimals)?,
-            ]);
+            let fields = format!("surface_mm:±.1 plate_mm:±.1 largest_creep_um_per_s:{decimals}");
+            text += &row(&[vec![by.to_owned(), engine.to_owned()], cells(&at, &fields)?].concat());
         }
     }
     Ok(text)
@@ -218,14 +219,9 @@ fn settlement(quote: Cells, all: &Value) -> Result<String, String> {
         let at = |path: &str, format: &str| {
             cell(quote, value, "settlement", &format!("{n}/{path}"), format)
         };
-        text += &row(&[
-            name.clone(),
-            at("height_percent", "+±.1")?,
-            at("surface_mm", "mean.1")?,
-            at("surface_percent", "+±.0")?,
-            at("plate_mm", "mean.1")?,
-            at("plate_percent", "+±.0")?,
-        ]);
+        let fields = "height_percent:+±.1 surface_mm:mean.1 surface_percent:+±.0 \
+                      plate_mm:mean.1 plate_percent:+±.0";
+        text += &row(&[vec![name.clone()], cells(&at, fields)?].concat());
     }
     Ok(text)
 }
@@ -240,16 +236,10 @@ fn twins(quote: Cells) -> Result<String, String> {
             quote(&format!("twins-means:name={larger}/0/{path}:{format}"))
         };
         let creep = at("largest_creep_um_per_s", ".1")?;
-        text += &row(&[
-            larger.to_owned(),
-            at("count", "")?,
-            at("void_ratio", "±.3")?,
-            at("height_over_size_mm", "±.1")?,
-            at("coordination_number", "±.2")?,
-            at("overlap_mean_percent", "mean.3")?,
-            at("overlap_p99_percent", "mean.2")?,
-            format!("{creep} ({})", at("allowed_creep_um_per_s", ".1")?),
-        ]);
+        let creep = format!("{creep} ({})", at("allowed_creep_um_per_s", ".1")?);
+        let fields = "count void_ratio:±.3 height_over_size_mm:±.1 coordination_number:±.2 \
+                      overlap_mean_percent:mean.3 overlap_p99_percent:mean.2";
+        text += &row(&[vec![larger.to_owned()], cells(&at, fields)?, vec![creep]].concat());
     }
     Ok(text)
 }
@@ -302,12 +292,8 @@ fn grain_sieve(quote: Cells, grains: &Value) -> Result<String, String> {
         let at = |field: &str, format: &str| {
             quote(&format!("grains:sieve_analysis/fractions/{n}/{field}:{format}"))
         };
-        text += &row(&[
-            sieves,
-            at("specified_percent", ".2")?,
-            at("mass_percent", ".1")?,
-            at("grains", "")?,
-        ]);
+        let found = cells(&at, "specified_percent:.2 mass_percent:.1 grains")?;
+        text += &row(&[vec![sieves], found].concat());
     }
     Ok(text)
 }
@@ -315,19 +301,12 @@ fn grain_sieve(quote: Cells, grains: &Value) -> Result<String, String> {
 fn grain_sizes(quote: Cells) -> Result<String, String> {
     let mut text = head("| D10, mm | D30, mm | D50, mm | D60, mm | Cu | Cc | USCS");
     for (label, path) in [("specified", "specified/"), ("generated", "")] {
-        let mut cells = vec![label.to_owned()];
-        for field in [
-            "d10_mm",
-            "d30_mm",
-            "d50_mm",
-            "d60_mm",
-            "coefficient_of_uniformity",
-            "coefficient_of_curvature",
-        ] {
-            cells.push(quote(&format!("grains:sieve_analysis/{path}{field}:.2"))?);
-        }
-        cells.push(quote(&format!("grains:sieve_analysis/{path}uscs:text"))?);
-        text += &row(&cells);
+        let at = |field: &str, format: &str| {
+            quote(&format!("grains:sieve_analysis/{path}{field}:{format}"))
+        };
+        let fields = "d10_mm:.2 d30_mm:.2 d50_mm:.2 d60_mm:.2 coefficient_of_uniformity:.2 \
+                      coefficient_of_curvature:.2 uscs:text";
+        text += &row(&[vec![label.to_owned()], cells(&at, fields)?].concat());
     }
     Ok(text)
 }
@@ -341,17 +320,12 @@ fn grain_shape(quote: Cells) -> Result<String, String> {
         ("faces", "faces", 0),
         ("vertices", "vertices", 0),
     ] {
-        let at = |which: &str, more: usize| {
-            quote(&format!("grains:shape/{field}/{which}:.{}", decimals + more))
+        let at = |which: &str, format: &str| {
+            quote(&format!("grains:shape/{field}/{which}:{format}"))
         };
-        let more = usize::from(decimals == 0);
-        text += &row(&[
-            label.to_owned(),
-            at("p10", 0)?,
-            at("p50", 0)?,
-            at("p90", 0)?,
-            at("mean", more)?,
-        ]);
+        let of_mean = decimals.max(1);
+        let fields = format!("p10:.{decimals} p50:.{decimals} p90:.{decimals} mean:.{of_mean}");
+        text += &row(&[vec![label.to_owned()], cells(&at, &fields)?].concat());
     }
     Ok(text)
 }
