@@ -9,7 +9,9 @@ use std::{
 };
 
 use super::{
-    interruption::{copy, finished, pluvia, stages, stored, wait_for_stages, write_scenario},
+    interruption::{
+        copy, finished, pluvia, prepared, stages, stored, wait_for_stages, with_results,
+    },
     program::{self, assert_holds, said, text},
     same::assert_same_files,
     soak::image::Mounted,
@@ -42,8 +44,7 @@ fn run(scenario: &Path, out: &Path) -> Output {
 
 #[test]
 fn a_full_disk_ends_a_run_that_goes_on_when_there_is_room() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
+    let (folder, scenario) = prepared();
     let (whole, full) = (finished(), folder.path().join("full"));
     // Too little for the grains; for the pictures.
     let largest = |name: &str| fs::metadata(whole.join(name)).expect("a file").len() / 1024;
@@ -57,8 +58,7 @@ fn a_full_disk_ends_a_run_that_goes_on_when_there_is_room() {
 
 #[test]
 fn a_disk_that_fills_up_between_stages_keeps_them() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
+    let (folder, scenario) = prepared();
     let Some(_mounted) = Mounted::tmpfs(&folder.path().join("small"), 180) else {
         return program::skipped("a small disk", "no file system can be mounted");
     };
@@ -71,8 +71,7 @@ fn a_disk_that_fills_up_between_stages_keeps_them() {
 
 #[test]
 fn what_is_in_the_way_is_named() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
+    let (folder, scenario) = prepared();
     for blocked in ["", "stages", "stages/.lock", "figures", "summary.json", "grains.json"] {
         let out = folder.path().join(format!("out-{}", blocked.replace('/', "-")));
         let place = if blocked.is_empty() { out.clone() } else { out.join(blocked) };
@@ -96,8 +95,7 @@ fn what_is_in_the_way_is_named() {
 #[test]
 fn a_folder_that_cannot_be_written_into_is_told_at_once() {
     use std::os::unix::fs::PermissionsExt;
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
+    let (folder, scenario) = prepared();
     let closed = folder.path().join("closed");
     fs::create_dir(&closed).expect("a folder");
     fs::set_permissions(&closed, fs::Permissions::from_mode(0o555)).expect("closed");
@@ -110,8 +108,7 @@ fn a_folder_that_cannot_be_written_into_is_told_at_once() {
 
 #[test]
 fn a_folder_that_is_removed_under_way_is_told() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
+    let (folder, scenario) = prepared();
     let out = folder.path().join("out");
     let mut command = pluvia(&scenario, &out);
     command.stderr(Stdio::piped());
@@ -139,10 +136,7 @@ type Damage = fn(&Path);
 
 #[test]
 fn a_damaged_stage_is_told_and_done_again() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
-    let hurt = folder.path().join("hurt");
-    copy(finished(), &hurt);
+    let (_folder, scenario, hurt) = with_results();
     let damages: [(&str, Damage); 3] = [
         ("frames.bin", |file| {
             let length = fs::metadata(file).expect("a file").len();

@@ -29,6 +29,21 @@ pub fn write_scenario_in_segments(folder: &Path) -> PathBuf {
     write(folder, "segments.json", &scenario)
 }
 
+/// A folder with that scenario.
+pub fn prepared() -> (TempDir, PathBuf) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario(folder.path());
+    (folder, scenario)
+}
+
+/// The same, and in `out` what the scenario leaves.
+pub fn with_results() -> (TempDir, PathBuf, PathBuf) {
+    let (folder, scenario) = prepared();
+    let out = folder.path().join("out");
+    copy(finished(), &out);
+    (folder, scenario, out)
+}
+
 /// What an uninterrupted run of [`write_scenario`] leaves, once for all tests.
 pub fn finished() -> &'static Path {
     static MADE: OnceLock<(TempDir, PathBuf)> = OnceLock::new();

@@ -14,7 +14,7 @@ use std::{
 use serde_json::json;
 
 use super::{
-    interruption::write_scenario,
+    interruption::{prepared, write_scenario},
     program::{assert_holds, said, skipped, text},
     same::assert_same_bytes,
     small,
@@ -39,8 +39,7 @@ fn watched(mut command: Command) -> io::Result<(Output, usize)> {
 #[test]
 #[ignore = "slow: make test-all"]
 fn typed_threads_stop_at_the_cores() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
+    let (folder, scenario) = prepared();
     let run = |name: &str, threads: u32| {
         let out = folder.path().join(name);
         let mut command = Command::new("taskset");

@@ -11,7 +11,7 @@ use std::{
 use serde_json::{Value, json};
 
 use super::{
-    interruption::{copy, finished, pluvia, stages, write_scenario},
+    interruption::{copy, finished, pluvia, prepared, stages},
     program::{self, ended, send, words, write},
     same::assert_whole_files,
     small,
@@ -126,8 +126,7 @@ fn in_every_command_that_computes() {
 #[test]
 #[ignore = "slow: make test-all"]
 fn while_figures_and_report_are_written() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
+    let (folder, scenario) = prepared();
     let mut stopped = 0;
     for (n, signal) in ["TERM", "INT", "TERM", "INT"].into_iter().enumerate() {
         let out = folder.path().join(n.to_string());
@@ -155,8 +154,7 @@ fn while_figures_and_report_are_written() {
 /// Law: who waits for a store that somebody else is clearing ends, too.
 #[test]
 fn while_it_waits_for_a_lock() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
+    let (folder, scenario) = prepared();
     for signal in ["TERM", "INT"] {
         let out = folder.path().join(signal);
         fs::create_dir_all(out.join("stages")).expect("a folder");

@@ -9,7 +9,7 @@ use std::{
 use serde_json::Value;
 
 use super::{
-    interruption::{copy, finished, stored_as, write_scenario},
+    interruption::{copy, finished, stored_as, with_results},
     program::{assert_holds, done, refused, run, text, write},
     same::assert_same_files,
     small,
@@ -22,9 +22,7 @@ fn check(folder: &Path) -> (Option<i32>, Value, String) {
 
 #[test]
 fn a_check_says_what_is_whole_and_what_is_damaged() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().join("out");
-    copy(finished(), &out);
+    let (folder, _, out) = with_results();
     for place in [out.clone(), out.join("stages")] {
         let (code, report, said) = check(&place);
         assert_eq!((code, &report["damaged"]), (Some(0), &0.into()), "law: whole, got {said}");
@@ -45,10 +43,7 @@ fn a_check_says_what_is_whole_and_what_is_damaged() {
 
 #[test]
 fn a_stage_in_the_place_of_another_is_reported_and_done_again() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
-    let out = folder.path().join("out");
-    copy(finished(), &out);
+    let (folder, scenario, out) = with_results();
     let (pour, shaken) = (stored_as(&out, "pour"), stored_as(&out, "vibrate"));
     fs::remove_dir_all(&pour).expect("removed");
     copy(&shaken, &pour);
@@ -67,10 +62,7 @@ fn a_stage_in_the_place_of_another_is_reported_and_done_again() {
 
 #[test]
 fn the_next_command_removes_what_a_killed_one_left_and_nothing_else() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
-    let out = folder.path().join("out");
-    copy(finished(), &out);
+    let (_folder, scenario, out) = with_results();
     let folders = ["", "figures", "runs/a", "runs/a/figures", "stages"];
     let mut left = Vec::new();
     for place in folders.map(|name| out.join(name)) {
