@@ -119,7 +119,8 @@ fn each_refusal_has_one_exit_code() {
     fs::write(at("run/manifest.json"), "{}").expect("written");
     let (run, none) = (at("run"), at("none"));
     let (device, file) = ("/dev/zero".to_owned(), at("words.json"));
-    let export = ["--format", "csv"];
+    let (export, png) = (["--format", "csv"], at("x.png"));
+    let to_png = ["--out", &*png];
     type Case<'a> = (&'a str, &'a str, &'a [&'a str], i32, &'a [&'a str]);
     let cases: [Case; 21] = [
         ("run", &at("large.json"), &[], 2, &["large.json", "4.0 MiB", "at most 4.0 MiB"]),
@@ -139,10 +140,10 @@ fn each_refusal_has_one_exit_code() {
         ("view", &run, &["--save", "x.html"], 2, &["manifest.json", "as Pluvia writes it"]),
         ("view", &device, &["--save", "x.html"], 2, &["/dev/zero", "a device"]),
         ("view", &none, &["--save", "x.html"], 4, &["none", "No such file"]),
-        ("picture", &device, &["--out", "x.png"], 2, &["a device"]),
-        ("picture", &run, &["--out", "x.png"], 2, &["as Pluvia writes it"]),
-        ("picture", &file, &["--out", "x.png"], 2, &["words.json"]),
-        ("picture", &none, &["--out", "x.png"], 4, &["No such file"]),
+        ("picture", &device, &to_png, 2, &["a device"]),
+        ("picture", &run, &to_png, 2, &["as Pluvia writes it"]),
+        ("picture", &file, &to_png, 2, &["words.json"]),
+        ("picture", &none, &to_png, 4, &["No such file"]),
     ];
     for (command, subject, more, code, words) in cases {
         let what = format!("{command} {subject}");

@@ -2,8 +2,7 @@
 //! are refused are done without, and long lists are answered at once.
 
 use std::{
-    fs,
-    io,
+    fs, io,
     os::unix::fs::PermissionsExt,
     path::{Path, PathBuf},
     process::{Command, Output, Stdio},
