@@ -224,17 +224,21 @@ fn paths<'a>(prefix: &str, value: &'a Value) -> Box<dyn Iterator<Item = String> 
     }
 }
 
-#[test]
-fn every_field_of_a_scenario_is_on_its_page() {
-    let printed = done(&["schema", "--page"]);
-    let kept = read("docs/scenario.md");
+/// A page is what the program prints; `by` writes it anew.
+fn assert_kept(path: &str, printed: &str, by: &str) {
+    let kept = read(path);
     let differs = printed.lines().zip(kept.lines()).find(|(new, old)| new != old);
     assert!(
         printed == kept,
-        "law: docs/scenario.md is what `pluvia schema --page` prints; \
-         `cargo run -- schema --page > docs/scenario.md` writes it anew. First difference \
-         (printed, kept): {differs:?}"
+        "law: {path} is what the program prints; {by} writes it anew. First difference (printed, \
+         kept): {differs:?}"
     );
+}
+
+#[test]
+fn every_field_of_a_scenario_is_on_its_page() {
+    let printed = done(&["schema", "--page"]);
+    assert_kept("docs/scenario.md", &printed, "`cargo run -- schema --page > docs/scenario.md`");
 }
 
 /// `PLUVIA_WRITE=1` writes the table anew.
@@ -398,11 +402,5 @@ fn every_command_is_on_its_page() {
         fs::write(root().join("docs/commands.md"), page).expect("written");
         return;
     }
-    let kept = read("docs/commands.md");
-    let differs = page.lines().zip(kept.lines()).find(|(new, old)| new != old);
-    assert!(
-        page == kept,
-        "law: docs/commands.md is the program's help; PLUVIA_WRITE=1 writes it anew. \
-         First difference (help, kept): {differs:?}"
-    );
+    assert_kept("docs/commands.md", &page, "PLUVIA_WRITE=1");
 }

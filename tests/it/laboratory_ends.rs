@@ -55,7 +55,7 @@ fn expect(folder: &Path, value: &Value, path: &str, words: &str) {
     assert_told(&faults_in(folder, value), path, words);
 }
 
-/// Runs a scenario of a folder, with results in its `out`.
+/// Runs a scenario without figures.
 fn run(scenario: &Path, out: &Path) {
     done(&["run", text(scenario), "--out", text(out), "--quiet", "--no-figures"]);
 }

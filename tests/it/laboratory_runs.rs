@@ -12,10 +12,7 @@ use super::{
 fn boxed(deposit: &Value) -> Value {
     let mut stage = json!({ "stage": "deposit", "at_mm": [0, 0, 60], "area_mm": [50, 50],
         "rate_g_per_s": 150 });
-    for (field, value) in deposit.as_object().expect("fields") {
-        stage[field] = value.clone();
-    }
-    stage.as_object_mut().expect("a stage").retain(|_, value| !value.is_null());
+    small::put(&mut stage, deposit);
     json!({
         "name": "boxed",
         "grains": small::fine(30.0),

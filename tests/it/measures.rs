@@ -292,8 +292,8 @@ fn the_built_in_cylinder_carries_the_weight() {
 #[test]
 fn a_table_gives_and_contacts_take() {
     let series = interruption::finished().join("series.csv");
-    let [stage, dissipated, put_in, x] = ["stage", "dissipated_j", "work_input_j", "table_x_mm"]
-        .map(|name| program::column(&series, name));
+    let names = ["stage", "dissipated_j", "work_input_j", "table_x_mm"];
+    let [stage, dissipated, put_in, x] = names.map(|name| program::column(&series, name));
     let rows: Vec<[f64; 4]> =
         (0..stage.len()).map(|n| [stage[n], dissipated[n], put_in[n], x[n]]).collect();
     assert!(rows.iter().flatten().all(|cell| cell.is_finite()), "law: every cell has a number");

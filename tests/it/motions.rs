@@ -108,21 +108,6 @@ fn settlement_is_read_at_rest_and_goes_on_through_all_later_stages() {
 #[ignore = "slow: make test-all"]
 fn every_motion_drives_a_stage_and_says_what_it_is() {
     let folder = tempfile::tempdir().expect("a folder");
-    let with = |fields: Value| {
-        move |s: &mut Value| {
-            let stage = s["stages"][3].as_object_mut().expect("a stage");
-            for (name, field) in fields.as_object().expect("fields") {
-                match field {
-                    Value::Null => {
-                        stage.remove(name);
-                    }
-                    field => {
-                        stage.insert(name.clone(), field.clone());
-                    }
-                }
-            }
-        }
-    };
     let table: String = std::iter::once("time_s,x_mm,y_mm\n".to_owned())
         .chain((0..=100).map(|n| {
             let t = f64::from(n) / 200.0;
@@ -149,7 +134,8 @@ fn every_motion_drives_a_stage_and_says_what_it_is() {
             "recorded, 101 rows",
         ),
     ] {
-        let summary = carried_out(folder.path(), name, with(fields));
+        let with = |s: &mut Value| small::put(&mut s["stages"][3], &fields);
+        let summary = carried_out(folder.path(), name, with);
         let motion = &summary["vibrations"][0]["motion"];
         let got = number(&motion["peak_acceleration_m_per_s2"]);
         near(&format!("peak acceleration of {name}"), got, acceleration, 0.01 * acceleration);
@@ -189,10 +175,8 @@ fn every_motion_drives_a_stage_and_says_what_it_is() {
 fn plates_are_laid_anew_on_the_same_specimen_and_seated_on_demand() {
     let folder = tempfile::tempdir().expect("a folder");
     let placed = |name: &str, fields: Value| {
-        let summary = carried_out(folder.path(), name, |s| {
-            let stage = s["stages"][2].as_object_mut().expect("a stage");
-            stage.extend(fields.as_object().expect("fields").clone());
-        });
+        let with = |s: &mut Value| small::put(&mut s["stages"][2], &fields);
+        let summary = carried_out(folder.path(), name, with);
         let series = rows(folder.path(), &format!("{name}-series.csv"));
         let plate = series.into_iter().rfind(|r| number(&r["stage"]) == 2.0).expect("a plate");
         let manifest = read(&folder.path().join(format!("{name}-manifest.json")));

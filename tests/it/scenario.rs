@@ -17,7 +17,10 @@ use pluvia::grains::{ParticleSizeDistribution, load_grains, load_scenario};
 use pluvia::scenario::{Fault, GrainsSpec, Override, Scenario, ScenarioErrors, check, schema};
 use serde_json::{Value, json};
 
-use super::program::{assert_holds, json as read, root};
+use super::{
+    program::{assert_holds, json as read, root},
+    small,
+};
 
 /// Every scenario under `scenarios/`; verification cases are no scenarios.
 fn files() -> Vec<PathBuf> {
@@ -92,9 +95,7 @@ fn extends_merges_objects_and_replaces_lists() {
 fn grains_are_made_whatever_is_done_with_them() {
     let load = |fields: Value| {
         let mut value = sound();
-        for (name, field) in fields.as_object().expect("fields") {
-            value[name] = field.clone();
-        }
+        small::put(&mut value, &fields);
         let folder = folder(&[("s.json", &value.to_string())]);
         load_grains(&folder.path().join("s.json")).map_err(|errors| errors.to_string())
     };

@@ -18,6 +18,14 @@ pub fn fine(mass_g: f64) -> Value {
     })
 }
 
+/// Puts fields into an object; null takes one away.
+pub fn put(object: &mut Value, fields: &Value) {
+    for (name, field) in fields.as_object().expect("fields") {
+        object[name] = field.clone();
+    }
+    object.as_object_mut().expect("an object").retain(|_, field| !field.is_null());
+}
+
 /// Gravel of a mass in g, shaken for whole cycles of 0.25 s, then left alone.
 pub fn scenario(mass_g: f64, shaken_s: f64, rest_test_s: f64) -> Value {
     json!({

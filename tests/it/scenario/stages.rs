@@ -3,14 +3,13 @@
 use serde_json::{Value, json};
 
 use super::{expect_at, expect_one, faults, sound};
+use crate::small;
 
 /// A vibration after the pour, with some fields of its own.
 fn vibrated(fields: Value) -> impl FnOnce(&mut Value) {
     move |s| {
         with_stages(&["fill_funnel", "pour", "vibrate"])(s);
-        for (name, field) in fields.as_object().expect("fields") {
-            s["stages"][2][name] = field.clone();
-        }
+        small::put(&mut s["stages"][2], &fields);
     }
 }
 
