@@ -138,7 +138,7 @@ fn run(options: &Options) -> Result<(), String> {
         if bench.is_quick() {
             found.rows.retain(|row| row.ours.is_some());
         }
-        let left_out = bench.take_left_out();
+        let left_out = bench.left_out.take();
         for row in &mut found.rows {
             bench.design().clone_into(&mut row.design);
             if !left_out.is_empty() {
