@@ -65,81 +65,44 @@ fn the_shipped_laboratories_load_can_be_built_and_are_short() {
 #[test]
 fn faults_name_the_field_and_what_is_allowed() {
     assert_eq!(faults(&sound()), [], "law: the sound one is sound");
-    for (pointer, to, path, words) in [
-        ("/pieces/1/name", json!("box"), "pieces[1].name", "two pieces"),
-        ("/pieces/1/name", json!("a b"), "pieces[1].name", "letters, digits"),
-        ("/pieces/1/name", json!("table"), "pieces[1].name", "not a piece's"),
-        ("/stages/0/rate_g_per_s", json!(0.01), "stages[0].time_limit_s", "take longer"),
-        ("/stages/2/pieces", json!(["lid", "lid"]), "stages[2].pieces[1]", "named twice"),
-        ("/pieces/1/shape", json!({}), "pieces[1].shape", "one of `box`"),
-        ("/pieces/1/shape", json!({ "cube": 1 }), "pieces[1].shape.cube", "there is no such field"),
-        (
-            "/pieces/0/shape/box/inner_mm",
-            json!([0, 1, 1]),
-            "pieces[0].shape.box.inner_mm[0]",
-            "out of range",
-        ),
-        ("/stages/0/rate_g_per_s", Value::Null, "stages[0].rate_g_per_s", "type"),
-        ("/stages/0/area_mm", json!([0, 80]), "stages[0].area_mm", "above 0"),
-        ("/stages/1/travel_mm", json!(0), "stages[1].travel_mm", "out of range"),
-        (
-            "/stages/1",
-            json!({ "stage": "move", "pieces": ["lid"], "velocity_mm_per_s": [0, 0, 20], "travel_mm": 10, "ramp_s": 0.6 }),
-            "stages[1].ramp_s",
-            "at most 0.5 s",
-        ),
-        (
-            "/stages/1",
-            json!({ "stage": "press", "loads": [{ "piece": "lid", "force_n": 1 }], "ramp_s": 2, "time_limit_s": 1 }),
-            "stages[1].ramp_s",
-            "at most 1 s",
-        ),
-        (
-            "/stages/0",
-            json!({ "stage": "deposit", "at_mm": [0, 0, 90], "area_mm": [80, 80], "rate_g_per_s": 50, "sizes_mm": [8, 9] }),
-            "stages[0].sizes_mm",
-            "[8, 10]",
-        ),
-        (
-            "/stages/1/velocity_mm_per_s",
-            json!([0, 0, 0]),
-            "stages[1].velocity_mm_per_s",
-            "nothing would move",
-        ),
-        ("/stages/1/pieces", json!(["door"]), "stages[1].pieces[0]", "no such piece"),
-        (
-            "/stages/2/pieces",
-            json!(["lid", "box", "gate"]),
-            "stages[2].pieces[2]",
-            "allowed: box, lid",
-        ),
-        (
-            "/stages/3",
-            json!({ "stage": "remove", "pieces": ["lid"] }),
-            "stages[3].pieces[0]",
-            "removed before",
-        ),
-        ("/stages/3", json!({ "stage": "fill_funnel" }), "stages[3].stage", "built-in"),
-        (
-            "/stages/1",
-            json!({ "stage": "move", "velocity_mm_per_s": [0, 0, 5000000], "duration_s": 1 }),
-            "stages[1]",
-            "a piece at its fastest",
-        ),
-        (
-            "/stages/1",
-            json!({ "stage": "move", "sine": { "amplitude_mm": [0, 0, 1], "frequency_hz": 10 }, "duration_s": 0.55 }),
-            "stages[1].duration_s",
-            "whole number of cycles",
-        ),
-        (
-            "/stages/1",
-            json!({ "stage": "move", "rotation": { "axis": [0, 1, 0], "deg_per_s": 10 }, "travel_mm": 5 }),
-            "stages[1].travel_mm",
-            "no end of this motion",
-        ),
+    for (path, to, words) in [
+        ("pieces[1].name", json!("box"), "two pieces"),
+        ("pieces[1].name", json!("a b"), "letters, digits"),
+        ("pieces[1].name", json!("table"), "not a piece's"),
+        ("pieces[1].shape", json!({}), "one of `box`"),
+        ("pieces[0].shape.box.inner_mm[0]", json!(0), "out of range"),
+        ("stages[0].rate_g_per_s", Value::Null, "type"),
+        ("stages[0].area_mm", json!([0, 80]), "above 0"),
+        ("stages[0].sizes_mm", json!([8, 9]), "[8, 10]"),
+        ("stages[1].travel_mm", json!(0), "out of range"),
+        ("stages[1].ramp_s", json!(0.6), "at most 0.5 s"),
+        ("stages[1].velocity_mm_per_s", json!([0, 0, 0]), "nothing would move"),
     ] {
-        assert_told(&faults(&changed(sound(), pointer, to)), path, words);
+        assert_told(&faults(&changed(sound(), path, to)), path, words);
+    }
+    let load = json!({ "piece": "lid", "force_n": 1 });
+    let press = json!({ "stage": "press", "loads": [load], "ramp_s": 2, "time_limit_s": 1 });
+    let sine = json!({ "amplitude_mm": [0, 0, 1], "frequency_hz": 10 });
+    let sine = json!({ "stage": "move", "sine": sine, "duration_s": 0.55 });
+    let turn = json!({ "axis": [0, 1, 0], "deg_per_s": 10 });
+    let turn = json!({ "stage": "move", "rotation": turn, "travel_mm": 5 });
+    let remove = json!({ "stage": "remove", "pieces": ["lid"] });
+    let fast = json!({ "stage": "move", "velocity_mm_per_s": [0, 0, 5000000], "duration_s": 1 });
+    let three = json!(["lid", "box", "gate"]);
+    for (place, to, path, words) in [
+        ("pieces[1].shape", json!({ "cube": 1 }), "pieces[1].shape.cube", "there is no such field"),
+        ("stages[0].rate_g_per_s", json!(0.01), "stages[0].time_limit_s", "take longer"),
+        ("stages[1].pieces", json!(["door"]), "stages[1].pieces[0]", "no such piece"),
+        ("stages[1]", fast, "stages[1]", "a piece at its fastest"),
+        ("stages[1]", press, "stages[1].ramp_s", "at most 1 s"),
+        ("stages[1]", sine, "stages[1].duration_s", "whole number of cycles"),
+        ("stages[1]", turn, "stages[1].travel_mm", "no end of this motion"),
+        ("stages[2].pieces", json!(["lid", "lid"]), "stages[2].pieces[1]", "named twice"),
+        ("stages[2].pieces", three, "stages[2].pieces[2]", "allowed: box, lid"),
+        ("stages[3]", remove, "stages[3].pieces[0]", "removed before"),
+        ("stages[3]", json!({ "stage": "fill_funnel" }), "stages[3].stage", "built-in"),
+    ] {
+        assert_told(&faults(&changed(sound(), place, to)), path, words);
     }
     let mut without = sound();
     without.as_object_mut().expect("an object").remove("pieces");
@@ -305,18 +268,18 @@ fn what_does_not_suit_is_reported_and_pieces_in_each_other_are_refused() {
     let of = |value: Value| -> Scenario { serde_json::from_value(value).expect("a scenario") };
     let narrow = changed(
         sound(),
-        "/pieces/1/shape",
+        "pieces[1].shape",
         json!({ "hopper": { "opening_diameter_mm": 40, "top_diameter_mm": 90, "half_angle_deg": 30 } }),
     );
     let told: Vec<String> = warnings(&of(narrow)).iter().map(ToString::to_string).collect();
     assert!(told.iter().any(|text| text.contains("may jam")), "law: 40 mm < 5 × 9 mm, {told:?}");
-    let heavy = changed(sound(), "/grains/total_mass_g", json!(2000));
+    let heavy = changed(sound(), "grains.total_mass_g", json!(2000));
     let told: Vec<String> = warnings(&of(heavy)).iter().map(ToString::to_string).collect();
     assert!(
         told.iter().any(|text| text.contains("over the rims")),
         "law: 1.6 of 1 litre, {told:?}"
     );
-    let within = changed(sound(), "/pieces/1/at_mm", json!([0, 0, 100]));
+    let within = changed(sound(), "pieces[1].at_mm", json!([0, 0, 100]));
     let error = Setup::new(&of(within)).expect_err("law: the lid is in the walls").to_string();
     assert!(error.contains("`box` and `lid`"), "{error}");
 }

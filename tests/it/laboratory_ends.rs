@@ -65,7 +65,7 @@ fn conditions_are_checked_with_what_they_need() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     assert_eq!(faults_in(folder, &sound()), [], "law: the sound one is sound");
-    let until = |to: Value| changed(sound(), "/stages/1/until", to);
+    let until = |to: Value| changed(sound(), "stages[1].until", to);
     let up = json!([0, 0, 1]);
     for (condition, field, words) in [
         (json!({}), "until.force_n", "ends by one condition"),
@@ -234,7 +234,7 @@ fn a_recorded_motion_moves_pieces_and_is_checked_beforehand() {
     value["stages"][1]["time_limit_s"] = json!(1);
     expect(folder, &value, "stages[1].time_limit_s", "with its last row at the latest");
     let moved = json!({ "piece": "lid", "moved_mm": 1 });
-    let mut value = changed(sound(), "/stages/1/until", moved);
+    let mut value = changed(sound(), "stages[1].until", moved);
     value["stages"][1]["interpolation"] = json!("linear");
     expect(folder, &value, "stages[1].interpolation", "has rows to join");
 }

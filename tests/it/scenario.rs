@@ -161,9 +161,9 @@ pub fn assert_told(found: &[(String, String)], path: &str, words: &str) {
     assert!(is_told, "law: `{path}` is reported with `{words}`, got {found:#?}");
 }
 
-/// A value with another one at a pointer.
-pub fn changed(mut value: Value, pointer: &str, to: Value) -> Value {
-    *value.pointer_mut(pointer).unwrap_or_else(|| panic!("there is {pointer}")) = to;
+/// A value with another one at a path such as `stages[1].stage`.
+pub fn changed(mut value: Value, path: &str, to: Value) -> Value {
+    *place(&mut value, path) = to;
     value
 }
 
