@@ -53,11 +53,8 @@ fn wrong_usage_ends_with_2() {
     ] {
         assert!(!refused(args, 2, &[]).is_empty(), "{args:?} is told why");
     }
-    // With the range of seeds; a field given twice, as in a file.
+    // With the range of seeds.
     refused(&["run", SCENARIO, "--out", "x", "--seed", "-1"], 2, &["whole numbers from 0"]);
-    let twice = "contact={\"restitution\":0.3,\"restitution\":0.4}";
-    let words = "contact.restitution: the field is given twice (found 0.3, then 0.4";
-    refused(&["run", SCENARIO, "--out", "x", "--set", twice], 2, &[words]);
     // A picture has no frames.
     refused(&["picture", "x", "--out", "x.png", "--every", "1"], 2, &[]);
 }
@@ -72,11 +69,6 @@ fn a_faulty_scenario_ends_with_2_and_all_its_faults() {
     assert_holds(&err, &["2 faults", "engine.rate_hz", "colour", "no such field"]);
     assert!(stdout.is_empty(), "nothing is printed as a result: {stdout}");
     assert!(!Path::new(out).exists(), "nothing is written for a faulty scenario");
-}
-
-#[test]
-fn a_missing_scenario_ends_with_4() {
-    refused(&["run", "nowhere.json", "--out", "x"], 4, &["nowhere.json"]);
 }
 
 #[test]
