@@ -3,6 +3,7 @@
 //! Compare figures of one run with each other, not with those of another
 //! machine or day.
 
+#[allow(dead_code)] // each benchmark uses a part of it
 mod common;
 
 use std::{hint::black_box, time::Duration};

@@ -7,7 +7,7 @@ use pluvia::{
     grains::generate,
     protocol::{Moment, Observer, Setup, StageOutcome, run},
     scenario::{GrainsSpec, Scenario, SievedGrains, StageSpec},
-    specimen::{Specimen, SpecimenState},
+    specimen::{FunnelState, Specimen, SpecimenState},
     world,
 };
 
@@ -73,4 +73,16 @@ pub fn settled(setup: &Setup, filled: Specimen) -> Specimen {
     let poured = StageSpec::Pour { falling_height_mm: FALLING_HEIGHT_MM, time_limit_s: 4.0 };
     let specimen = stage(setup, filled, &poured).specimen;
     stage(setup, specimen, &StageSpec::Rest { duration_s: 0.5 }).specimen
+}
+
+/// The filled funnel in its place above the cylinder, its lid gone, as the stage `pour` begins.
+pub fn lifted(setup: &Setup, mut specimen: Specimen) -> Specimen {
+    let opening_height = setup.cylinder.height + 1e-3 * FALLING_HEIGHT_MM;
+    let state = &mut specimen.state;
+    let rise = state.funnel.map_or(0.0, |funnel| opening_height - funnel.opening_height);
+    state.bodies.iter_mut().for_each(|grain| grain.body.pose.translation.z += rise);
+    state.contacts.iter_mut().for_each(|contact| contact.point_m.z += rise);
+    state.funnel = Some(FunnelState { opening_height, lid: false });
+    state.cylinder = true;
+    specimen
 }

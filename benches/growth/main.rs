@@ -18,7 +18,7 @@ use std::{
     time::Instant,
 };
 
-use clap::Parser;
+use clap::{Parser, ValueEnum};
 use pluvia::record::{create_folder, write_json};
 
 use measured::{MEASURE, State, Step};
@@ -53,7 +53,7 @@ struct Options {
     #[arg(long)]
     quick: bool,
     /// Only these states, with commas between
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = State::ALL)]
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = State::value_variants())]
     states: Vec<State>,
     /// No more grains than this
     #[arg(long, default_value_t = usize::MAX)]
@@ -88,7 +88,7 @@ fn main() {
     // and phase the shortest time counts.
     for round in 0..rounds(0, options.quick) {
         for case in cases.iter_mut().filter(|case| round < rounds(case.size, options.quick)) {
-            eprintln!("round {}, {} grains, {} ...", round + 1, case.size, case.state.name());
+            eprintln!("round {}, {} grains, {} ...", round + 1, case.size, case.state);
             measure(case);
         }
     }
@@ -154,7 +154,7 @@ fn measure(case: &mut Case) {
     let measured = match measured::in_process(&case.file, case.state, case.threads) {
         Ok(measured) => measured,
         Err(why) => {
-            println!("{}, {} threads: not measured: {why}", case.state.name(), case.threads);
+            println!("{}, {} threads: not measured: {why}", case.state, case.threads);
             return;
         }
     };

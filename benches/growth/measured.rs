@@ -3,6 +3,7 @@
 
 use std::{
     collections::HashMap,
+    fmt,
     path::Path,
     process::Command,
     sync::{
@@ -55,20 +56,13 @@ pub enum State {
     ShakenOneCore,
 }
 
-impl State {
-    pub const ALL: [Self; 5] =
-        [Self::Rest, Self::Shaken, Self::Pour, Self::ShakenBusy, Self::ShakenOneCore];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Rest => "rest",
-            Self::Shaken => "shaken",
-            Self::Pour => "pour",
-            Self::ShakenBusy => "shaken_busy",
-            Self::ShakenOneCore => "shaken_one_core",
-        }
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.to_possible_value().expect("none is skipped").get_name())
     }
+}
 
+impl State {
     fn motion(self) -> Option<TableMotion> {
         let shaking = TableMotion::sine(0.025, 3.0, 1e6);
         (!matches!(self, Self::Rest | Self::Pour)).then_some(shaking)
@@ -147,7 +141,7 @@ pub fn in_process(specimen: &Path, state: State, threads: u32) -> Result<Measure
         Command::new(program)
     };
     command.args([MEASURE.as_ref(), specimen.as_os_str()]);
-    command.args([state.name(), &threads.to_string()]);
+    command.args([state.to_string(), threads.to_string()]);
     let output = command.output().map_err(|e| format!("{:?}: {e}", command.get_program()))?;
     if !output.status.success() {
         return Err(String::from_utf8_lossy(&output.stderr).into_owned());
@@ -158,7 +152,7 @@ pub fn in_process(specimen: &Path, state: State, threads: u32) -> Result<Measure
 /// Does it: arguments are a file with a specimen, the state and the number of threads.
 pub fn measure(args: &[String]) {
     let [file, state, threads] = args else { panic!("three arguments are needed") };
-    let state = *State::ALL.iter().find(|s| s.name() == state).expect("a state");
+    let state = State::from_str(state, false).expect("a state");
     let stored = Stored::read(Path::new(file));
     let mut setup = setup(stored.size);
     setup.engine.native.threads = Some(threads.parse().expect("a number of threads"));

@@ -139,7 +139,7 @@ pub fn table(rows: &[Row]) -> String {
         text += &format!(
             "{:16} {:>7} {:>7} {:>9.3} {:>8.2} {:>7} {phases:>28} {:>8} {on:>20} {:>8} {:>8.2} \
              {:>8}\n",
-            row.state.name(),
+            row.state.to_string(),
             row.measured.grains,
             row.threads,
             1e3 * row.step(),

@@ -8,12 +8,12 @@ use pluvia::{
     grains::{Grain, GrainSet, generate, load_scenario},
     protocol::Setup,
     scenario::{Scenario, StageSpec},
-    specimen::{Fate, FunnelState, GrainState, Specimen, SpecimenState},
+    specimen::{Fate, GrainState, Specimen, SpecimenState},
     world::BodyState,
 };
 use serde::{Deserialize, Serialize};
 
-use super::common::{FALLING_HEIGHT_MM, QUARTER, WHOLE, filled, scenario, settled, sieved, stage};
+use super::common::{QUARTER, WHOLE, filled, lifted, scenario, settled, sieved, stage};
 
 /// Grains asked for. The first two are poured.
 pub const SIZES: [usize; 4] = [364, 1456, 10_000, 100_000];
@@ -97,22 +97,6 @@ pub fn poured(size: usize) -> (Stored, Stored) {
     let full = filled(&scenario_of(size), &setup);
     let specimen = settled(&setup, full.clone());
     (Stored::poured(size, lifted(&setup, full)), Stored::poured(size, specimen))
-}
-
-/// The filled funnel in its place above the cylinder, its lid gone.
-fn lifted(setup: &Setup, mut specimen: Specimen) -> Specimen {
-    let opening_height = setup.cylinder.height + 1e-3 * FALLING_HEIGHT_MM;
-    let state = &mut specimen.state;
-    let was = state.funnel.map_or(opening_height, |f| f.opening_height);
-    for grain in &mut state.bodies {
-        grain.body.pose.translation.z += opening_height - was;
-    }
-    for contact in &mut state.contacts {
-        contact.point_m.z += opening_height - was;
-    }
-    state.funnel = Some(FunnelState { opening_height, lid: false });
-    state.cylinder = true;
-    specimen
 }
 
 /// A specimen of copies of `of`: a square is cut from its middle, copies of it stand in rows

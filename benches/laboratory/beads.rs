@@ -1,15 +1,15 @@
 //! Direct shear of steel beads, in the box of the paper's first author's later work.
 
 use pluvia::{
-    report::{Axis, Chart, Look, Plot},
-    units::{from_kpa, from_mm, to_mm},
+    report::Chart,
+    units::{from_kpa, from_mm},
 };
 
 use super::{
     bench::{Bench, Point},
     row::{Found, Row},
-    shear::moments,
-    standard_tests::{Sheared, friction_angle, inertial_number, shear_strength},
+    shear::{angles, called, changes, moments, panels},
+    standard_tests::{Sheared, inertial_number, shear_strength},
 };
 
 const SCENARIO: &str = "scenarios/validation/direct-shear-beads.json";
@@ -74,23 +74,8 @@ fn rows(bench: &Bench, tests: &[Test]) -> Vec<Row> {
     let of = |point: usize, configuration: u32| {
         tests.iter().find(|t| t.point == point && t.configuration == configuration)
     };
-    let angles = |which: usize| -> Vec<f64> {
-        let angle = |configuration: u32| {
-            let stresses: Option<Vec<(f64, f64)>> = STRESSES
-                .iter()
-                .enumerate()
-                .map(|(n, s)| Some((*s, s * of(n, configuration)?.ratios[which])))
-                .collect();
-            friction_angle(&stresses?).map(f64::to_degrees)
-        };
-        (1..=bench.configurations).filter_map(angle).collect()
-    };
-    let change = |point: usize| -> Vec<f64> {
-        let angle = |test: &Test| test.ratios[0].atan().to_degrees();
-        (1..=bench.configurations)
-            .filter_map(|c| Some(angle(of(point, c)?) - angle(of(TRIED, c)?)))
-            .collect()
-    };
+    let ratio = |which: usize| move |point: usize, c: u32| Some(of(point, c)?.ratios[which]);
+    let change = |point: usize| changes(bench, [TRIED, point], ratio(0));
     let changes: Vec<String> = FRICTIONS
         .iter()
         .enumerate()
@@ -119,34 +104,19 @@ fn rows(bench: &Bench, tests: &[Test]) -> Vec<Row> {
     .iter()
     .enumerate()
     .map(|(which, (id, quantity))| {
-        let values = angles(which);
+        let values = angles(bench, &STRESSES, ratio(which));
         let row = Row::of("beads", &format!("beads-{id}"), quantity, &values);
         let row = row.noted(note.clone());
-        Row { design: bench.design().to_owned(), decimals: 1, ..row }
+        Row { decimals: 1, ..row }
     })
     .collect()
 }
 
 fn chart(tests: &[Test]) -> Chart {
-    let panel = |name: &str, y: fn(&Test, &Sheared) -> f64| {
-        let x = Axis::linear("Displacement (mm)").from_zero();
-        let mut plot = Plot::new(x, Axis::linear(name).from_zero());
-        for (n, test) in tests.iter().enumerate().filter(|(_, t)| t.point < STRESSES.len()) {
-            let first = tests[..n].iter().all(|earlier| earlier.point != test.point);
-            let name = if first { format!("{} kPa", STRESSES[test.point]) } else { String::new() };
-            let points = test.moments.iter().map(|m| (to_mm(m.displacement), y(test, m)));
-            plot.add(name, Look::marked(test.point), points.collect());
-        }
-        plot
-    };
-    let ratio = panel("Stress ratio τ/σ", |_, m| m.ratio());
-    let rise = |test: &Test, m: &Sheared| to_mm(m.height - test.moments[0].height);
-    Chart {
-        stem: "beads".into(),
-        title: "Direct shear of steel beads".into(),
-        caption:
-            "Stress ratio and height of the lid against displacement, each realisation a line."
-                .into(),
-        panels: vec![ratio, panel("Rise of the lid (mm)", rise)],
-    }
+    let at_stresses = tests.iter().filter(|test| test.point < STRESSES.len());
+    let curves: Vec<(usize, &[Sheared])> =
+        at_stresses.map(|test| (test.point, &test.moments[..])).collect();
+    let seen = "Stress ratio and height of the lid against displacement, each realisation a line.";
+    let panels = panels(&called(&STRESSES), &curves);
+    Chart::new("beads", "Direct shear of steel beads", seen, panels)
 }

@@ -36,7 +36,7 @@ pub struct Bench {
     pub configurations: u32,
     /// Stages at a time.
     pub jobs: usize,
-    /// Runs that nothing was read of, and why; see [`Bench::take_left_out`].
+    /// Runs that nothing was read of since this was last taken, and why.
     pub left_out: RefCell<Vec<String>>,
 }
 
@@ -98,11 +98,6 @@ impl Bench {
             cancel: Arc::new(AtomicBool::new(false)),
             progress: Arc::new(Lines),
         }
-    }
-
-    /// Runs that were left out since this was last asked, and why.
-    pub fn take_left_out(&self) -> Vec<String> {
-        self.left_out.take()
     }
 
     /// Runs a scenario at all points in all realisations. Runs that fail, and those in which a

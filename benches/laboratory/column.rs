@@ -106,9 +106,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
              To where a tenth of a ring is covered: {thinly:.2}. A deposit at {REPOSE}°, the angle \
              of repose of such grains, would end at {slumped:.2} by its volume alone{told}"
         );
-        let mut row = Row::of("column", &id, &quantity, &values).beside(published).noted(note);
-        bench.design().clone_into(&mut row.design);
-        rows.push(row);
+        rows.push(Row::of("column", &id, &quantity, &values).beside(published).noted(note));
     }
     Ok(Found { rows, charts: vec![chart(&found)] })
 }
@@ -192,13 +190,11 @@ fn chart(found: &[Collapse]) -> Chart {
     plot.add("Lube et al. 2004", Look::law(1), law.clone());
     plot.add("± 15 %", Look::law(4), end(1.15));
     plot.add("", Look::law(4), end(0.85));
-    Chart {
-        stem: "column".into(),
-        title: "Run-out of collapsed columns".into(),
-        caption:
-            "Run-out against the aspect ratio, each realisation a point, and the law of Lube et \
-                  al. with ends 15 % to either side."
-                .into(),
-        panels: vec![plot],
-    }
+    Chart::new(
+        "column",
+        "Run-out of collapsed columns",
+        "Run-out against the aspect ratio, each realisation a point, and the law of Lube et al. \
+         with ends 15 % to either side.",
+        vec![plot],
+    )
 }

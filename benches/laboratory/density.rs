@@ -128,9 +128,9 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     let mut rows = Vec::new();
     if !bench.is_quick() {
         let (found, _) = states(bench, &paper, &STRONG)?;
-        rows.extend(index_rows(bench, "density", "the paper's grains", &found, ""));
+        rows.extend(index_rows("density", "the paper's grains", &found, ""));
         let (standard, duration_s) = states(bench, &paper, &STANDARD)?;
-        rows.extend(as_in_the_standard(bench, &found, &standard, duration_s));
+        rows.extend(as_in_the_standard(&found, &standard, duration_s));
     }
     let mut points = Vec::new();
     let materials = if bench.is_quick() { &MATERIALS[GRAVEL..=GRAVEL] } else { &MATERIALS[..] };
@@ -142,14 +142,14 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
             None => "; sharp edges, friction between grains 0.5".to_owned(),
         };
         let begin = format!("density-{}", material.name);
-        let mut own = index_rows(bench, &begin, material.title, &found, &grains);
+        let mut own = index_rows(&begin, material.title, &found, &grains);
         let mut others = Vec::new();
         for tried in bench.unless_quick(material.tried.iter().collect()) {
             let changed = with_change(bench, &scenario, tried, duration_s)?;
             let made_of_it = told(tried, &found, &changed);
             // The loosest and the densest state.
             own[..2].iter_mut().for_each(|row| row.note += &made_of_it);
-            others.extend(tried_rows(bench, &begin, material.title, tried, &changed));
+            others.extend(tried_rows(&begin, material.title, tried, &changed));
         }
         rows.extend(own);
         rows.extend(others);
@@ -161,38 +161,24 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
 }
 
 /// Rows of the loosest and the densest state, how far they are from each other, and the bound.
-fn index_rows(
-    bench: &Bench,
-    begin: &str,
-    grains: &str,
-    found: &IndexDensities,
-    more: &str,
-) -> Vec<Row> {
-    let of = |id: &str, state: &str, values: &[f64], note: String| {
-        let quantity = format!("void ratio of {grains}, {state}");
-        row(bench, &format!("{begin}-{id}"), &quantity, values).noted(note)
+fn index_rows(begin: &str, grains: &str, found: &IndexDensities, more: &str) -> Vec<Row> {
+    let of = |id: &str, what: &str, state: &IndexState, note: &str| {
+        let quantity = format!("void ratio of {grains}, {what}");
+        let note = made(found, state) + more + note;
+        row(&format!("{begin}-{id}"), &quantity, &state.values).noted(note)
     };
     let states = &found.states;
     // Realisations belong together only where none is left out.
     let is_whole = states.e_max.failures.is_empty() && states.e_min.failures.is_empty();
     let pairs = states.e_max.values.iter().zip(&states.e_min.values);
     let ranges: Vec<f64> = pairs.filter(|_| is_whole).map(|(loose, dense)| loose - dense).collect();
-    let note = |state: &IndexState| made(found, state) + more;
+    let less = format!("void ratio of {grains}, loosest less densest");
+    let densest = format!("densest{}", sinking(found));
     vec![
-        of("e-max", "loosest", &states.e_max.values, note(&states.e_max)),
-        of(
-            "e-min",
-            &format!("densest{}", sinking(found)),
-            &states.e_min.values,
-            note(&states.e_min) + &still_falls(found),
-        ),
-        of("range", "loosest less densest", &ranges, String::new()),
-        of(
-            "frictionless",
-            "without friction, a bound",
-            &states.frictionless.values,
-            note(&states.frictionless),
-        ),
+        of("e-max", "loosest", &states.e_max, ""),
+        of("e-min", &densest, &states.e_min, &still_falls(found)),
+        row(&format!("{begin}-range"), &less, &ranges),
+        of("frictionless", "without friction, a bound", &states.frictionless, ""),
     ]
 }
 
@@ -230,18 +216,12 @@ fn told(tried: &Tried, found: &IndexDensities, changed: &IndexDensities) -> Stri
 }
 
 /// Rows of a material with a change.
-fn tried_rows(
-    bench: &Bench,
-    begin: &str,
-    grains: &str,
-    tried: &Tried,
-    changed: &IndexDensities,
-) -> [Row; 2] {
+fn tried_rows(begin: &str, grains: &str, tried: &Tried, changed: &IndexDensities) -> [Row; 2] {
     let states = &changed.states;
     let of = |id: &str, state: &str, values: &IndexState, more: &str| {
         let quantity = format!("void ratio of {grains}, {state}, tried: {}", tried.title);
         let id = format!("{begin}-{}-{id}", tried.name);
-        row(bench, &id, &quantity, &values.values).noted(made(changed, values) + more)
+        row(&id, &quantity, &values.values).noted(made(changed, values) + more)
     };
     [
         of("e-max", "loosest", &states.e_max, ""),
@@ -252,7 +232,6 @@ fn tried_rows(
 /// What the vibration of ASTM D4253 makes of the paper's grains in some seconds, and the relative
 /// density of that by the index densities found.
 fn as_in_the_standard(
-    bench: &Bench,
     found: &IndexDensities,
     standard: &IndexDensities,
     duration_s: f64,
@@ -265,22 +244,18 @@ fn as_in_the_standard(
     let vibrated = format!("vibrated as in ASTM D4253{shorter}{}", sinking(standard));
     let quantity = format!("void ratio of the paper's grains, {vibrated}");
     let note = made(standard, state) + &still_falls(standard);
-    let mut rows = vec![row(bench, "density-d4253", &quantity, &state.values).noted(note)];
+    let mut rows = vec![row("density-d4253", &quantity, &state.values).noted(note)];
     if let Some((e_max, e_min)) = found.means.e_max.zip(found.means.e_min) {
         let values: Vec<f64> = state.values.iter().map(|e| (e_max - e) / (e_max - e_min)).collect();
         let quantity = format!("relative density of the paper's grains, {vibrated}");
-        let mut row = row(bench, "density-d4253-relative", &quantity, &values);
-        row.decimals = 2;
+        let row = Row::of("density", "density-d4253-relative", &quantity, &values);
         rows.push(row.noted("By the means of the loosest and the densest state above"));
     }
     rows
 }
 
-fn row(bench: &Bench, id: &str, quantity: &str, values: &[f64]) -> Row {
-    let mut row = Row::of("density", id, quantity, values);
-    row.decimals = 3;
-    bench.design().clone_into(&mut row.design);
-    row
+fn row(id: &str, quantity: &str, values: &[f64]) -> Row {
+    Row { decimals: 3, ..Row::of("density", id, quantity, values) }
 }
 
 /// How a state was made.
@@ -352,14 +327,13 @@ fn settling(bench: &Bench, paper: &str) -> Result<Chart, String> {
             plot.add(name, Look::marked(kind), points.collect());
         }
     }
-    Ok(Chart {
-        stem: "density-vibration".into(),
-        title: "How specimens sink while they are vibrated".into(),
-        caption: "Mean surface against time, at the same moment of the table's cycle, each \
-                  realisation a line. Where it still falls, the vibration has not come to its end."
-            .into(),
-        panels: vec![plot],
-    })
+    Ok(Chart::new(
+        "density-vibration",
+        "How specimens sink while they are vibrated",
+        "Mean surface against time, at the same moment of the table's cycle, each realisation a \
+         line. Where it still falls, the vibration has not come to its end.",
+        vec![plot],
+    ))
 }
 
 /// Index densities after the shortest vibration that has come to its end, and its duration in s:
@@ -426,10 +400,10 @@ fn chart(compared: &[Compared]) -> Chart {
     add("Without friction", Look::points(2), |of| of.found.states.frictionless.values.clone());
     add("Published, loosest", Look::dots(0), |of| vec![of.published.0]);
     add("Published, densest", Look::dots(1), |of| vec![of.published.1]);
-    Chart {
-        stem: "density".into(),
-        title: "Loosest and densest states of published materials".into(),
-        caption: "Void ratio over roundness: each realisation, and what is published.".into(),
-        panels: vec![plot],
-    }
+    Chart::new(
+        "density",
+        "Loosest and densest states of published materials",
+        "Void ratio over roundness: each realisation, and what is published.",
+        vec![plot],
+    )
 }

@@ -220,9 +220,7 @@ fn rows(bench: &Bench, grains: &Grains, flows: &Flows, changed: &str) -> Vec<Row
     let row = |id: &str, quantity: &str, values: Vec<f64>| {
         let id = format!("{}-{id}", grains.id);
         let quantity = format!("hopper, {}{quantity}", grains.called);
-        let mut row = Row::of("hopper", &id, &quantity, &values);
-        bench.design().clone_into(&mut row.design);
-        row
+        Row::of("hopper", &id, &quantity, &values)
     };
     let all = openings(bench);
     let across = |n: usize| FLOOR[n].1 / to_mm(SIZE);
@@ -322,13 +320,11 @@ fn chart(bench: &Bench, angular: &Flows, spheres: &Flows) -> Chart {
         plot.add(format!("Fitted, C {c:.2}, k {k:.2}"), Look::law(n), law(density, c, k));
     }
     plot.add(format!("C {USUAL_C}, k {USUAL_K}"), Look::law(2), law(density, USUAL_C, USUAL_K));
-    Chart {
-        stem: "hopper".into(),
-        title: "Discharge of a flat-bottomed bin".into(),
-        caption:
-            "Steady rate against the diameter of the opening, angular grains and spheres, each \
-                  realisation a point."
-                .into(),
-        panels: vec![plot],
-    }
+    Chart::new(
+        "hopper",
+        "Discharge of a flat-bottomed bin",
+        "Steady rate against the diameter of the opening, angular grains and spheres, each \
+         realisation a point.",
+        vec![plot],
+    )
 }

@@ -38,7 +38,7 @@ struct Options {
     #[arg(long)]
     small: bool,
     /// Only these tests, with commas between; rows of the others stay in the file
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = Part::ALL)]
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = Part::value_variants())]
     only: Vec<Part>,
     /// Realisations of each point [default: 5, small 3, quick 1]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100))]
@@ -81,35 +81,9 @@ enum Part {
     Triaxial,
 }
 
-impl Part {
-    const ALL: [Self; 8] = [
-        Self::Hopper,
-        Self::Column,
-        Self::Repose,
-        Self::Density,
-        Self::DirectShear,
-        Self::Beads,
-        Self::Oedometer,
-        Self::Triaxial,
-    ];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Hopper => "hopper",
-            Self::Column => "column",
-            Self::Repose => "repose",
-            Self::Density => "density",
-            Self::DirectShear => "direct-shear",
-            Self::Beads => "beads",
-            Self::Oedometer => "oedometer",
-            Self::Triaxial => "triaxial",
-        }
-    }
-}
-
 impl std::fmt::Display for Part {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
+        f.write_str(self.to_possible_value().expect("none is skipped").get_name())
     }
 }
 
@@ -145,10 +119,11 @@ fn run(options: &Options) -> Result<(), String> {
     let mut rows = earlier(&options.out)?;
     let mut kept_rows = if options.keep { earlier(&kept_file)? } else { Vec::new() };
     // Nothing is judged by the beads, which are many: only who asks for them has them quick.
-    let is_all = options.only.len() == Part::ALL.len();
+    let is_all = options.only.len() == Part::value_variants().len();
     let is_left_out = |part: &Part| bench.is_quick() && is_all && *part == Part::Beads;
-    let parts = Part::ALL.into_iter().filter(|part| options.only.contains(part));
+    let parts = Part::value_variants().iter().filter(|part| options.only.contains(part));
     for part in parts.filter(|part| !is_left_out(part)) {
+        let name = part.to_string();
         let mut found = match part {
             Part::Hopper => hopper::carry_out(&bench),
             Part::Column => column::carry_out(&bench),
@@ -163,13 +138,15 @@ fn run(options: &Options) -> Result<(), String> {
         if bench.is_quick() {
             found.rows.retain(|row| row.ours.is_some());
         }
-        let left_out = bench.take_left_out();
-        if !left_out.is_empty() {
-            let told = format!("; left out of this test: {}", left_out.join(", "));
-            found.rows.iter_mut().for_each(|row| row.note += &told);
+        let left_out = bench.left_out.take();
+        for row in &mut found.rows {
+            bench.design().clone_into(&mut row.design);
+            if !left_out.is_empty() {
+                row.note += &format!("; left out of this test: {}", left_out.join(", "));
+            }
         }
         for all in [&mut rows, &mut kept_rows] {
-            all.retain(|row| row.test != part.name());
+            all.retain(|row| row.test != name);
             all.extend(found.rows.iter().cloned());
         }
         relative::derive(&mut rows);
@@ -185,7 +162,7 @@ fn run(options: &Options) -> Result<(), String> {
                     .map_err(|e| e.to_string())?;
             }
         }
-        print!("{}", row::table(rows.iter().filter(|row| row.test == part.name())));
+        print!("{}", row::table(rows.iter().filter(|row| row.test == name)));
     }
     if options.keep {
         relative::derive(&mut kept_rows);
@@ -214,7 +191,8 @@ fn judge_again(file: &std::path::Path) -> Result<(), String> {
 
 /// Rows by their tests.
 fn put_in_order(rows: &mut [Row]) {
-    rows.sort_by_key(|row| Part::ALL.iter().position(|part| part.name() == row.test));
+    let names: Vec<String> = Part::value_variants().iter().map(Part::to_string).collect();
+    rows.sort_by_key(|row| names.iter().position(|name| *name == row.test));
 }
 
 /// Rows of tests that are not run now.

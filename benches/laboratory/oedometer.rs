@@ -69,10 +69,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         runs.iter().map(|run| test(run, area)).collect()
     };
     let (own, stiff) = (tests(&runs)?, tests(&stiff_runs)?);
-    let mut rows = rows(&own, &stiff, stiffness, diameter_mm);
-    for row in &mut rows {
-        bench.design().clone_into(&mut row.design);
-    }
+    let rows = rows(&own, &stiff, stiffness, diameter_mm);
     Ok(Found { rows, charts: vec![chart(&own)] })
 }
 
@@ -217,12 +214,6 @@ fn chart(tests: &[Test]) -> Chart {
             plot.add(name, Look::marked(kind), (from..=to).map(point).collect());
         }
     }
-    Chart {
-        stem: "oedometer".into(),
-        title: "Oedometer".into(),
-        caption:
-            "Void ratio, by the height of the lid, against its stress, each realisation a line."
-                .into(),
-        panels: vec![plot],
-    }
+    let seen = "Void ratio, by the height of the lid, against its stress, each realisation a line.";
+    Chart::new("oedometer", "Oedometer", seen, vec![plot])
 }

@@ -92,9 +92,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
             false => "On straight lines between frictions, realisation by realisation".to_owned(),
         };
         let id = format!("repose-{}", method.id);
-        let mut row = Row::of("repose", &id, &quantity, &values).noted(note);
-        bench.design().clone_into(&mut row.design);
-        rows.push(row);
+        rows.push(Row::of("repose", &id, &quantity, &values).noted(note));
         let at = |mu: f64| {
             let own: Vec<f64> = angles.iter().filter(|a| a.1 == mu).map(|a| a.2).collect();
             Some((mu, pluvia::measure::statistics::mean(&own)?))
@@ -104,12 +102,8 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     }
     let identity = (0..=40).map(|n| 0.025 * f64::from(n)).map(|mu| (mu, mu.atan().to_degrees()));
     plot.add("atan μ", Look::law(4), identity.collect());
-    let chart = Chart {
-        stem: "repose".into(),
-        title: "Angle of repose by three methods".into(),
-        caption: "Angle against the friction between grains, means over realisations.".into(),
-        panels: vec![plot],
-    };
+    let seen = "Angle against the friction between grains, means over realisations.";
+    let chart = Chart::new("repose", "Angle of repose by three methods", seen, vec![plot]);
     Ok(Found { rows, charts: vec![chart] })
 }
 

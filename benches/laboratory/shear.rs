@@ -167,7 +167,6 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     }
     let mut rows = rows(bench, &design, &tests);
     for row in &mut rows {
-        bench.design().clone_into(&mut row.design);
         row.decimals = if row.id.contains("void-ratio") { 3 } else { 1 };
     }
     Ok(Found { rows, charts: vec![chart(&tests), profiles(&tests)] })
@@ -177,23 +176,11 @@ fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
     let of = |point: usize, configuration: u32| {
         tests.iter().find(|t| t.point == point && t.configuration == configuration)
     };
-    let angles = |ratio: fn(&ShearStrength) -> f64| -> Vec<f64> {
-        let angle = |configuration: u32| {
-            let stresses: Option<Vec<(f64, f64)>> = STRESSES
-                .iter()
-                .enumerate()
-                .map(|(n, s)| Some((*s, s * ratio(&of(n, configuration)?.strength))))
-                .collect();
-            friction_angle(&stresses?).map(f64::to_degrees)
-        };
-        (1..=bench.configurations).filter_map(angle).collect()
+    let angles = |ratio: fn(&ShearStrength) -> f64| {
+        angles(bench, &STRESSES, |point, c| Some(ratio(&of(point, c)?.strength)))
     };
-    // Angles of a change less those of the same realisation without it.
-    let change = |point: usize, ratio: fn(&ShearStrength) -> f64| -> Vec<f64> {
-        let angle = |test: &Test| ratio(&test.strength).atan().to_degrees();
-        (1..=bench.configurations)
-            .filter_map(|c| Some(angle(of(point, c)?) - angle(of(TRIED, c)?)))
-            .collect()
+    let change = |point: usize, ratio: fn(&ShearStrength) -> f64| {
+        changes(bench, [TRIED, point], |point, c| Some(ratio(&of(point, c)?.strength)))
     };
     let peak: fn(&ShearStrength) -> f64 = |s| s.peak;
     let end: fn(&ShearStrength) -> f64 = |s| s.end;
@@ -304,31 +291,17 @@ fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
             &each(TRIED, &|test| test.void_ratios[1]),
             box_wide.to_owned(),
         ),
-        row(
-            "rate-peak",
-            "direct shear at half the speed, change of the peak, °",
-            &change(3, peak),
-            half.clone(),
-        ),
-        row(
-            "rate-end",
-            "direct shear at half the speed, change of the end, °",
-            &change(3, end),
-            half,
-        ),
-        row(
-            "stiffness-peak",
-            "direct shear, contacts twice as stiff, change of the peak, °",
-            &change(4, peak),
-            stiffer.clone(),
-        ),
-        row(
-            "stiffness-end",
-            "direct shear, contacts twice as stiff, change of the end, °",
-            &change(4, end),
-            stiffer,
-        ),
     ];
+    for (point, id, what, note) in [
+        (3, "rate", "direct shear at half the speed", &half),
+        (4, "stiffness", "direct shear, contacts twice as stiff", &stiffer),
+    ] {
+        for (name, ratio) in [("peak", peak), ("end", end)] {
+            let quantity = format!("{what}, change of the {name}, °");
+            let values = change(point, ratio);
+            rows.push(row(&format!("{id}-{name}"), &quantity, &values, note.clone()));
+        }
+    }
     rows.extend(rounder);
     let far = design.far();
     let over = format!(
@@ -371,6 +344,31 @@ fn over_the_usual_part(test: &Test, design: &ShearBox) -> Option<ShearStrength> 
     let travel = from_mm(design.travel_mm);
     let part = &test.moments[..test.moments.partition_point(|m| m.displacement <= travel)];
     shear_strength(part, TOGETHER, design.end_from())
+}
+
+/// Friction angles in degrees, realisation by realisation, of the stress ratios at stresses in kPa
+/// by their numbers.
+pub fn angles(
+    bench: &Bench,
+    stresses: &[f64],
+    ratio: impl Fn(usize, u32) -> Option<f64>,
+) -> Vec<f64> {
+    let angle = |configuration: u32| {
+        let point = |(n, stress): (usize, &f64)| Some((*stress, stress * ratio(n, configuration)?));
+        let points: Option<Vec<(f64, f64)>> = stresses.iter().enumerate().map(point).collect();
+        friction_angle(&points?).map(f64::to_degrees)
+    };
+    (1..=bench.configurations).filter_map(angle).collect()
+}
+
+/// Angles of a change less those of the same realisation without it, by the numbers of both points.
+pub fn changes(
+    bench: &Bench,
+    [without, with]: [usize; 2],
+    ratio: impl Fn(usize, u32) -> Option<f64>,
+) -> Vec<f64> {
+    let angle = |point: usize, c: u32| Some(ratio(point, c)?.atan().to_degrees());
+    (1..=bench.configurations).filter_map(|c| Some(angle(with, c)? - angle(without, c)?)).collect()
 }
 
 /// Void ratio of all grains in the box at the first moment and at the last.
@@ -426,40 +424,53 @@ pub fn moments(run: &Run, plane: f64) -> Result<Vec<Sheared>, String> {
     Ok(first.chain(whole.map(|pair| pair[1])).map(moment).collect())
 }
 
-/// Tests at the three stresses and that which goes further, the first of each with its name and
-/// all with a number for their look.
-fn named(tests: &[Test]) -> impl Iterator<Item = (&Test, usize, String)> {
-    tests.iter().enumerate().filter_map(|(n, test)| {
-        let is_first = tests[..n].iter().all(|earlier| earlier.point != test.point);
-        let (look, name) = match test.point {
-            FAR => (STRESSES.len(), format!("{} kPa, twice as far", STRESSES[TRIED])),
-            point => (point, format!("{} kPa", STRESSES.get(point)?)),
-        };
-        Some((test, look, if is_first { name } else { String::new() }))
-    })
+/// What stresses in kPa are called in a figure.
+pub fn called(stresses: &[f64]) -> Vec<String> {
+    stresses.iter().map(|stress| format!("{stress} kPa")).collect()
 }
 
-fn chart(tests: &[Test]) -> Chart {
-    let panel = |name: &str, y: fn(&Test, &Sheared) -> f64| {
+/// Names of lines in a figure, each of a kind by its number: the first of a kind has its name, the
+/// others have none.
+fn names(kinds: &[String], lines: &[usize]) -> Vec<String> {
+    let name = |(n, kind): (usize, &usize)| {
+        let is_first = !lines[..n].contains(kind);
+        if is_first { kinds[*kind].clone() } else { String::new() }
+    };
+    lines.iter().enumerate().map(name).collect()
+}
+
+/// Stress ratio and rise of the lid against displacement: of each test the number of its kind, by
+/// which its line looks, and its moments.
+pub fn panels(kinds: &[String], tests: &[(usize, &[Sheared])]) -> Vec<Plot> {
+    let lines: Vec<usize> = tests.iter().map(|test| test.0).collect();
+    let panel = |name: &str, y: fn(&Sheared, &Sheared) -> f64| {
         let x = Axis::linear("Displacement (mm)").from_zero();
         let mut plot = Plot::new(x, Axis::linear(name).from_zero());
-        for (test, look, name) in named(tests) {
-            let points = test.moments.iter().map(|m| (to_mm(m.displacement), y(test, m)));
-            plot.add(name, Look::marked(look), points.collect());
+        for ((kind, moments), name) in tests.iter().zip(names(kinds, &lines)) {
+            let points = moments.iter().map(|m| (to_mm(m.displacement), y(&moments[0], m)));
+            plot.add(name, Look::marked(*kind), points.collect());
         }
         plot
     };
-    let ratio = panel("Stress ratio τ/σ", |_, m| m.ratio());
-    let rise = |test: &Test, m: &Sheared| to_mm(m.height - test.moments[0].height);
-    let lid = panel("Rise of the lid (mm)", rise);
-    Chart {
-        stem: "direct-shear".into(),
-        title: "Direct shear at three stresses".into(),
-        caption:
-            "Stress ratio and height of the lid against displacement, each realisation a line."
-                .into(),
-        panels: vec![ratio, lid],
-    }
+    vec![
+        panel("Stress ratio τ/σ", |_, m| m.ratio()),
+        panel("Rise of the lid (mm)", |first, m| to_mm(m.height - first.height)),
+    ]
+}
+
+/// Tests at the three stresses, and that which goes further.
+fn chart(tests: &[Test]) -> Chart {
+    let mut kinds = called(&STRESSES);
+    kinds.push(format!("{} kPa, twice as far", STRESSES[TRIED]));
+    let kind = |test: &Test| match test.point {
+        FAR => Some(STRESSES.len()),
+        point => (point < STRESSES.len()).then_some(point),
+    };
+    let curves: Vec<(usize, &[Sheared])> =
+        tests.iter().filter_map(|test| Some((kind(test)?, &test.moments[..]))).collect();
+    let seen = "Stress ratio and height of the lid against displacement, each realisation a line.";
+    let panels = panels(&kinds, &curves);
+    Chart::new("direct-shear", "Direct shear at three stresses", seen, panels)
 }
 
 fn profiles(tests: &[Test]) -> Chart {
@@ -468,17 +479,17 @@ fn profiles(tests: &[Test]) -> Chart {
         Axis::linear("Height before (mm)").from_zero(),
     );
     plot.mark_level("Plane between the halves", to_mm(PLANE));
-    for (test, look, name) in named(tests).filter(|(test, _, _)| test.point != FAR) {
+    let tests: Vec<&Test> = tests.iter().filter(|test| test.point < STRESSES.len()).collect();
+    let lines: Vec<usize> = tests.iter().map(|test| test.point).collect();
+    for (test, name) in tests.into_iter().zip(names(&called(&STRESSES), &lines)) {
         let points = test.profile.iter().map(|(height, way)| (to_mm(*way), to_mm(*height)));
-        plot.add(name, Look::marked(look), points.collect());
+        plot.add(name, Look::marked(test.point), points.collect());
     }
-    Chart {
-        stem: "direct-shear-profile".into(),
-        title: "Where a shear box shears".into(),
-        caption:
-            "How far grains have come with the lower half at the end, by layers a grain high, \
-                  each realisation a line."
-                .into(),
-        panels: vec![plot],
-    }
+    Chart::new(
+        "direct-shear-profile",
+        "Where a shear box shears",
+        "How far grains have come with the lower half at the end, by layers a grain high, each \
+         realisation a line.",
+        vec![plot],
+    )
 }

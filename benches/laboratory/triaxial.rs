@@ -103,10 +103,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
             None => eprintln!("{}: not sheared", run.folder.display()),
         }
     }
-    let mut rows = rows(bench, &tests, side);
-    for row in &mut rows {
-        bench.design().clone_into(&mut row.design);
-    }
+    let rows = rows(bench, &tests, side);
     Ok(Found { rows, charts: vec![chart(&tests), path(&tests)] })
 }
 
@@ -173,30 +170,43 @@ fn moments(run: &Run) -> Result<Vec<Triaxial>, String> {
     Ok(sheared.iter().map(moment).filter(|m| m.ratio().is_finite()).collect())
 }
 
+/// What is read of a test.
+type Read = fn(&Test) -> f64;
+
 fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
-    let values = |kind: usize, of: &dyn Fn(&Test) -> f64| -> Vec<f64> {
+    let values = |kind: usize, of: Read| -> Vec<f64> {
         tests.iter().filter(|test| test.kind == kind).map(of).collect()
     };
     // Of the loose specimen of a realisation less that of the dense one.
-    let difference = |of: &dyn Fn(&Test) -> f64| -> Vec<f64> {
+    let difference = |of: Read| -> Vec<f64> {
         let find = |kind: usize, configuration: u32| {
             tests.iter().find(|t| t.kind == kind && t.configuration == configuration)
         };
         (1..=bench.configurations).filter_map(|c| Some(of(find(0, c)?) - of(find(1, c)?))).collect()
     };
-    let row = |id: &str, quantity: &str, values: &[f64], note: String, decimals| {
-        let id = format!("triaxial-{id}");
-        let mut row = Row::of("triaxial", &id, quantity, values).noted(note);
-        row.decimals = decimals;
-        row
+    let row = |id: &str, quantity: &str, values: &[f64], note: &str, decimals| {
+        let (id, quantity) = (format!("triaxial-{id}"), format!("triaxial, {quantity}"));
+        Row { decimals, ..Row::of("triaxial", &id, &quantity, values).noted(note) }
     };
-    let begin = |test: &Test| test.moments[0].void_ratio;
-    let void_ratio = |test: &Test| test.end.void_ratio;
-    let ratio = |test: &Test| test.end.ratio;
-    let peak = |test: &Test| angle_of_ratio(test.peak).to_degrees();
-    let angle = |test: &Test| angle_of_ratio(test.end.ratio).to_degrees();
+    let less = |id: &str, what: &str, when: &str, of: Read, note: &str, decimals| {
+        let quantity = format!("{what} of loose less dense, {when}");
+        row(id, &quantity, &difference(of), note, decimals)
+    };
+    // A row for each kind of specimen.
+    let each = |id: &str, what: &str, when: &str, of: Read, notes: [&str; 2], decimals| {
+        let of_kind = |(kind, (name, _)): (usize, &(&str, f64))| {
+            let (id, quantity) = (format!("{id}-{name}"), format!("{what} of the {name} {when}"));
+            row(&id, &quantity, &values(kind, of), notes[kind], decimals)
+        };
+        KINDS.iter().enumerate().map(of_kind).collect::<Vec<Row>>()
+    };
+    let begin: Read = |test| test.moments[0].void_ratio;
+    let void_ratio: Read = |test| test.end.void_ratio;
+    let ratio: Read = |test| test.end.ratio;
+    let peak: Read = |test| angle_of_ratio(test.peak).to_degrees();
+    let angle: Read = |test| angle_of_ratio(test.end.ratio).to_degrees();
     let still = |kind: usize| {
-        let mean = pluvia::measure::statistics::mean(&values(kind, &|test| test.end.dilation));
+        let mean = pluvia::measure::statistics::mean(&values(kind, |test| test.end.dilation));
         mean.map_or(String::new(), |slope| {
             format!("; it still changes by {:+.3} for an axial strain of 0.1", 0.1 * slope)
         })
@@ -211,99 +221,18 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
     );
     let made = "Poured and compressed by 10 kPa with friction between grains of 0.5 and of 0.05, \
                 sheared with 0.5";
-    vec![
-        row(
-            "begin",
-            "triaxial, void ratio of loose less dense, at the beginning",
-            &difference(&begin),
-            made.to_owned(),
-            3,
-        ),
-        row(
-            "begin-loose",
-            "triaxial, void ratio of the loose at the beginning",
-            &values(0, &begin),
-            made.to_owned(),
-            3,
-        ),
-        row(
-            "begin-dense",
-            "triaxial, void ratio of the dense at the beginning",
-            &values(1, &begin),
-            made.to_owned(),
-            3,
-        ),
-        row(
-            "end-difference",
-            "triaxial, void ratio of loose less dense, at the end",
-            &difference(&void_ratio),
-            how.clone(),
-            3,
-        ),
-        row(
-            "end-loose",
-            "triaxial, void ratio of the loose at the end",
-            &values(0, &void_ratio),
-            how.clone() + &still(0),
-            3,
-        ),
-        row(
-            "end-dense",
-            "triaxial, void ratio of the dense at the end",
-            &values(1, &void_ratio),
-            how.clone() + &still(1),
-            3,
-        ),
-        row(
-            "ratio-difference",
-            "triaxial, q/p of loose less dense, at the end",
-            &difference(&ratio),
-            how.clone(),
-            2,
-        ),
-        row(
-            "ratio-loose",
-            "triaxial, q/p of the loose at the end",
-            &values(0, &ratio),
-            how.clone(),
-            2,
-        ),
-        row(
-            "ratio-dense",
-            "triaxial, q/p of the dense at the end",
-            &values(1, &ratio),
-            how.clone(),
-            2,
-        ),
-        row(
-            "peak-loose",
-            "triaxial, friction angle of the loose at its peak, °",
-            &values(0, &peak),
-            how.clone(),
-            1,
-        ),
-        row(
-            "peak-dense",
-            "triaxial, friction angle of the dense at its peak, °",
-            &values(1, &peak),
-            how.clone(),
-            1,
-        ),
-        row(
-            "angle-loose",
-            "triaxial, friction angle of the loose at the end, °",
-            &values(0, &angle),
-            how.clone(),
-            1,
-        ),
-        row(
-            "angle-dense",
-            "triaxial, friction angle of the dense at the end, °",
-            &values(1, &angle),
-            how,
-            1,
-        ),
-    ]
+    let at_end = [0, 1].map(|kind| how.clone() + &still(kind));
+    let at_end = at_end.each_ref().map(String::as_str);
+    let how = how.as_str();
+    let mut rows = vec![less("begin", "void ratio", "at the beginning", begin, made, 3)];
+    rows.extend(each("begin", "void ratio", "at the beginning", begin, [made; 2], 3));
+    rows.push(less("end-difference", "void ratio", "at the end", void_ratio, how, 3));
+    rows.extend(each("end", "void ratio", "at the end", void_ratio, at_end, 3));
+    rows.push(less("ratio-difference", "q/p", "at the end", ratio, how, 2));
+    rows.extend(each("ratio", "q/p", "at the end", ratio, [how; 2], 2));
+    rows.extend(each("peak", "friction angle", "at its peak, °", peak, [how; 2], 1));
+    rows.extend(each("angle", "friction angle", "at the end, °", angle, [how; 2], 1));
+    rows
 }
 
 /// A line for each test: what is to the right and what is upwards at a moment.
@@ -333,30 +262,26 @@ fn chart(tests: &[Test]) -> Chart {
         let strain = Axis::linear("Axial strain (%)").from_zero();
         plot(tests, [strain, up], |m| 100.0 * m.strain, y)
     };
-    Chart {
-        stem: "triaxial".into(),
-        title: "Triaxial compression of loose and dense specimens".into(),
-        caption:
-            "q/p and void ratio of an inner region against axial strain, each realisation a line."
-                .into(),
-        panels: vec![
+    Chart::new(
+        "triaxial",
+        "Triaxial compression of loose and dense specimens",
+        "q/p and void ratio of an inner region against axial strain, each realisation a line.",
+        vec![
             panel(Axis::linear("q/p").from_zero(), Triaxial::ratio),
             panel(Axis::linear("Void ratio"), |m| m.void_ratio),
         ],
-    }
+    )
 }
 
 /// The path in the plane of p and q.
 fn path(tests: &[Test]) -> Chart {
     let axes =
         ["Mean stress p (kPa)", "Deviator stress q (kPa)"].map(|of| Axis::linear(of).from_zero());
-    Chart {
-        stem: "triaxial-path".into(),
-        title: "Stress paths of loose and dense specimens".into(),
-        caption:
-            "Deviator stress against mean stress of an inner region, each realisation a line: \
-                  p is kept by the forces at the sides, and q grows to its peak and falls."
-                .into(),
-        panels: vec![plot(tests, axes, |m| to_kpa(m.mean()), |m| to_kpa(m.deviator()))],
-    }
+    Chart::new(
+        "triaxial-path",
+        "Stress paths of loose and dense specimens",
+        "Deviator stress against mean stress of an inner region, each realisation a line: p is \
+         kept by the forces at the sides, and q grows to its peak and falls.",
+        vec![plot(tests, axes, |m| to_kpa(m.mean()), |m| to_kpa(m.deviator()))],
+    )
 }

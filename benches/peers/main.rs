@@ -41,7 +41,7 @@ struct Options {
     #[arg(long, value_delimiter = ',')]
     only: Vec<String>,
     /// Only these scenes, with commas between
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = SceneName::ALL)]
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = SceneName::value_variants())]
     scenes: Vec<SceneName>,
     /// Simulated time of every scene in s; else 2 s of rest, 1 s of the others
     #[arg(long)]
@@ -79,16 +79,6 @@ enum SceneName {
 }
 
 impl SceneName {
-    const ALL: [Self; 3] = [Self::Rest, Self::Shaken, Self::Pour];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Rest => "rest",
-            Self::Shaken => "shaken",
-            Self::Pour => "pour",
-        }
-    }
-
     /// Simulated time in s. Creep is that of the second half of `rest`.
     fn duration(self) -> f64 {
         if self == Self::Rest { 2.0 } else { 1.0 }
@@ -97,7 +87,7 @@ impl SceneName {
 
 impl std::fmt::Display for SceneName {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
+        f.write_str(self.to_possible_value().expect("none is skipped").get_name())
     }
 }
 
@@ -127,8 +117,7 @@ fn compare(options: &Options) -> Result<(), String> {
     let mut rows: Vec<Row> = Vec::new();
     let mut notes = unready;
     for engine in &ready {
-        for name in SceneName::ALL.into_iter().filter(|s| options.scenes.contains(s)) {
-            let file = &scenes.iter().find(|(scene, _)| *scene == name).expect("one of each").1;
+        for (name, file) in scenes.iter().filter(|(name, _)| options.scenes.contains(name)) {
             let job = Job {
                 scene: file.clone(),
                 result: workshop.join(format!("{}-{name}.json", engine.name)),
@@ -142,7 +131,7 @@ fn compare(options: &Options) -> Result<(), String> {
             let result = engine.carry_out(&job);
             let rest = rows.iter().find(|r| r.engine == engine.name && r.scene == "rest");
             let creep = rest.and_then(|r| r.creep_um_per_s);
-            let measured = measure(engine, name, &job, &scene, result, creep);
+            let measured = measure(engine, *name, &job, &scene, result, creep);
             eprintln!("    {}", table::line(&measured.row));
             let told = measured.notes.into_iter();
             notes.extend(told.map(|note| format!("{}, {name}: {note}", engine.name)));
@@ -191,7 +180,7 @@ fn prepare(engines: Vec<Engine>) -> (Vec<Engine>, Vec<String>) {
 fn scenes(options: &Options, workshop: &Path) -> Result<Vec<(SceneName, PathBuf)>, String> {
     let size = options.grains;
     let file = |name: SceneName| workshop.join(format!("{size}-{name}-scene.json"));
-    let files: Vec<_> = SceneName::ALL.into_iter().map(|name| (name, file(name))).collect();
+    let files: Vec<_> = SceneName::value_variants().iter().map(|n| (*n, file(*n))).collect();
     if options.reuse && files.iter().all(|(_, file)| file.exists()) {
         return Ok(files);
     }

@@ -66,7 +66,7 @@ pub fn measure(
     let mut row = Row {
         engine: engine.name.to_owned(),
         version: None,
-        scene: name.name().to_owned(),
+        scene: name.to_string(),
         grains: scene.grains.len(),
         rate_hz: Some(job.rate_hz).filter(|&rate| rate > 0.0),
         iterations: job.iterations,

@@ -6,10 +6,10 @@ use pluvia::{
     motion::TableMotion,
     protocol::Setup,
     scenario::{Scenario, StageSpec},
-    specimen::{FunnelState, Specimen},
+    specimen::Specimen,
 };
 
-use super::common::{self, FALLING_HEIGHT_MM, filled, settled, stage};
+use super::common::{self, filled, lifted, settled, stage};
 
 /// How many grains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -94,18 +94,4 @@ pub fn make(size: Size) -> Result<Scenes, String> {
         shaken: scene(&setup, &settled, "rest", Some(motion))?,
         pour,
     })
-}
-
-/// The filled funnel in its place above the cylinder, its lid gone, as the
-/// stage `pour` begins.
-fn lifted(setup: &Setup, mut specimen: Specimen) -> Specimen {
-    let opening_height = setup.cylinder.height + 1e-3 * FALLING_HEIGHT_MM;
-    let state = &mut specimen.state;
-    let was = state.funnel.map_or(opening_height, |f| f.opening_height);
-    for grain in &mut state.bodies {
-        grain.body.pose.translation.vector.z += opening_height - was;
-    }
-    state.funnel = Some(FunnelState { opening_height, lid: false });
-    state.cylinder = true;
-    specimen
 }

@@ -2,18 +2,16 @@
 
 use std::{
     path::{Path, PathBuf},
-    sync::{Arc, atomic::AtomicBool},
+    sync::atomic::AtomicBool,
     time::Instant,
 };
 
 use pluvia::{
     export::{MadeBy, Scene},
-    grains::generate,
     grains::load_scenario,
-    protocol::{Moment, Observer, Setup, run},
+    protocol::{Setup, run},
     record::write_json,
-    scenario::{GrainsSpec, StageSpec},
-    specimen::{Specimen, SpecimenState},
+    scenario::StageSpec,
     world,
 };
 use serde::{Deserialize, Serialize};
@@ -23,6 +21,7 @@ use super::{
     kept::{self, Kept, fingerprint, identity},
     pours::Engine,
     program::{self, Program, number},
+    steps::{Nobody, specimen},
 };
 
 /// Largest gap in m of a contact point that may bear something.
@@ -71,12 +70,6 @@ pub struct Certificate {
     pub wall_s: f64,
 }
 
-struct Nobody;
-
-impl Observer for Nobody {
-    fn observe(&mut self, _: &Specimen, _: Moment) {}
-}
-
 /// Pours a specimen of a scenario with each engine and asks of it.
 pub fn certify(
     folder: &Path,
@@ -119,14 +112,9 @@ pub fn certify(
 fn poured(scenario: &str, engine: Engine) -> Result<Value, String> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(scenario);
     let scenario = load_scenario(&path, &[]).map_err(|e| format!("{e:?}"))?.scenario;
-    let GrainsSpec::Sieved(spec) = &scenario.grains else {
-        return Err(format!("{}: grains of a sieve table are needed", path.display()));
-    };
-    let grains = Arc::new(generate(spec, scenario.seed).map_err(|e| e.to_string())?);
+    let mut specimen = specimen(&scenario, &path)?;
     let mut setup = Setup::new(&scenario).map_err(|e| e.to_string())?;
     setup.engine = engine.settings().ok_or("the referee pours no specimens")?;
-    let state = SpecimenState::before_everything(grains.grains.len());
-    let mut specimen = Specimen { grains, state };
     for stage in [
         StageSpec::FillFunnel { time_limit_s: 4.0 },
         StageSpec::Pour { falling_height_mm: 50.0, time_limit_s: 5.0 },

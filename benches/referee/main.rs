@@ -37,7 +37,7 @@ struct Options {
     #[arg(long)]
     quick: bool,
     /// Only these parts, with commas between; results of the others stay in the file
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = Part::ALL)]
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = Part::value_variants())]
     only: Vec<Part>,
     /// Instants of each scene [default: 10, quick 1]
     #[arg(long)]
@@ -75,28 +75,23 @@ struct Options {
     bench: bool,
 }
 
+/// Entries of the parts, by their names.
+type Results = Map<String, Value>;
+
 /// What is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Part {
     /// One sub-step at random instants
     OneStep,
-    /// Small pours
-    Pours,
     /// The least friction with which specimens stand
     Static,
-}
-
-impl Part {
-    const ALL: [Self; 3] = [Self::OneStep, Self::Static, Self::Pours];
+    /// Small pours
+    Pours,
 }
 
 impl std::fmt::Display for Part {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::OneStep => "one-step",
-            Self::Pours => "pours",
-            Self::Static => "static",
-        })
+        f.write_str(self.to_possible_value().expect("none is skipped").get_name())
     }
 }
 
@@ -117,7 +112,7 @@ fn compare(options: &Options) -> Result<(), String> {
     let mut results = earlier(&options.out)?;
     options.check_others(&results)?;
     let mut tables = String::new();
-    for part in Part::ALL.into_iter().filter(|p| options.only.contains(p)) {
+    for part in Part::value_variants().iter().filter(|part| options.only.contains(part)) {
         tables += &match part {
             Part::OneStep => one_step(options, &folder, &mut results)?,
             Part::Pours => pours(options, &folder, &mut results)?,
@@ -144,12 +139,7 @@ impl Options {
 
     /// Puts a part's results beside those that are there, whether or not the part is
     /// finished: the rest may take hours.
-    fn write(
-        &self,
-        results: &mut Map<String, Value>,
-        field: &str,
-        value: Value,
-    ) -> Result<(), String> {
+    fn write(&self, results: &mut Results, field: &str, value: Value) -> Result<(), String> {
         results.insert(field.to_owned(), value);
         self.check_fields(results)?;
         write_json(&self.out, results).map_err(|e| e.to_string())
@@ -157,7 +147,7 @@ impl Options {
 
     /// Whether the parts that stay can be written again, before hours are spent on the others:
     /// another version may have written them with other fields.
-    fn check_others(&self, results: &Map<String, Value>) -> Result<(), String> {
+    fn check_others(&self, results: &Results) -> Result<(), String> {
         let mut others = results.clone();
         for part in &self.only {
             others.insert(part.to_string().replace('-', "_"), json!([]));
@@ -166,7 +156,7 @@ impl Options {
         self.check_fields(&others).map_err(|faults| format!("{faults}; {hint}"))
     }
 
-    fn check_fields(&self, results: &Map<String, Value>) -> Result<(), String> {
+    fn check_fields(&self, results: &Results) -> Result<(), String> {
         let faults = fields::faults(&json!(results));
         if faults.is_empty() {
             return Ok(());
@@ -176,7 +166,7 @@ impl Options {
 }
 
 /// Parts of an earlier run.
-fn earlier(path: &Path) -> Result<Map<String, Value>, String> {
+fn earlier(path: &Path) -> Result<Results, String> {
     match std::fs::read_to_string(path) {
         Ok(text) => serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display())),
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
@@ -187,11 +177,7 @@ fn earlier(path: &Path) -> Result<Map<String, Value>, String> {
     }
 }
 
-fn one_step(
-    options: &Options,
-    folder: &Path,
-    results: &mut Map<String, Value>,
-) -> Result<String, String> {
+fn one_step(options: &Options, folder: &Path, results: &mut Results) -> Result<String, String> {
     let instants = options.instants.unwrap_or(if options.quick { 1 } else { 10 });
     let mut found = Vec::new();
     for (name, scenario) in steps::SCENARIOS.into_iter().filter(|(name, _)| options.takes(name)) {
@@ -207,11 +193,7 @@ fn one_step(
     Ok(table::one_step(&found))
 }
 
-fn pours(
-    options: &Options,
-    folder: &Path,
-    results: &mut Map<String, Value>,
-) -> Result<String, String> {
+fn pours(options: &Options, folder: &Path, results: &mut Results) -> Result<String, String> {
     let count = options.pours.unwrap_or(if options.quick { 2 } else { 400 });
     let wanted = |given: Option<f64>, value: f64| given.is_none_or(|g| g == value);
     let kinds: Vec<(f64, f64)> = pours::RESTITUTIONS
@@ -233,11 +215,7 @@ fn pours(
     Ok(table::pours(&found))
 }
 
-fn certificates(
-    options: &Options,
-    folder: &Path,
-    results: &mut Map<String, Value>,
-) -> Result<String, String> {
+fn certificates(options: &Options, folder: &Path, results: &mut Results) -> Result<String, String> {
     let engines = [Engine::Native, Engine::Rapier, Engine::Stock];
     let mut found = Vec::new();
     let taken = |(name, _): &(&str, &str)| options.takes(name);

@@ -60,7 +60,8 @@ struct Part {
     due: BTreeSet<u64>,
 }
 
-struct Nobody;
+/// Who sees nothing of a stage.
+pub struct Nobody;
 
 impl Observer for Nobody {
     fn observe(&mut self, _: &Specimen, _: Moment) {}
@@ -153,7 +154,8 @@ fn parts(instants: usize, name: &str, seed: u64, rate_hz: f64) -> Vec<Part> {
     .collect()
 }
 
-fn specimen(scenario: &Scenario, path: &Path) -> Result<Specimen, String> {
+/// The grains of a scenario before everything.
+pub fn specimen(scenario: &Scenario, path: &Path) -> Result<Specimen, String> {
     let GrainsSpec::Sieved(spec) = &scenario.grains else {
         return Err(format!("{}: grains of a sieve table are needed", path.display()));
     };

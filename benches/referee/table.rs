@@ -42,22 +42,8 @@ pub fn one_step(all: &[Nearness]) -> String {
     });
     aligned(
         "One sub-step: velocity error in % of what contacts change, over bodies and over instants",
-        &[
-            "scene",
-            "engine",
-            "grains",
-            "points",
-            "instants",
-            "< 1e-10",
-            "median",
-            "p99",
-            "worst",
-            "instant",
-            "residual",
-            "reference",
-            "Siconos",
-            "s each",
-        ],
+        "scene | engine | grains | points | instants | < 1e-10 | median | p99 | worst | instant | \
+         residual | reference | Siconos | s each",
         rows,
     )
 }
@@ -94,21 +80,8 @@ pub fn pours(all: &[Cell]) -> String {
     });
     aligned(
         "Pours of 30 grains: mean ± standard error",
-        &[
-            "e",
-            "mu",
-            "engine",
-            "pours",
-            "height mm",
-            "to referee %",
-            "within 0.5 %",
-            "coordination",
-            "sliding %",
-            "overlap mm",
-            "outside",
-            "unsolved %",
-            "s each",
-        ],
+        "e | mu | engine | pours | height mm | to referee % | within 0.5 % | coordination | \
+         sliding % | overlap mm | outside | unsolved % | s each",
         rows,
     )
 }
@@ -135,28 +108,15 @@ pub fn certificates(all: &[Certificate]) -> String {
     });
     aligned(
         "Static certificate: friction that a specimen needs",
-        &[
-            "specimen",
-            "engine",
-            "grains",
-            "points",
-            "friction",
-            "least",
-            "of 99 %",
-            "fall",
-            "unbalanced",
-            "worst left %",
-            "left %",
-            "stands",
-            "s each",
-        ],
+        "specimen | engine | grains | points | friction | least | of 99 % | fall | unbalanced | \
+         worst left % | left % | stands | s each",
         rows,
     )
 }
 
-/// Columns as wide as their widest cell, numbers to the right.
-fn aligned(title: &str, head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
-    let head = head.iter().map(|h| (*h).to_owned()).collect::<Vec<_>>();
+/// Columns as wide as their widest cell, numbers to the right; `|` between names in the head.
+fn aligned(title: &str, head: &str, rows: impl Iterator<Item = Vec<String>>) -> String {
+    let head: Vec<String> = head.split(" | ").map(str::to_owned).collect();
     let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows).collect();
     let widths: Vec<usize> = (0..rows[0].len())
         .map(|k| rows.iter().map(|r| r[k].chars().count()).max().unwrap_or(0))
@@ -168,8 +128,7 @@ fn aligned(title: &str, head: &[&str], rows: impl Iterator<Item = Vec<String>>) 
     let mut text = format!("\n{title}\n");
     for row in &rows {
         let mut line = String::new();
-        for ((cell, width), left) in row.iter().zip(&widths).zip(&left) {
-            let width = *width;
+        for ((cell, &width), left) in row.iter().zip(&widths).zip(&left) {
             line += &if *left { format!("  {cell:<width$}") } else { format!("  {cell:>width$}") };
         }
         text += line.trim_end();

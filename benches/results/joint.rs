@@ -35,9 +35,8 @@ fn unit(target: &Value) -> &'static str {
 
 /// A row a target: what is wanted, what came out, how many meet it, and what moves it.
 pub fn targets(found: &Value) -> Result<String, String> {
-    let mut names = vec!["", "wanted", "smallest to largest", "runs that meet it"];
-    names.extend(FACTORS.iter().map(|(_, name)| *name));
-    let mut text = head(&names);
+    let factors = FACTORS.map(|(_, name)| name).join(" | ");
+    let mut text = head(&format!("| wanted | smallest to largest | runs that meet it | {factors}"));
     for (target, name) in list(found, "targets")?.iter().zip(TARGETS) {
         let unit = unit(target);
         let of = |path: &str| number(&target[path]);
@@ -64,9 +63,9 @@ pub fn targets(found: &Value) -> Result<String, String> {
 
 /// A row a pair of targets, and one of all: how probable it is to meet them together, and where.
 pub fn together(found: &Value) -> Result<String, String> {
-    let mut names = vec!["together", "points that meet them", "on average", "at best"];
-    names.extend(FACTORS.iter().map(|(_, name)| *name));
-    let mut text = head(&names);
+    let factors = FACTORS.map(|(_, name)| name).join(" | ");
+    let mut text =
+        head(&format!("together | points that meet them | on average | at best | {factors}"));
     for group in list(found, "pairs")?.iter().chain([&found["all"]]) {
         let of = list(group, "targets")?;
         let is_all = of.len() == TARGETS.len();

@@ -52,7 +52,7 @@ fn ours(quote: Cells, of: &Value) -> Result<String, String> {
 
 /// All rows: what is published, ours, and what came of it.
 pub fn verdicts(quote: Cells, all: &Value) -> Result<String, String> {
-    let mut text = head(&["", "published", "ours, 95 % confidence", "realisations", "verdict"]);
+    let mut text = head("| published | ours, 95 % confidence | realisations | verdict");
     for value in rows(all) {
         let verdict = match typed(value, "verdict").as_str() {
             "outside" => "**missed**".to_owned(),
@@ -72,7 +72,7 @@ pub fn verdicts(quote: Cells, all: &Value) -> Result<String, String> {
 
 /// Where the published numbers were seen, and what a reader must know.
 pub fn sources(all: &Value) -> String {
-    let mut text = head(&["", "source", "how it was measured, and what was tried"]);
+    let mut text = head("| source | how it was measured, and what was tried");
     for value in rows(all) {
         text += &row(&[typed(value, "quantity"), typed(value, "source"), typed(value, "note")]);
     }
@@ -96,7 +96,7 @@ pub fn missed(quote: Cells, all: &Value) -> Result<String, String> {
     if text.is_empty() {
         return Ok("No row misses.\n".to_owned());
     }
-    Ok(head(&["missed", "published", "ours, 95 % confidence", "what was tried"]) + &text)
+    Ok(head("missed | published | ours, 95 % confidence | what was tried") + &text)
 }
 
 /// Grains whose index densities are published.
@@ -104,7 +104,7 @@ const PUBLISHED: [&str; 2] = ["density-basalt-", "density-gravel-"];
 
 /// How far void ratios are from the published ones, with what was tried.
 pub fn density(quote: Cells, all: &Value) -> Result<String, String> {
-    let mut text = head(&["void ratio", "published", "ours, 95 % confidence", "less published"]);
+    let mut text = head("void ratio | published | ours, 95 % confidence | less published");
     for value in rows(all) {
         let id = typed(value, "id");
         let is_one = PUBLISHED.iter().any(|begin| id.starts_with(begin));

@@ -13,6 +13,15 @@ pub(super) fn number(of: &Value, decimals: usize) -> String {
     of.as_f64().map_or_else(String::new, |x| format!("{x:.decimals$}"))
 }
 
+/// Numbers of fields, each with so many decimals, written as `grains:0 growth:2`.
+pub(super) fn numbers(of: &Value, fields: &str) -> Vec<String> {
+    let cell = |field: &str| {
+        let (name, decimals) = field.split_once(':').unwrap_or((field, "0"));
+        number(&of[name], decimals.parse().unwrap_or(0))
+    };
+    fields.split_whitespace().map(cell).collect()
+}
+
 /// A row an engine: wall time by scene, and what its grains look like at rest.
 pub fn peers(all: &Value) -> Result<String, String> {
     let all = rows(all)?;
@@ -26,16 +35,10 @@ pub fn peers(all: &Value) -> Result<String, String> {
             engines.push(name);
         }
     }
-    let mut text = head(&[
-        "engine",
-        "rest",
-        "shaken",
-        "pour",
-        "time over Pluvia's, shaken",
-        "overlap at rest, mean / p99, %",
-        "numerical creep, µm/s",
-        "MiB",
-    ]);
+    let mut text = head(
+        "engine | rest | shaken | pour | time over Pluvia's, shaken | overlap at rest, mean / p99, \
+         % | numerical creep, µm/s | MiB",
+    );
     for engine in engines {
         let rest = of(engine, "rest");
         let settings = match (rest["rate_hz"].as_f64(), rest["iterations"].as_u64()) {
@@ -63,31 +66,17 @@ pub fn peers(all: &Value) -> Result<String, String> {
 
 /// A row a specimen, state and number of threads.
 pub fn steps(all: &Value) -> Result<String, String> {
-    let mut text = head(&[
-        "state",
-        "grains",
-        "threads",
-        "ms per step",
-        "µs per grain and step",
-        "growth",
-        "serial share, %",
-        "faster than on one thread",
-        "KiB per grain",
-    ]);
+    let mut text = head(
+        "state | grains | threads | ms per step | µs per grain and step | growth | serial share, % \
+         | faster than on one thread | KiB per grain",
+    );
     for of in rows(all)? {
         let state = of["state"].as_str().ok_or("a row without a state")?.replace('_', ", ");
         let serial = of["serial_share"].as_f64();
-        text += &row(&[
-            state,
-            number(&of["grains"], 0),
-            number(&of["threads"], 0),
-            number(&of["ms_per_step"], 2),
-            number(&of["us_per_grain_step"], 1),
-            number(&of["growth"], 2),
-            serial.map_or(String::new(), |share| format!("{:.0}", 100.0 * share)),
-            number(&of["speed_up"], 2),
-            number(&of["memory_kib_per_grain"], 1),
-        ]);
+        let serial = serial.map_or(String::new(), |share| format!("{:.0}", 100.0 * share));
+        let cost = numbers(of, "grains:0 threads:0 ms_per_step:2 us_per_grain_step:1 growth:2");
+        let more = numbers(of, "speed_up:2 memory_kib_per_grain:1");
+        text += &row(&[vec![state], cost, vec![serial], more].concat());
     }
     Ok(text)
 }

@@ -52,61 +52,44 @@ pub(super) fn row(cells: &[String]) -> String {
     text + "\n"
 }
 
-pub(super) fn head(names: &[&str]) -> String {
-    row(&names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>())
-        + "|"
-        + &" --- |".repeat(names.len())
-        + "\n"
+/// The names of columns, with `|` between them, and the line below.
+pub(super) fn head(names: &str) -> String {
+    format!("| {names} |\n|{}\n", " --- |".repeat(names.matches('|').count() + 1))
 }
 
-/// Quantities of the programme, with what the paper's text says of them.
-const TEN: [(&str, &str, usize, &str, &str); 11] = [
-    ("mean surface, poured from 0 cm, mm", "standing height from 0 cm", 1, "", ""),
-    ("from 5 cm", "standing height from 5 cm", 1, "", ""),
-    ("from 10 cm", "standing height from 10 cm", 1, "", ""),
-    ("from 20 cm", "standing height from 20 cm", 1, "", ""),
+/// Quantities of the programme, with what the paper's text says of them. Shares are in whole
+/// percent, lengths have one decimal.
+const TEN: [(&str, &str, &str, &str); 11] = [
+    ("mean surface, poured from 0 cm, mm", "standing height from 0 cm", "", ""),
+    ("from 5 cm", "standing height from 5 cm", "", ""),
+    ("from 10 cm", "standing height from 10 cm", "", ""),
+    ("from 20 cm", "standing height from 20 cm", "", ""),
     (
         "plate settlement after 5 s, continuous, mm",
         "continuous vibration, plate, after 5 s",
-        1,
         "",
         "",
     ),
-    ("after 20 s", "continuous vibration, plate, final", 1, "", "14 to 19.61"),
-    (
-        "share in the first 5 s",
-        "continuous vibration, plate, share after 5 s",
-        0,
-        " %",
-        "about 80 %",
-    ),
-    ("surface settlement after 20 s, mm", "continuous vibration, mean surface, final", 1, "", ""),
-    ("plate settlement, intermittent, mm", "intermittent vibration, plate, final", 1, "", ""),
+    ("after 20 s", "continuous vibration, plate, final", "", "14 to 19.61"),
+    ("share in the first 5 s", "continuous vibration, plate, share after 5 s", " %", "about 80 %"),
+    ("surface settlement after 20 s, mm", "continuous vibration, mean surface, final", "", ""),
+    ("plate settlement, intermittent, mm", "intermittent vibration, plate, final", "", ""),
     (
         "share in the first period",
         "intermittent vibration, plate, share after the first period",
-        0,
         " %",
         "about 85 %",
     ),
-    (
-        "surface settlement, intermittent, mm",
-        "intermittent vibration, mean surface, final",
-        1,
-        "",
-        "",
-    ),
+    ("surface settlement, intermittent, mm", "intermittent vibration, mean surface, final", "", ""),
 ];
 
 fn ten(quote: Cells) -> Result<String, String> {
-    let mut text = head(&[
-        "ten realisations",
-        "mean, 95 % confidence",
-        "standard deviation",
-        "smallest to largest",
-        "paper",
-    ]);
-    for (label, quantity, decimals, unit, paper) in TEN {
+    let mut text = head(
+        "ten realisations | mean, 95 % confidence | standard deviation | smallest to largest | \
+         paper",
+    );
+    for (label, quantity, unit, paper) in TEN {
+        let decimals = usize::from(unit.is_empty());
         let key = |path: &str, word: &str| {
             quote(&format!("uncertainty:quantities/{quantity}{path}:{word}.{decimals}"))
         };
@@ -123,7 +106,7 @@ fn ten(quote: Cells) -> Result<String, String> {
 
 /// The paper's three realisations; `all`: with rows that the short table leaves out.
 fn three(quote: Cells, all: bool) -> Result<String, String> {
-    let mut text = head(&["", "realisation 1", "realisation 2", "realisation 3"]);
+    let mut text = head("| realisation 1 | realisation 2 | realisation 3");
     let value = |quantity: &str, n: usize, decimals: usize| {
         quote(&format!("uncertainty:quantities/{quantity}/values/{n}:.{decimals}"))
     };
@@ -137,28 +120,22 @@ fn three(quote: Cells, all: bool) -> Result<String, String> {
     }
     text += &row(&heights);
     let continuous = [
-        (
-            "plate settlement after 20 s, continuous, mm",
-            "continuous vibration, plate, final",
-            1,
-            "",
-        ),
-        ("surface settlement, the same, mm", "continuous vibration, mean surface, final", 1, ""),
+        ("plate settlement after 20 s, continuous, mm", "continuous vibration, plate, final", ""),
+        ("surface settlement, the same, mm", "continuous vibration, mean surface, final", ""),
         (
             "share of the plate's in the first 5 s",
             "continuous vibration, plate, share after 5 s",
-            0,
             " %",
         ),
-        ("plate settlement, intermittent, mm", "intermittent vibration, plate, final", 1, ""),
+        ("plate settlement, intermittent, mm", "intermittent vibration, plate, final", ""),
         (
             "share of the plate's in the first period",
             "intermittent vibration, plate, share after the first period",
-            0,
             " %",
         ),
     ];
-    for (label, quantity, decimals, unit) in continuous {
+    for (label, quantity, unit) in continuous {
+        let decimals = usize::from(unit.is_empty());
         if !all && label.starts_with("surface") {
             continue;
         }
@@ -191,119 +168,89 @@ fn cell(
     quote(&format!("{source}:{path}:{format}"))
 }
 
+/// Cells of fields by their formats, written as `count void_ratio:±.3`.
+fn cells(
+    at: &dyn Fn(&str, &str) -> Result<String, String>,
+    fields: &str,
+) -> Result<Vec<String>, String> {
+    let cell = |field: &str| {
+        let (path, format) = field.split_once(':').unwrap_or((field, ""));
+        at(path, format)
+    };
+    fields.split_whitespace().map(cell).collect()
+}
+
 fn engines(quote: Cells, all: &Value) -> Result<String, String> {
-    let mut text = head(&[
-        "contacts",
-        "μ",
-        "e",
-        "realisations",
-        "jammed",
-        "void ratio",
-        "standard deviation",
-        "height over the native one, %",
-    ]);
+    let mut text = head(
+        "contacts | μ | e | realisations | jammed | void ratio | standard deviation | height over \
+         the native one, %",
+    );
     for (name, value) in items(all) {
         let at = |path: &str, format: &str| {
             cell(quote, value, "engines", &format!("{name}/{path}"), format)
         };
         let typed = |field: &str| value.get(field).map_or(String::new(), Value::to_string);
-        text += &row(&[
-            at("label", "text")?,
-            typed("friction").replace("0.0", "0"),
-            typed("restitution").replace("0.0", "0"),
-            at("count", "")?,
-            at("jammed", "")?,
-            at("void_ratio", "±.3")?,
-            at("void_ratio/sd", ".3")?,
-            at("height_over_native_percent", "±.1")?,
-        ]);
+        let given = ["friction", "restitution"].map(|field| typed(field).replace("0.0", "0"));
+        let found = "count jammed void_ratio:±.3 void_ratio/sd:.3 height_over_native_percent:±.1";
+        let [label, found] = ["label:text", found].map(|fields| cells(&at, fields));
+        text += &row(&[label?, given.to_vec(), found?].concat());
     }
     Ok(text)
 }
 
 fn handed(quote: Cells) -> Result<String, String> {
-    let mut text = head(&[
-        "poured by",
-        "shaken by",
-        "settlement of the surface, mm",
-        "of the plate, mm",
-        "largest numerical creep, µm/s",
-    ]);
+    let mut text = head(
+        "poured by | shaken by | settlement of the surface, mm | of the plate, mm | largest \
+         numerical creep, µm/s",
+    );
     for by in ["native", "rapier"] {
         for engine in ["native", "rapier"] {
             let at =
                 |path: &str, format: &str| quote(&format!("handed:{by} {engine}/{path}:{format}"));
             let decimals = if engine == "native" { ".2" } else { ".0" };
-            text += &row(&[
-                by.to_owned(),
-                engine.to_owned(),
-                at("surface_mm", "±.1")?,
-                at("plate_mm", "±.1")?,
-                at("largest_creep_um_per_s", decimals)?,
-            ]);
+            let fields = format!("surface_mm:±.1 plate_mm:±.1 largest_creep_um_per_s:{decimals}");
+            text += &row(&[vec![by.to_owned(), engine.to_owned()], cells(&at, &fields)?].concat());
         }
     }
     Ok(text)
 }
 
 fn settlement(quote: Cells, all: &Value) -> Result<String, String> {
-    let mut text = head(&[
-        "setting",
-        "height, %",
-        "surface settlement, mm",
-        "deviation, %",
-        "plate, mm",
-        "deviation, %",
-    ]);
+    let mut text = head(
+        "setting | height, % | surface settlement, mm | deviation, % | plate, mm | deviation, %",
+    );
     for (n, (name, value)) in items(all).into_iter().enumerate() {
         let at = |path: &str, format: &str| {
             cell(quote, value, "settlement", &format!("{n}/{path}"), format)
         };
-        text += &row(&[
-            name.clone(),
-            at("height_percent", "+±.1")?,
-            at("surface_mm", "mean.1")?,
-            at("surface_percent", "+±.0")?,
-            at("plate_mm", "mean.1")?,
-            at("plate_percent", "+±.0")?,
-        ]);
+        let fields = "height_percent:+±.1 surface_mm:mean.1 surface_percent:+±.0 \
+                      plate_mm:mean.1 plate_percent:+±.0";
+        text += &row(&[vec![name.clone()], cells(&at, fields)?].concat());
     }
     Ok(text)
 }
 
 fn twins(quote: Cells) -> Result<String, String> {
-    let mut text = head(&[
-        "times as large",
-        "runs",
-        "void ratio",
-        "height / size, mm",
-        "coordination number",
-        "overlap, mean %",
-        "99th percentile %",
-        "largest numerical creep, µm/s (allowed)",
-    ]);
+    let mut text = head(
+        "times as large | runs | void ratio | height / size, mm | coordination number | overlap, \
+         mean % | 99th percentile % | largest numerical creep, µm/s (allowed)",
+    );
     for larger in ["0.1", "1", "5"] {
         let at = |path: &str, format: &str| {
             quote(&format!("twins-means:name={larger}/0/{path}:{format}"))
         };
         let creep = at("largest_creep_um_per_s", ".1")?;
-        text += &row(&[
-            larger.to_owned(),
-            at("count", "")?,
-            at("void_ratio", "±.3")?,
-            at("height_over_size_mm", "±.1")?,
-            at("coordination_number", "±.2")?,
-            at("overlap_mean_percent", "mean.3")?,
-            at("overlap_p99_percent", "mean.2")?,
-            format!("{creep} ({})", at("allowed_creep_um_per_s", ".1")?),
-        ]);
+        let creep = format!("{creep} ({})", at("allowed_creep_um_per_s", ".1")?);
+        let fields = "count void_ratio:±.3 height_over_size_mm:±.1 coordination_number:±.2 \
+                      overlap_mean_percent:mean.3 overlap_p99_percent:mean.2";
+        text += &row(&[vec![larger.to_owned()], cells(&at, fields)?, vec![creep]].concat());
     }
     Ok(text)
 }
 
 fn calibration(found: &Value) -> Result<String, String> {
     let mut text =
-        head(&["friction coefficient μ", "atan μ", "angle of repose, 95 % confidence", "piles"]);
+        head("friction coefficient μ | atan μ | angle of repose, 95 % confidence | piles");
     for of in found["values"].as_array().ok_or("a calibration has values")? {
         let at = |field: &str| of[field].as_f64().ok_or(format!("a value has its {field}"));
         text += &row(&[
@@ -317,7 +264,7 @@ fn calibration(found: &Value) -> Result<String, String> {
 }
 
 fn stock(quote: Cells) -> Result<String, String> {
-    let mut text = head(&["", "paper", "realisation 1", "2", "3"]);
+    let mut text = head("| paper | realisation 1 | 2 | 3");
     for (label, paper, field, decimals) in [
         ("standing height from 0 cm, mm", "", "height_from_0_cm_mm", 1),
         ("from 5 cm", "", "height_from_5_cm_mm", 1),
@@ -337,7 +284,7 @@ fn stock(quote: Cells) -> Result<String, String> {
 
 fn grain_sieve(quote: Cells, grains: &Value) -> Result<String, String> {
     let mut text =
-        head(&["stays between, mm", "specified, % of mass", "found, % of mass", "grains found"]);
+        head("stays between, mm | specified, % of mass | found, % of mass | grains found");
     let fractions = grains["sieve_analysis"]["fractions"].as_array().map_or(0, Vec::len);
     for n in 0..fractions {
         let fraction = &grains["sieve_analysis"]["fractions"][n];
@@ -349,38 +296,27 @@ fn grain_sieve(quote: Cells, grains: &Value) -> Result<String, String> {
         let at = |field: &str, format: &str| {
             quote(&format!("grains:sieve_analysis/fractions/{n}/{field}:{format}"))
         };
-        text += &row(&[
-            sieves,
-            at("specified_percent", ".2")?,
-            at("mass_percent", ".1")?,
-            at("grains", "")?,
-        ]);
+        let found = cells(&at, "specified_percent:.2 mass_percent:.1 grains")?;
+        text += &row(&[vec![sieves], found].concat());
     }
     Ok(text)
 }
 
 fn grain_sizes(quote: Cells) -> Result<String, String> {
-    let mut text = head(&["", "D10, mm", "D30, mm", "D50, mm", "D60, mm", "Cu", "Cc", "USCS"]);
+    let mut text = head("| D10, mm | D30, mm | D50, mm | D60, mm | Cu | Cc | USCS");
     for (label, path) in [("specified", "specified/"), ("generated", "")] {
-        let mut cells = vec![label.to_owned()];
-        for field in [
-            "d10_mm",
-            "d30_mm",
-            "d50_mm",
-            "d60_mm",
-            "coefficient_of_uniformity",
-            "coefficient_of_curvature",
-        ] {
-            cells.push(quote(&format!("grains:sieve_analysis/{path}{field}:.2"))?);
-        }
-        cells.push(quote(&format!("grains:sieve_analysis/{path}uscs:text"))?);
-        text += &row(&cells);
+        let at = |field: &str, format: &str| {
+            quote(&format!("grains:sieve_analysis/{path}{field}:{format}"))
+        };
+        let fields = "d10_mm:.2 d30_mm:.2 d50_mm:.2 d60_mm:.2 coefficient_of_uniformity:.2 \
+                      coefficient_of_curvature:.2 uscs:text";
+        text += &row(&[vec![label.to_owned()], cells(&at, fields)?].concat());
     }
     Ok(text)
 }
 
 fn grain_shape(quote: Cells) -> Result<String, String> {
-    let mut text = head(&["", "10th percentile", "median", "90th percentile", "mean"]);
+    let mut text = head("| 10th percentile | median | 90th percentile | mean");
     for (label, field, decimals) in [
         ("elongation L/I", "elongation", 2),
         ("flatness I/S", "flatness", 2),
@@ -388,24 +324,18 @@ fn grain_shape(quote: Cells) -> Result<String, String> {
         ("faces", "faces", 0),
         ("vertices", "vertices", 0),
     ] {
-        let at = |which: &str, more: usize| {
-            quote(&format!("grains:shape/{field}/{which}:.{}", decimals + more))
-        };
-        let more = usize::from(decimals == 0);
-        text += &row(&[
-            label.to_owned(),
-            at("p10", 0)?,
-            at("p50", 0)?,
-            at("p90", 0)?,
-            at("mean", more)?,
-        ]);
+        let at =
+            |which: &str, format: &str| quote(&format!("grains:shape/{field}/{which}:{format}"));
+        let of_mean = decimals.max(1);
+        let fields = format!("p10:.{decimals} p50:.{decimals} p90:.{decimals} mean:.{of_mean}");
+        text += &row(&[vec![label.to_owned()], cells(&at, &fields)?].concat());
     }
     Ok(text)
 }
 
 /// What each file of `docs/results/` is.
 fn files(builds: &[builds::Build]) -> String {
-    let mut text = head(&["files", "what", "made by", "build"]);
+    let mut text = head("files | what | made by | build");
     for kept in list::KEPT {
         let names: Vec<String> =
             kept.files.iter().map(|(file, _)| format!("[{file}]({file})")).collect();

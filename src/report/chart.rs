@@ -16,6 +16,12 @@ pub struct Chart {
 }
 
 impl Chart {
+    /// A chart of these panels.
+    pub fn new(stem: &str, title: &str, caption: &str, panels: Vec<Plot>) -> Self {
+        let [stem, title, caption] = [stem, title, caption].map(str::to_owned);
+        Self { stem, title, caption, panels }
+    }
+
     /// The figure, and the table of its points: a column for each panel.
     ///
     /// # Errors
@@ -41,12 +47,7 @@ mod tests {
         panel.mark_level("Asked for", 700.0);
         panel.add("Measured", Look::points(0), vec![(45.0, 200.0), (90.0, 1300.0)]);
         panel.add("Law", Look::law(0), vec![(40.0, 150.0), (90.0, 1400.0)]);
-        Chart {
-            stem: "rates".into(),
-            title: "Rates".into(),
-            caption: "Rates of openings.".into(),
-            panels: vec![panel],
-        }
+        Chart::new("rates", "Rates", "Rates of openings.", vec![panel])
     }
 
     #[test]

@@ -115,56 +115,47 @@ fn weight_stress(value: &Value, grading: &Grading, gravity: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::testing::near;
 
     #[test]
     fn a_force_presses_by_the_area_that_the_piece_shows_along_it() {
         let stress = |load: Value, turn: [f64; 3]| {
-            pressed_stress(&serde_json::json!({
+            pressed_stress(&json!({
                 "pieces": [{ "name": "lid", "shape": { "plate": { "size_mm": [100, 50, 10] } },
                     "rotation_deg": turn }],
                 "stages": [{ "stage": "press", "loads": [load] }, { "stage": "rest" }]
             }))
         };
-        let near = |what: &str, got: f64, expected: f64| {
-            assert!(
-                (got / expected - 1.0).abs() < 1e-9,
-                "law: {what}: {expected} Pa, got {got} Pa"
-            );
-        };
-        let down = serde_json::json!({ "piece": "lid", "force_n": 10 });
+        let near = |what: &str, got: f64, expected: f64| near(what, got, expected, 1e-9 * expected);
+        let down = json!({ "piece": "lid", "force_n": 10 });
         near("10 N on 50 cm²", stress(down.clone(), [0.0; 3]), 2000.0);
         near("on its edge of 10 cm²", stress(down, [90.0, 0.0, 0.0]), 10_000.0);
-        let aside = serde_json::json!({ "piece": "lid", "force_n": 10, "direction": [-2, 0, 0] });
+        let aside = json!({ "piece": "lid", "force_n": 10, "direction": [-2, 0, 0] });
         near("along x on 5 cm²", stress(aside, [0.0; 3]), 20_000.0);
-        near(
-            "as typed",
-            stress(serde_json::json!({ "piece": "lid", "stress_kpa": 7 }), [0.0; 3]),
-            7000.0,
-        );
+        let typed = json!({ "piece": "lid", "stress_kpa": 7 });
+        near("as typed", stress(typed, [0.0; 3]), 7000.0);
         let dropped = free_stress(
-            &serde_json::json!({
+            &json!({
                 "pieces": [{ "name": "lid", "shape": { "plate": { "size_mm": [100, 50, 10] } } }],
                 "stages": [{ "stage": "release", "pieces": ["lid"], "mass_g": 1000 }]
             }),
             9.81,
         );
         near("1 kg let go on 50 cm²", dropped, 1962.0);
-        let vane = serde_json::json!({
+        let vane = json!({
             "pieces": [{ "name": "vane", "shape": { "vane": { "diameter_mm": 50, "height_mm": 40,
                 "blade_mm": 3, "blades": 4 } } }],
             "stages": [{ "stage": "press",
                 "loads": [{ "piece": "vane", "moment_n_m": 2, "axis": [0, 0, 1] }] }]
         });
         near("2 N m on four blades of 25 by 40 mm", pressed_stress(&vane), 40_000.0);
-        let shaken = serde_json::json!({ "stages": [
+        let shaken = json!({ "stages": [
             { "stage": "vibrate", "frequency_hz": 10, "vertical": { "amplitude_mm": 5 } },
             { "stage": "vibrate", "frequency_hz": 10,
                 "vertical": { "amplitude_mm": 1, "frequency_hz": 20 } },
             { "stage": "vibrate", "frequency_hz": 50, "amplitude_mm": 5 } ] });
-        let expected = 0.005 * (20.0 * PI).powi(2);
-        let got = upward_acceleration(&shaken);
-        assert!((got / expected - 1.0).abs() < 1e-9, "law: A ω², {expected} m/s², got {got}");
-        let other = serde_json::json!({ "piece": "other", "force_n": 10 });
+        near("A ω², m/s²", upward_acceleration(&shaken), 0.005 * (20.0 * PI).powi(2));
+        let other = json!({ "piece": "other", "force_n": 10 });
         assert_eq!(stress(other, [0.0; 3]), 0.0, "law: what cannot be read counts for nothing");
     }
 
@@ -172,27 +163,22 @@ mod tests {
     /// at rest; a table that shakes does so without it.
     #[test]
     fn a_seating_load_presses_by_the_area_of_the_plate() {
-        let grains = serde_json::json!({ "total_mass_g": 600, "density_kg_per_m3": 2650,
+        let grains = json!({ "total_mass_g": 600, "density_kg_per_m3": 2650,
             "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }] });
         let grading = Grading::of_json(&grains).expect("a grading");
         let stress = |loads: &[f64], up_mm: f64| {
             let stage = "place_top_plate";
-            let placed = |load: &f64| serde_json::json!({ "stage": stage, "seating_load_n": load });
+            let placed = |load: &f64| json!({ "stage": stage, "seating_load_n": load });
             let mut stages: Vec<Value> = loads.iter().map(placed).collect();
-            stages.push(serde_json::json!({ "stage": "vibrate", "frequency_hz": 10,
+            stages.push(json!({ "stage": "vibrate", "frequency_hz": 10,
                 "vertical": { "amplitude_mm": up_mm } }));
-            let value = serde_json::json!({
+            let value = json!({
                 "apparatus": { "top_plate": { "diameter_mm": 50, "mass_g": 100 } },
                 "stages": stages
             });
             largest_stress(&value, &grading, 9.81)
         };
-        let near = |what: &str, got: f64, expected: f64| {
-            assert!(
-                (got - expected).abs() < 1e-9 * expected.abs(),
-                "law: {what}: {expected} Pa, got {got} Pa"
-            );
-        };
+        let near = |what: &str, got: f64, expected: f64| near(what, got, expected, 1e-9 * expected);
         let weights = stress(&[0.0], 0.0);
         let of_load = |load: f64| load / (PI / 4.0 * 0.05_f64.powi(2));
         near("100 N on 19.6 cm²", stress(&[100.0], 0.0) - weights, of_load(100.0));

@@ -186,7 +186,7 @@ fn upward_imports(path: &str, tokens: &[Token]) -> Vec<String> {
 }
 
 /// Paths (relative, forward slashes) and texts of the files below the given folders.
-fn files(folders: &[&str], extensions: &[&str]) -> Vec<(String, String)> {
+pub fn files(folders: &[&str], extensions: &[&str]) -> Vec<(String, String)> {
     fn walk(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
         let Ok(entries) = std::fs::read_dir(folder) else { return };
         for entry in entries {

@@ -1,51 +1,34 @@
 //! Results of another command, or of another question, are kept, and what is wrong with a question
 //! is said before a folder is made.
 
-use std::{
-    fmt::Write,
-    fs,
-    path::{Path, PathBuf},
-    process::{Command, Stdio},
+use std::{fmt::Write, fs, process::Stdio};
+
+use super::{
+    export::small_run,
+    program::{self, Folder, pluvia, said, text},
+    small,
 };
 
-use super::{export::small_run, small};
-
-/// Runs a command with its results in a folder; gives its exit code and what it says.
-fn pluvia(args: &[&str], out: &Path) -> (Option<i32>, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-    let output = command.args(args).arg("--quiet").arg("--out").arg(out).output();
-    let output = output.expect("the program starts");
-    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+/// Runs a command with its results in a folder.
+fn done(args: &[&str], out: &str) {
+    program::done(&[args, &["--quiet", "--out", out]].concat());
 }
 
-fn done(args: &[&str], out: &Path) {
-    let (code, said) = pluvia(args, out);
-    assert_eq!(code, Some(0), "law: {args:?} is done, got {said}");
-}
-
-fn refused(args: &[&str], out: &Path, words: &[&str]) {
-    let (code, said) = pluvia(args, out);
-    assert_eq!(code, Some(2), "law: {args:?} is refused, got {said}");
-    for word in words {
-        assert!(said.contains(word), "law: {args:?} says `{word}`, got {said}");
-    }
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().expect("UTF-8")
+fn refused(args: &[&str], out: &str, words: &[&str]) {
+    program::refused(&[args, &["--quiet", "--out", out]].concat(), 2, words);
 }
 
 /// Law: a table of cases grows, and loses none.
 #[test]
 fn cases_of_verify_are_added_and_not_lost() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().join("out");
+    let folder = Folder::new();
+    let out = folder.out("out");
     let [one, other] = ["spin-slide-0", "spin-slide-25"].map(|case| ["--case", case]);
     let of = |cases: &[[&'static str; 2]]| {
         let cases = cases.iter().flatten().copied();
         ["verify", "--backend", "bullet"].into_iter().chain(cases).collect::<Vec<_>>()
     };
-    let table = || fs::read_to_string(out.join("verify.csv")).expect("a table");
+    let table = || folder.text("out/verify.csv");
     done(&of(&[one]), &out);
     let before = table();
     refused(&of(&[other]), &out, &["`cases` lacks `spin-slide-0`", "--out"]);
@@ -56,7 +39,7 @@ fn cases_of_verify_are_added_and_not_lost() {
 }
 
 /// A table of a finished sweep of two factors.
-fn swept(folder: &Path) -> PathBuf {
+fn swept(folder: &Folder) -> String {
     let mut csv =
         "run,point,configuration,a,b,settlement_mm.final,left_out_of_means,failure\n".to_owned();
     for n in 0..25_u32 {
@@ -64,43 +47,39 @@ fn swept(folder: &Path) -> PathBuf {
         let noise = f64::from((a + 2 * b) % 5) / 10.0;
         let _ = writeln!(csv, "r{n},p{n},1,{a},{b},{},,", f64::from(10 * a) + noise);
     }
-    let path = folder.join("sweep.csv");
-    fs::write(&path, csv).expect("a table");
-    path
+    fs::write(folder.path("sweep.csv"), csv).expect("a table");
+    folder.out("sweep.csv")
 }
 
 /// Law: another range is another question; the same one is answered again.
 #[test]
 fn targets_are_kept() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (out, table) = (folder.path().join("out"), swept(folder.path()));
-    let runs = format!("t={}", table.display());
+    let folder = Folder::new();
+    let (out, runs) = (folder.out("out"), format!("t={}", swept(&folder)));
     let of = |target: &'static str| ["targets", "--runs", &runs, "--target", target];
     let [first, other] = ["t:settlement_mm.final=18..22", "t:settlement_mm.final=18..23"].map(of);
     done(&first, &out);
-    let found = fs::read(out.join("targets.json")).expect("an answer");
+    let found = folder.bytes("out/targets.json");
     refused(&other, &out, &["target[0].high", "--out"]);
     done(&first, &out);
-    assert!(fs::read(out.join("targets.json")).expect("it") == found, "law: the same answer");
+    assert!(folder.bytes("out/targets.json") == found, "law: the same answer");
 
-    let run = folder.path().join("run");
-    fs::create_dir(&run).expect("a folder");
-    fs::write(run.join("manifest.json"), "{}").expect("written");
-    refused(&first, &run, &["`pluvia run`"]);
+    fs::create_dir(folder.path("run")).expect("a folder");
+    fs::write(folder.path("run/manifest.json"), "{}").expect("written");
+    refused(&first, &folder.out("run"), &["`pluvia run`"]);
 }
 
 /// Law: of two sweeps that begin in one folder at the same time, one is planned, and the other is
 /// refused.
 #[test]
 fn two_sweeps_do_not_begin_in_one_folder() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().join("out");
-    let scenario = folder.path().join("small.json");
-    fs::write(&scenario, small::layer(30.0).to_string()).expect("a scenario");
+    let folder = Folder::new();
+    let out = folder.out("out");
+    let scenario = folder.scenario("small.json", &small::layer(30.0));
     let both = ["seed=1,2", "seed=3,4"].map(|over| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-        command.args(["sweep", text(&scenario), "--over", over, "--plan-only", "--quiet", "--out"]);
-        command.arg(&out).stdout(Stdio::null()).stderr(Stdio::piped());
+        let mut command = pluvia();
+        command.args(["sweep", &scenario, "--over", over, "--plan-only", "--quiet", "--out", &out]);
+        command.stdout(Stdio::null()).stderr(Stdio::piped());
         command.spawn().expect("the program starts")
     });
     let ended = both.map(|child| child.wait_with_output().expect("it ends"));
@@ -108,18 +87,16 @@ fn two_sweeps_do_not_begin_in_one_folder() {
     codes.sort_unstable();
     assert_eq!(codes, [Some(0), Some(2)], "law: one is planned");
     let refused = ended.iter().find(|output| !output.status.success()).expect("one is refused");
-    let said = String::from_utf8_lossy(&refused.stderr);
-    assert!(said.contains("another sweep"), "law: it says why, got {said}");
+    program::assert_holds(&said(refused), &["another sweep"]);
 }
 
 /// Law: what is no sweep leaves nothing in a sweep's folder.
 #[test]
 fn a_sweep_is_left_alone() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (out, table) = (folder.path().join("out"), swept(folder.path()));
-    let scenario = folder.path().join("small.json");
-    fs::write(&scenario, small::layer(30.0).to_string()).expect("a scenario");
-    done(&["sweep", text(&scenario), "--over", "seed=1,2", "--plan-only"], &out);
+    let folder = Folder::new();
+    let (out, runs) = (folder.out("out"), format!("t={}", swept(&folder)));
+    let scenario = folder.scenario("small.json", &small::layer(30.0));
+    done(&["sweep", &scenario, "--over", "seed=1,2", "--plan-only"], &out);
     let files = || {
         let entries = fs::read_dir(&out).expect("a folder").flatten();
         let mut names: Vec<_> = entries.map(|entry| entry.file_name()).collect();
@@ -127,12 +104,11 @@ fn a_sweep_is_left_alone() {
         names
     };
     let before = files();
-    let runs = format!("t={}", table.display());
     let target = "t:settlement_mm.final=18..22";
     for args in [
         &["targets", "--runs", &runs, "--target", target][..],
-        &["grains", text(&scenario)],
-        &["grains", text(&scenario), "--force"],
+        &["grains", &scenario],
+        &["grains", &scenario, "--force"],
         &["export", text(small_run()), "--format", "csv"],
         &["export", text(small_run()), "--format", "glb", "--force"],
         &["export", text(small_run()), "--format", "vtk"],
@@ -146,23 +122,22 @@ fn a_sweep_is_left_alone() {
 /// Law: the option is named that was typed, and no folder is made for what cannot be.
 #[test]
 fn a_density_that_cannot_be_found_leaves_nothing() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (scenario, out) = (folder.path().join("small.json"), folder.path().join("out"));
-    fs::write(&scenario, small::layer(60.0).to_string()).expect("a scenario");
-    refused(&["density", text(&scenario), "--seconds", "1.03"], &out, &["--seconds: ", "1.03"]);
-    let few = ["density", text(&scenario), "--set", "grains.total_mass_g=4"];
+    let folder = Folder::new();
+    let (scenario, out) = (folder.scenario("small.json", &small::layer(60.0)), folder.out("out"));
+    refused(&["density", &scenario, "--seconds", "1.03"], &out, &["--seconds: ", "1.03"]);
+    let few = ["density", &scenario, "--set", "grains.total_mass_g=4"];
     refused(&few, &out, &["grains: ", "too few grains", "total_mass_g"]);
-    assert!(!out.exists(), "law: faults are found before anything is written");
+    assert!(!folder.path("out").exists(), "law: faults are found before anything is written");
 }
 
 /// Law: what does not fit into the paper's programme is reported before a folder is made.
 #[test]
 fn a_programme_that_cannot_be_run_leaves_nothing() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().join("out");
+    let folder = Folder::new();
     for command in ["reproduce", "interpretations"] {
         let args = [command, "--quick", "--set", "engine.rate_hz=-1"];
-        refused(&args, &out, &["engine.rate_hz", "-1"]);
-        assert!(!out.exists(), "law: `{command}` finds faults before anything is written");
+        refused(&args, &folder.out("out"), &["engine.rate_hz", "-1"]);
+        let is_there = folder.path("out").exists();
+        assert!(!is_there, "law: `{command}` finds faults before anything is written");
     }
 }

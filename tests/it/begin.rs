@@ -1,41 +1,25 @@
 //! Scenarios that begin with a specimen of another run.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    process::{Command, Output},
-};
+use std::{fs, path::Path, process::Output};
 
 use pluvia::grains::load_scenario;
 use serde_json::{Value, json};
 
-use super::{export::small_run as whole, interruption::copy, small};
-
-fn pluvia(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_pluvia")).args(args).output().expect("it starts")
-}
-
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().expect("UTF-8")
-}
-
-fn write(folder: &Path, name: &str, value: &Value) -> PathBuf {
-    let path = folder.join(name);
-    fs::write(&path, value.to_string()).expect("a scenario file");
-    path
-}
-
-fn read(path: &Path) -> Value {
-    let content = fs::read(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-    serde_json::from_slice(&content).expect("JSON")
-}
+use super::{
+    export::small_run as whole,
+    interruption::{copy, stored},
+    program::{self, assert_holds, done, json as read, refused, said, text, write},
+    small,
+};
 
 fn run(scenario: &Path, out: &Path) -> Output {
-    pluvia(&["run", text(scenario), "--out", text(out), "--quiet", "--no-figures"])
+    program::output(&["run", text(scenario), "--out", text(out), "--quiet", "--no-figures"])
+}
+
+/// Runs it to its end.
+fn ran(scenario: &Path, out: &Path) {
+    let output = run(scenario, out);
+    assert!(output.status.success(), "law: {} is run: {}", scenario.display(), said(&output));
 }
 
 /// The stages of the whole run after the first two.
@@ -54,8 +38,7 @@ fn shaken_from_a_stored_specimen_is_as_shaken_at_once() {
     poured["stages"] = json!(poured["stages"].as_array().expect("stages")[..2]);
     let poured = write(folder.path(), "poured.json", &poured);
     let from = folder.path().join("poured");
-    let output = run(&poured, &from);
-    assert!(output.status.success(), "{}", said(&output));
+    ran(&poured, &from);
     let keys = |out: &Path| -> Vec<Value> {
         let manifest = read(&out.join("manifest.json"));
         let stages = manifest["stages"].as_array().expect("stages").iter();
@@ -69,8 +52,7 @@ fn shaken_from_a_stored_specimen_is_as_shaken_at_once() {
         let scenario = json!({ "name": "shaken", "begin": begin, "stages": last_two() });
         let scenario = write(folder.path(), &format!("{name}.json"), &scenario);
         let out = folder.path().join(name);
-        let output = run(&scenario, &out);
-        assert!(output.status.success(), "{name}: {}", said(&output));
+        ran(&scenario, &out);
         for file in ["specimen.json", "grains.csv", "grains.json"] {
             let [one, two] = [&out, whole()].map(|out| fs::read(out.join(file)).expect(file));
             assert!(one == two, "law: {name}: the same bytes of {file}");
@@ -87,8 +69,8 @@ fn shaken_from_a_stored_specimen_is_as_shaken_at_once() {
         assert_eq!(manifest["began_with"]["after"], json!(["fill_funnel", "pour"]), "law: it says");
         assert_eq!(manifest["began_with"]["key"], keys(&from)[1], "law: which specimen it was");
         let exported = folder.path().join(format!("{name}-exported"));
-        let args = ["export", text(&out), "--format", "csv", "--out", text(&exported)];
-        assert!(pluvia(&args).status.success(), "law: such a run is read as any other");
+        // Such a run is read as any other.
+        done(&["export", text(&out), "--format", "csv", "--out", text(&exported)]);
     }
 }
 
@@ -106,8 +88,7 @@ fn a_specimen_may_be_taken_to_another_gravity() {
         });
         let scenario = write(folder.path(), &format!("{name}.json"), &scenario);
         let out = folder.path().join(name);
-        let output = run(&scenario, &out);
-        assert!(output.status.success(), "law: from the {name}: {}", said(&output));
+        ran(&scenario, &out);
         from = out;
     }
 }
@@ -140,8 +121,7 @@ fn the_file_of_a_stage_means_that_stage() {
 
     let scenario = begun(whole(), &[("stage", json!("pour"))]);
     let out = folder.path().join("grains");
-    let output = pluvia(&["grains", text(&scenario), "--out", text(&out), "--json"]);
-    assert!(output.status.success(), "law: it has grains: {}", said(&output));
+    done(&["grains", text(&scenario), "--out", text(&out), "--json"]);
     let [one, two] = [&out, whole()].map(|out| fs::read(out.join("grains.json")).expect("grains"));
     assert!(one == two, "law: those of the run");
 }
@@ -157,9 +137,7 @@ fn what_cannot_be_begun_with_is_refused() {
         let output = run(&scenario, &out);
         let said = said(&output);
         assert_eq!(output.status.code(), Some(2), "law: {begin} is refused, got {said}");
-        for word in words {
-            assert!(said.contains(word), "`{word}` is missing in: {said}");
-        }
+        assert_holds(&said, words);
         assert!(!out.join("summary.json").exists(), "law: nothing is run");
     };
     refused(&json!({ "specimen": "none" }), &rest, &["begin.specimen", "is not there"]);
@@ -184,11 +162,9 @@ fn what_cannot_be_begun_with_is_refused() {
     // A stored specimen that was changed, and one that is too large for the laboratory.
     let changed = folder.path().join("changed");
     copy(whole(), &changed);
-    for stage in fs::read_dir(changed.join("stages")).expect("stages").flatten() {
-        let file = stage.path().join("specimen.json");
-        if let Ok(content) = fs::read_to_string(&file) {
-            fs::write(&file, content.replacen("0.0", "0.1", 1)).expect("changed");
-        }
+    for file in stored(&changed).iter().map(|stage| stage.join("specimen.json")) {
+        let content = fs::read_to_string(&file).expect("a specimen");
+        fs::write(&file, content.replacen("0.0", "0.1", 1)).expect("changed");
     }
     refused(&json!({ "specimen": text(&changed) }), &rest, &["specimen.json", "not what was"]);
     let narrow = json!({
@@ -225,9 +201,7 @@ fn of_several_stages_of_a_name_the_number_is_asked_for() {
         Ok::<_, String>(loaded.scenario.begin.expect("it begins with a specimen"))
     };
     let said = loaded("pour", None).expect_err("law: which of them?");
-    for word in ["begin.stage", "several", "1 or 2"] {
-        assert!(said.contains(word), "`{word}` is missing in: {said}");
-    }
+    assert_holds(&said, &["begin.stage", "several", "1 or 2"]);
     for number in ["1", "2"] {
         let meant = loaded(number, None).expect("law: a number says which").key;
         assert!(meant.is_some(), "law: its key is noted");
@@ -258,9 +232,8 @@ fn a_file_that_is_no_specimen_of_the_run_is_refused() {
         for other in [was.replacen("0.0", "0.1", 1), was[..was.len() / 2].to_owned()] {
             fs::write(&file, other).expect("changed");
             let said = loaded(&file).expect_err("law: it is another");
-            for word in ["begin.specimen", "specimen.json", "not what the run has written"] {
-                assert!(said.contains(word), "`{word}` is missing in: {said}");
-            }
+            let words = ["begin.specimen", "specimen.json", "not what the run has written"];
+            assert_holds(&said, &words);
         }
         fs::write(&file, was).expect("as it was");
     }
@@ -299,7 +272,7 @@ fn one_specimen_is_not_taken_for_several_realisations() {
     let ladders = write(folder.path(), "ladders.json", &ladders);
     let ranges = write(folder.path(), "ranges.json", &ranges);
     let out = folder.path().join("out");
-    let asked = |args: &[&str]| pluvia(&[args, &["--out", text(&out), "--quiet"]].concat());
+    let to = ["--out", text(&out), "--quiet"];
     let (rests, over) = (text(&rests), ["--over", "contact.restitution=0.2,0.3"]);
     let height = ["--target", "standing_height_mm.mean_surface=9"];
     let unknown = ["--unknown", "contact.restitution", "--between", "0.1..0.3"];
@@ -318,20 +291,14 @@ fn one_specimen_is_not_taken_for_several_realisations() {
         (vec!["converge", "--design", text(&ladders)], "--configurations 2"),
         (vec!["sensitivity", "--design", text(&ranges)], "--configurations 2"),
     ] {
-        let output = asked(&args);
-        let said = said(&output);
-        assert_eq!(output.status.code(), Some(2), "law: {args:?} is refused, got {said}");
-        for words in [words, "begins with one specimen"] {
-            assert!(said.contains(words), "{args:?}: `{words}` is missing in: {said}");
-        }
+        refused(&[&args[..], &to].concat(), 2, &[words, "begins with one specimen"]);
         assert!(!out.exists(), "law: nothing was written");
     }
     for args in [
         [&["sweep", rests, "--plan-only"][..], &over[..]].concat(),
         [&["sweep", text(&placed), "--plan-only", "--configurations", "3"][..], &over[..]].concat(),
     ] {
-        let output = asked(&args);
-        assert!(output.status.success(), "law: {args:?} is sound, got {}", said(&output));
+        done(&[&args[..], &to].concat());
         fs::remove_dir_all(&out).expect("the plan is removed");
     }
 }
@@ -347,14 +314,12 @@ fn a_file_of_other_grains_is_refused() {
     filled["grains"] = json!({ "file": text(&same) });
     let filled = write(folder.path(), "filled.json", &filled);
     let from = folder.path().join("filled");
-    let output = run(&filled, &from);
-    assert!(output.status.success(), "{}", said(&output));
+    ran(&filled, &from);
     let mut other = small::scenario(30.0, 0.25, 0.1);
     other["seed"] = json!(2);
     let other = write(folder.path(), "seed.json", &other);
     let made = folder.path().join("made");
-    let output = pluvia(&["grains", text(&other), "--out", text(&made), "--quiet"]);
-    assert!(output.status.success(), "{}", said(&output));
+    done(&["grains", text(&other), "--out", text(&made), "--quiet"]);
     let other = folder.path().join("other.json");
     fs::copy(made.join("grains.json"), &other).expect("a copy");
     let begun = |file: &Path| {
@@ -368,9 +333,7 @@ fn a_file_of_other_grains_is_refused() {
     };
     let output = begun(&other);
     assert_eq!(output.status.code(), Some(2), "law: it is refused, got {}", said(&output));
-    for word in ["grains.file", "other.json", "leave the field out"] {
-        assert!(said(&output).contains(word), "`{word}` is missing in: {}", said(&output));
-    }
+    assert_holds(&said(&output), &["grains.file", "other.json", "leave the field out"]);
     let output = begun(&same);
     assert!(output.status.success(), "law: the same grains may be named: {}", said(&output));
 }

@@ -1,56 +1,35 @@
 //! What passes openings, when stages count as settled, and what becomes of grains that lose what
 //! carried them, in laboratories of pieces.
 
-use std::process::Command;
-
 use serde_json::{Value, json};
 
-/// Runs a scenario of grains of 8 to 10 mm in pieces; its `summary.json` and the last row of a
-/// column of `series.csv`.
-fn run(mass_g: f64, pieces: Value, measures: Value, stages: Value) -> (Value, Vec<Vec<String>>) {
-    let folder = tempfile::tempdir().expect("a folder");
+use super::{
+    program::{Folder, column, done},
+    small,
+};
+
+/// What a run of thirty grams of grains in pieces leaves: a folder with `summary.json` and
+/// `series.csv` in `out`.
+fn run(pieces: Value, measures: Value, stages: Value) -> Folder {
+    let folder = Folder::new();
     let scenario = json!({
         "name": "bookkeeping",
-        "grains": {
-            "total_mass_g": mass_g,
-            "density_kg_per_m3": 2650,
-            "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
-        },
+        "grains": small::fine(30.0),
         "pieces": pieces,
         "measures": measures,
         "stages": stages,
         "rest_test_s": 0
     });
-    let file = folder.path().join("scenario.json");
-    std::fs::write(&file, scenario.to_string()).expect("a scenario");
-    let out = folder.path().join("out");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-    command.arg("run").arg(&file).arg("--out").arg(&out).args(["--quiet", "--no-figures"]);
-    let ended = command.output().expect("it starts");
-    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
-    let summary = std::fs::read(out.join("summary.json")).expect("a summary");
-    let series = csv::Reader::from_path(out.join("series.csv")).expect("a series");
-    let rows = |mut series: csv::Reader<std::fs::File>| -> Vec<Vec<String>> {
-        let head = series.headers().expect("a head").clone();
-        let all = std::iter::once(head).chain(series.records().map(|r| r.expect("a row")));
-        all.map(|r| r.iter().map(str::to_owned).collect()).collect()
-    };
-    (serde_json::from_slice(&summary).expect("JSON"), rows(series))
-}
-
-/// A number of a column in the last row.
-fn last(rows: &[Vec<String>], column: &str) -> f64 {
-    let place = rows[0].iter().position(|name| name == column);
-    let place = place.unwrap_or_else(|| panic!("no column {column} in {:?}", rows[0]));
-    rows[rows.len() - 1][place].parse().unwrap_or(f64::NAN)
+    let file = folder.scenario("scenario.json", &scenario);
+    done(&["run", &file, "--out", &folder.out("out"), "--quiet", "--no-figures"]);
+    folder
 }
 
 /// Simulated time in s of a stage, by its number.
-fn took(rows: &[Vec<String>], stage: usize) -> f64 {
-    let place = |column: &str| rows[0].iter().position(|name| name == column).expect("a column");
-    let (time, of) = (place("time_s"), place("stage"));
-    let times = rows[1..].iter().filter(|row| row[of] == stage.to_string());
-    let times: Vec<f64> = times.map(|row| row[time].parse().expect("a time")).collect();
+fn took(ran: &Folder, stage: f64) -> f64 {
+    let [stages, times] = ["stage", "time_s"].map(|of| column(&ran.path("out/series.csv"), of));
+    let of_stage = stages.iter().zip(times).filter(|(of, _)| **of == stage);
+    let times: Vec<f64> = of_stage.map(|(_, time)| time).collect();
     times.last().zip(times.first()).map_or(f64::NAN, |(last, first)| last - first)
 }
 
@@ -73,7 +52,8 @@ fn openings_near_the_rain_count_every_grain() {
     let opening =
         |z: f64| json!({ "name": format!("z{z}"), "at_mm": [0, 0, z], "diameter_mm": 80 });
     let measures = json!({ "openings": [opening(89.0), opening(85.0), opening(60.0)] });
-    let (summary, _) = run(30.0, json!([holder()]), measures, json!([rain(200.0)]));
+    let ran = run(json!([holder()]), measures, json!([rain(200.0)]));
+    let summary = ran.json("out/summary.json");
     for opening in summary["laboratory"]["openings"].as_array().expect("openings") {
         let got = opening["passed_g"].as_f64().expect("a mass");
         let expected = summary["grains"]["mass_g"].as_f64().expect("a mass");
@@ -89,8 +69,8 @@ fn a_press_ends_when_grains_bear_the_piece() {
     let press =
         json!({ "stage": "press", "loads": [{ "piece": "lid", "force_n": 0.1, "mass_g": 1000 }] });
     let stages = json!([rain(400.0), press, { "stage": "rest", "duration_s": 0.5 }]);
-    let (_, rows) = run(30.0, json!([holder(), lid()]), json!({}), stages);
-    let got = last(&rows, "lid_force_z_n");
+    let ran = run(json!([holder(), lid()]), json!({}), stages);
+    let got = *column(&ran.path("out/series.csv"), "lid_force_z_n").last().expect("rows");
     assert!((got - 0.1).abs() < 0.02, "law: grains push up with 0.1 N, got {got}, tolerance 0.02");
 }
 
@@ -113,8 +93,7 @@ fn a_piece_that_slides_has_not_settled() {
         { "stage": "deposit", "at_mm": [0, 200, 60], "area_mm": [30, 30], "rate_g_per_s": 400 },
         { "stage": "release", "pieces": ["block"], "time_limit_s": 1.0 }
     ]);
-    let (_, rows) = run(30.0, pieces, json!({}), stages);
-    let took = took(&rows, 1);
+    let took = took(&run(pieces, json!({}), stages), 1.0);
     assert!(took > 0.5, "law: it slides for longer than 0.5 s, took {took} s");
 }
 
@@ -131,9 +110,9 @@ fn grains_of_a_tray_that_is_gone_have_fallen_out() {
         { "stage": "deposit", "at_mm": [0, 0, 240], "diameter_mm": 80, "rate_g_per_s": 400 },
         { "stage": "remove", "pieces": ["tray"] }
     ]);
-    let (summary, rows) = run(30.0, pieces, json!({}), stages);
-    let grains = &summary["grains"];
+    let ran = run(pieces, json!({}), stages);
+    let grains = &ran.json("out/summary.json")["grains"];
     assert_eq!(grains["spilled"], grains["count"], "law: all of them, {grains}");
-    let took = took(&rows, 1);
+    let took = took(&ran, 1.0);
     assert!(took < 5.0, "law: where nothing is left to settle the stage ends, took {took} s");
 }

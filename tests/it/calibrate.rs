@@ -1,68 +1,49 @@
 //! `pluvia calibrate` on a few grains: what it finds, what it refuses, and that
 //! it goes on from where it was.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    process::Command,
-};
+use std::fs;
 
 use serde_json::Value;
 
-use super::small;
+use super::{
+    interruption::stored,
+    program::{self, Folder, assert_holds, words},
+    small,
+};
 
-fn write(folder: &Path) -> PathBuf {
-    let path = folder.join("small.json");
-    fs::write(&path, small::layer(40.0).to_string()).expect("a scenario file");
-    path
+/// A folder with `small.json`.
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.scenario("small.json", &small::layer(40.0));
+    folder
 }
 
-/// Runs the command; gives its exit code, standard output and standard error.
-fn calibrate(scenario: &Path, out: &Path, more: &[&str]) -> (Option<i32>, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_pluvia"))
-        .args(["calibrate", "--quiet", "--json"])
-        .arg(scenario)
-        .arg("--out")
-        .arg(out)
-        .args(more)
-        .output()
-        .expect("the program starts");
-    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
-    (output.status.code(), text(output.stdout), text(output.stderr))
+/// Runs the command with results in `out`; gives its exit code, standard output and standard error.
+fn calibrate(folder: &Folder, more: &[&str]) -> (Option<i32>, String, String) {
+    let (scenario, out) = (folder.out("small.json"), folder.out("out"));
+    let args = ["calibrate", "--quiet", "--json", &scenario, "--out", &out];
+    program::run(&[&args[..], more].concat())
 }
-
-const BY_MASS: [&str; 10] = [
-    "--target",
-    "standing_height_mm.mean_surface=9",
-    "--unknown",
-    "grains.total_mass_g",
-    "--between",
-    "20..90",
-    "--realisations",
-    "3",
-    "--tolerance",
-    "1",
-];
 
 const FILES: [&str; 5] =
     ["calibrate.json", "calibrate.md", "report.html", "evaluations.csv", "figures/calibration.svg"];
 
-fn bytes(out: &Path) -> Vec<Vec<u8>> {
-    FILES.iter().map(|f| fs::read(out.join(f)).unwrap_or_else(|e| panic!("{f}: {e}"))).collect()
+fn bytes(folder: &Folder) -> Vec<Vec<u8>> {
+    FILES.iter().map(|name| folder.bytes(&format!("out/{name}"))).collect()
 }
 
 #[test]
 fn a_mass_is_found_for_a_height_and_the_same_command_gives_the_same_bytes() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (scenario, out) = (write(folder.path()), folder.path().join("out"));
+    let folder = folder();
     // Few grains, and masses that are not far from each other: few runs.
-    let mut asked = BY_MASS;
-    asked[1] = "standing_height_mm.mean_surface=6";
-    asked[5] = "30..60";
-    let (code, printed, said) = calibrate(&scenario, &out, &asked);
+    let asked = words(
+        "--target standing_height_mm.mean_surface=6 --unknown grains.total_mass_g \
+         --between 30..60 --realisations 3 --tolerance 1",
+    );
+    let (code, printed, said) = calibrate(&folder, &asked);
     assert_eq!(code, Some(0), "{said}");
     let found: Value = serde_json::from_str(&printed).expect("JSON");
-    let first = bytes(&out);
+    let first = bytes(&folder);
     assert_eq!(found, serde_json::from_slice::<Value>(&first[0]).expect("JSON"), "as written");
     assert_eq!(found["ending"], "found", "{printed}");
     let number = |value: &Value| value.as_f64().expect("a number");
@@ -91,17 +72,14 @@ fn a_mass_is_found_for_a_height_and_the_same_command_gives_the_same_bytes() {
     assert_eq!(rows, runs.len() + 1, "law: a row a run and a header");
 
     // Again, all of it from the store: wall times are those of the first time.
-    let (code, _, said) = calibrate(&scenario, &out, &asked);
+    let (code, _, said) = calibrate(&folder, &asked);
     assert_eq!(code, Some(0), "{said}");
-    assert!(bytes(&out) == first, "law: the same command gives the same bytes");
+    assert!(bytes(&folder) == first, "law: the same command gives the same bytes");
     // With stages lost, as when it was killed, it fills the gaps.
-    let entries = fs::read_dir(out.join("stages")).expect("stages").flatten().map(|e| e.path());
-    let mut stages: Vec<_> = entries.filter(|path| path.is_dir()).collect();
-    stages.sort();
-    for stage in stages.iter().step_by(7) {
+    for stage in stored(&folder.path("out")).iter().step_by(7) {
         fs::remove_dir_all(stage).expect("removed");
     }
-    let (code, printed, said) = calibrate(&scenario, &out, &asked);
+    let (code, printed, said) = calibrate(&folder, &asked);
     assert_eq!(code, Some(0), "{said}");
     let again: Value = serde_json::from_str(&printed).expect("JSON");
     assert_eq!(again["solution"], found["solution"], "law: the same bits, but for wall times");
@@ -109,88 +87,77 @@ fn a_mass_is_found_for_a_height_and_the_same_command_gives_the_same_bytes() {
 
 #[test]
 fn what_cannot_be_is_told_with_what_was_measured() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (scenario, out) = (write(folder.path()), folder.path().join("out"));
-    let mut asked = BY_MASS;
-    asked[1] = "standing_height_mm.mean_surface=70";
-    asked[7] = "2";
-    let (code, printed, said) = calibrate(&scenario, &out, &asked);
+    let folder = folder();
+    let asked = words(
+        "--target standing_height_mm.mean_surface=70 --unknown grains.total_mass_g \
+         --between 20..90 --realisations 2 --tolerance 1",
+    );
+    let (code, printed, said) = calibrate(&folder, &asked);
     assert_eq!(code, Some(1), "law: an expectation missed is 1: {said}");
     let found: Value = serde_json::from_str(&printed).expect("JSON");
     assert_eq!(found["ending"], "out_of_reach", "{printed}");
     let statement = found["statement"].as_str().expect("a statement");
-    for words in ["no grains.total_mass_g in 20..90", "70 mm", "at 20 it is", "at 90 it is"] {
-        assert!(statement.contains(words), "`{words}` is missing in: {statement}");
-    }
+    let said = ["no grains.total_mass_g in 20..90", "70 mm", "at 20 it is", "at 90 it is"];
+    assert_holds(statement, &said);
     assert_eq!(found["values"].as_array().map(Vec::len), Some(4), "what was tried is kept");
-    bytes(&out);
+    bytes(&folder);
 }
 
 #[test]
 fn a_result_that_is_not_measured_is_told_with_what_is() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (scenario, out) = (write(folder.path()), folder.path().join("out"));
-    let misspelt = ["--target", "settlement_mm.finel=3", "--unknown", "contact.restitution"];
-    let misspelt = [&misspelt[..], &["--between", "0..1"]].concat();
-    let (code, _, said) = calibrate(&scenario, &out, &misspelt);
+    let folder = folder();
+    let restitution = "--unknown contact.restitution --between 0..1";
+    let misspelt = format!("--target settlement_mm.finel=3 {restitution}");
+    let (code, _, said) = calibrate(&folder, &words(&misspelt));
     assert_eq!(code, Some(2), "law: a misspelt result is refused: {said}");
     assert!(said.contains("did you mean `settlement_mm.final`"), "law: with what is meant: {said}");
-    assert!(!out.exists(), "law: before anything runs");
-    let restitution = ["--unknown", "contact.restitution", "--between", "0..1"];
-    for (target, words, ran) in [
+    assert!(!folder.path("out").exists(), "law: before anything runs");
+    for (target, said, ran) in [
         ("slope.degrees=3", ["slope.degrees", "standing_height_mm.mean_surface"], false),
         ("settlement_mm.final=3", ["does not measure it", "a stage `vibrate`"], false),
         // Cells have corners, of whose roundness nobody speaks: known from the first run alone.
         ("shape.roundness.p50=0.3", ["has no number at", "coordination_number"], true),
     ] {
-        let (code, printed, said) =
-            calibrate(&scenario, &out, &[&["--target", target], &restitution[..]].concat());
-        assert_eq!(code, Some(2), "{said}");
+        let (code, printed, err) =
+            calibrate(&folder, &words(&format!("--target {target} {restitution}")));
+        assert_eq!(code, Some(2), "{err}");
         assert!(printed.is_empty(), "nothing is printed as a result: {printed}");
-        assert_eq!(out.exists(), ran, "law: what can be known before is refused before: {said}");
-        for word in words {
-            assert!(said.contains(word), "`{word}` is missing in: {said}");
-        }
+        let is_made = folder.path("out").exists();
+        assert_eq!(is_made, ran, "law: what can be known before is refused before: {err}");
+        assert_holds(&err, &said);
     }
-    let runs = fs::read_dir(out.join("runs")).expect("runs").count();
+    let runs = fs::read_dir(folder.path("out/runs")).expect("runs").count();
     assert_eq!(runs, 1, "law: one run is enough to tell");
 }
 
 #[test]
 fn wrong_usage_is_told_before_anything_runs() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (scenario, out) = (write(folder.path()), folder.path().join("out"));
-    let height = ["--target", "standing_height_mm.mean_surface=40"];
-    let friction = ["--unknown", "contact.grain_grain_friction"];
-    let between = ["--between", "0.2..1.2"];
-    let cases: [(Vec<&str>, &str); 15] = [
-        (vec![], "--angle-of-repose"),
-        ([&height[..], &["--angle-of-repose", "38"]].concat(), "cannot be used with"),
-        (vec!["--angle-of-repose", "95"], "between 0 and 90"),
-        (vec!["--angle-of-repose", "-5"], "between 0 and 90"),
-        ([&height[..], &friction].concat(), "--between"),
-        ([&height[..], &between].concat(), "--unknown"),
-        (["--target", "height"].to_vec(), "not field=number"),
-        ([&height[..], &friction, &["--between", "1.2..0.2"]].concat(), "reversed"),
-        (
-            [&height[..], &friction, &["--between", "-1..0.2"]].concat(),
-            "contact.grain_grain_friction",
-        ),
-        ([&height[..], &["--unknown", "contact.colour"], &between].concat(), "no such field"),
-        ([&height[..], &["--unknown", "name"], &between].concat(), "no number there"),
-        ([&height[..], &["--unknown", "seed"], &between].concat(), "samples"),
-        ([&height[..], &friction, &between, &["--realisations", "1"]].concat(), "--realisations"),
-        ([&height[..], &friction, &between, &["--most-runs", "7"]].concat(), "at least 30 runs"),
+    let folder = folder();
+    let height = "--target standing_height_mm.mean_surface=40";
+    let friction = format!("{height} --unknown contact.grain_grain_friction");
+    let between = "--between 0.2..1.2";
+    for (more, said) in [
+        (String::new(), "--angle-of-repose"),
+        (format!("{height} --angle-of-repose 38"), "cannot be used with"),
+        ("--angle-of-repose 95".to_owned(), "between 0 and 90"),
+        ("--angle-of-repose -5".to_owned(), "between 0 and 90"),
+        (friction.clone(), "--between"),
+        (format!("{height} {between}"), "--unknown"),
+        ("--target height".to_owned(), "not field=number"),
+        (format!("{friction} --between 1.2..0.2"), "reversed"),
+        (format!("{friction} --between -1..0.2"), "contact.grain_grain_friction"),
+        (format!("{height} --unknown contact.colour {between}"), "no such field"),
+        (format!("{height} --unknown name {between}"), "no number there"),
+        (format!("{height} --unknown seed {between}"), "samples"),
+        (format!("{friction} {between} --realisations 1"), "--realisations"),
+        (format!("{friction} {between} --most-runs 7"), "at least 30 runs"),
         // Without a rest test no run is valid.
-        (
-            [&height[..], &friction, &between, &["--set", "rest_test_s=0"]].concat(),
-            "rest_test_s is 0",
-        ),
-    ];
-    for (more, words) in cases {
-        let (code, printed, said) = calibrate(&scenario, &out, &more);
-        assert_eq!(code, Some(2), "{more:?}: {said}");
-        assert!(said.contains(words), "{more:?}: `{words}` is missing in: {said}");
-        assert!(printed.is_empty() && !out.exists(), "nothing is printed or written: {more:?}");
+        (format!("{friction} {between} --set rest_test_s=0"), "rest_test_s is 0"),
+    ] {
+        let (code, printed, err) = calibrate(&folder, &words(&more));
+        assert_eq!(code, Some(2), "{more}: {err}");
+        assert_holds(&err, &[said]);
+        let is_written = folder.path("out").exists();
+        assert!(printed.is_empty() && !is_written, "nothing is printed or written: {more}");
     }
 }

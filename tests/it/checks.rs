@@ -1,29 +1,27 @@
 //! What is watched while a run goes on: every result says whether it passed.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::{interruption::finished, segments::in_segments_timed, small};
+use super::{
+    interruption::finished,
+    program::{self, Folder},
+    segments::in_segments_timed,
+    small,
+};
 
 fn summary(out: &Path) -> Value {
-    let text = fs::read(out.join("summary.json")).expect("a summary");
-    serde_json::from_slice(&text).expect("JSON")
+    program::json(&out.join("summary.json"))
 }
 
 /// Runs a scenario; its summary, and what was told on the way.
-fn carried_out(folder: &Path, scenario: &Value) -> (Value, String) {
-    let (file, out): (PathBuf, PathBuf) = (folder.join("scenario.json"), folder.join("out"));
-    fs::write(&file, scenario.to_string()).expect("a scenario");
-    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_pluvia"));
-    command.arg("run").arg(&file).arg("--out").arg(&out).arg("--no-figures");
-    let output = command.output().expect("started");
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "law: it is run, got {told}");
-    (summary(&out), told)
+fn carried_out(scenario: &Value) -> (Value, String) {
+    let folder = Folder::new();
+    let (file, out) = (folder.scenario("scenario.json", scenario), folder.out("out"));
+    let (code, _, told) = program::run(&["run", &file, "--out", &out, "--no-figures"]);
+    assert_eq!(code, Some(0), "law: it is run, got {told}");
+    (folder.json("out/summary.json"), told)
 }
 
 const ALL: [&str; 8] =
@@ -66,12 +64,11 @@ fn a_sound_run_says_of_every_check_that_it_looked_and_what_it_found() {
 
 #[test]
 fn contacts_that_sink_into_each_other_are_told_at_once_and_in_the_summary() {
-    let folder = tempfile::tempdir().expect("a folder");
     let mut scenario = small::scenario(150.0, 2.0, 0.5);
     scenario["engine"] = json!({
         "contact_solver": "stock", "rate_hz": 60, "iterations": 10, "allow_coarse_steps": true
     });
-    let (summary, told) = carried_out(folder.path(), &scenario);
+    let (summary, told) = carried_out(&scenario);
     let checks = &summary["checks"];
     assert_eq!(checks["passed"], false, "law: stock Bullet contacts at 60 Hz fail, got {checks}");
     assert_eq!(summary["valid"], false, "law: a run whose checks found something is not valid");
@@ -94,10 +91,9 @@ fn contacts_that_sink_into_each_other_are_told_at_once_and_in_the_summary() {
 /// under it is explained when it is taken off.
 #[test]
 fn a_plate_is_seated_without_findings() {
-    let folder = tempfile::tempdir().expect("a folder");
     let mut scenario = small::scenario(60.0, 0.5, 0.0);
     scenario["stages"][2]["seating_load_n"] = json!(200);
-    let (summary, told) = carried_out(folder.path(), &scenario);
+    let (summary, told) = carried_out(&scenario);
     assert_eq!(summary["grains"]["escaped"], 0, "law: none is pressed through a wall: {told}");
     for name in ["through_walls", "speed", "energy"] {
         let check = &summary["checks"][name];

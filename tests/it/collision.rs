@@ -15,7 +15,14 @@ use pluvia::{
     world::bullet::probe::{HullPair, ProbeSettings},
 };
 
+use crate::near::near;
 use pairs::{Case, Cases};
+
+/// A pair whose points are kept up to [`REACH`].
+fn hulls(a: &ConvexPolyhedron, b: &ConvexPolyhedron, portable: bool) -> HullPair {
+    let settings = ProbeSettings { portable, speculative_margin: REACH, ..Default::default() };
+    HullPair::new(a, b, settings).expect("a pair")
+}
 
 /// Rounding of the narrow phase: it works in single precision in the frame of
 /// one of the bodies, so that errors are some 1e-7 of the larger body; ten
@@ -85,8 +92,7 @@ fn judge(case: &Case) -> Result<Separation, String> {
             case.name
         ))
     };
-    let settings = ProbeSettings { speculative_margin: REACH, ..Default::default() };
-    let mut pair = HullPair::new(&case.a, &case.b, settings).map_err(|e| e.to_string())?;
+    let mut pair = hulls(&case.a, &case.b, false);
 
     // The search over axes.
     let all = pair.widest_gap(&case.pose_a, &case.pose_b, true);
@@ -220,8 +226,7 @@ fn a_million_random_pairs_agree_with_the_exact_test() {
 fn moving_pairs_agree_with_the_exact_test() {
     let (mut touching, mut apart) = (0, 0);
     for (number, case) in Cases::new(7).take(150).enumerate() {
-        let settings = ProbeSettings { speculative_margin: REACH, ..Default::default() };
-        let mut pair = HullPair::new(&case.a, &case.b, settings).expect("a pair");
+        let mut pair = hulls(&case.a, &case.b, false);
         let mut motion = pairs::Motion::new(number as u64);
         let mut now = Case {
             name: case.name.clone(),
@@ -239,12 +244,7 @@ fn moving_pairs_agree_with_the_exact_test() {
             let deepest = points.iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
             if exact.gap < -bound {
                 touching += 1;
-                assert!(
-                    (deepest - exact.gap).abs() <= bound,
-                    "{}, step {step}: law: depth, expected {:e} m, got {deepest:e} m, tolerance {bound:e} m",
-                    now.name,
-                    exact.gap
-                );
+                near(&format!("{}, step {step}: depth, m", now.name), deepest, exact.gap, bound);
             } else if exact.gap > 0.0 {
                 apart += 1;
                 assert!(
@@ -264,9 +264,7 @@ fn moving_pairs_agree_with_the_exact_test() {
 fn portable_code_gives_the_same_bits() {
     for case in Cases::new(5).take(500) {
         let of = |portable| {
-            let settings =
-                ProbeSettings { portable, speculative_margin: REACH, ..Default::default() };
-            let mut pair = HullPair::new(&case.a, &case.b, settings).expect("a pair");
+            let mut pair = hulls(&case.a, &case.b, portable);
             let gap = pair.widest_gap(&case.pose_a, &case.pose_b, true);
             (gap, pair.step(&case.pose_a, &case.pose_b))
         };
@@ -297,15 +295,8 @@ fn crossed_needles_are_parted_by_their_edges() {
             pose_b: Pose::from_parts((Vector::z() * (half_diagonals + gap)).into(), turn_b),
         };
         let exact = judge(&case).unwrap_or_else(|fault| panic!("{fault}"));
-        assert!(
-            (exact.gap - gap).abs() < 1e-9,
-            "{}: law: edge over edge, got {:e} m, tolerance 1e-9",
-            case.name,
-            exact.gap
-        );
-        let settings = ProbeSettings { speculative_margin: REACH, ..Default::default() };
-        let mut pair = HullPair::new(&case.a, &case.b, settings).expect("a pair");
-        let points = pair.step(&case.pose_a, &case.pose_b).len();
+        near(&format!("{}: edge over edge, m", case.name), exact.gap, gap, 1e-9);
+        let points = hulls(&case.a, &case.b, false).step(&case.pose_a, &case.pose_b).len();
         let expected = usize::from(gap < REACH);
         assert_eq!(points, expected, "{}: law: points of a pair of edges", case.name);
     }

@@ -1,26 +1,15 @@
 //! Two engines on the same grains and the same specimen.
 
-use std::{fs, path::Path, process::Command};
-
 use serde_json::{Value, json};
 
-use super::small;
+use super::{
+    program::{self, Folder, column},
+    small,
+};
 
-/// Thirty grams of gravel, poured and shaken for a moment.
-fn write_scenario(folder: &Path) -> std::path::PathBuf {
-    let path = folder.join("small.json");
-    let scenario = small::scenario(30.0, 0.25, 0.2);
-    fs::write(&path, scenario.to_string()).expect("a scenario file");
-    path
-}
-
-fn compare(scenario: &Path, backends: &str, out: &Path) -> std::process::Output {
-    Command::new(env!("CARGO_BIN_EXE_pluvia"))
-        .args(["compare", "--quiet", "--json", "--backends", backends, "--out"])
-        .arg(out)
-        .arg(scenario)
-        .output()
-        .expect("the program starts")
+/// Arguments of a comparison, with results in `out`.
+fn compare<'a>(scenario: &'a str, backends: &'a str, out: &'a str) -> [&'a str; 8] {
+    ["compare", scenario, "--quiet", "--json", "--backends", backends, "--out", out]
 }
 
 #[test]
@@ -28,17 +17,13 @@ fn engines_get_the_same_grains_and_the_specimen_is_handed_on() {
     if !cfg!(feature = "rapier") {
         return;
     }
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
-    let out = folder.path().join("out");
-    let output = compare(&scenario, "bullet,rapier", &out);
-    let code = output.status.code();
-    let said = String::from_utf8_lossy(&output.stderr);
+    let folder = Folder::new();
+    let scenario = folder.scenario("small.json", &small::scenario(30.0, 0.25, 0.2));
+    let (code, printed, said) =
+        program::run(&compare(&scenario, "bullet,rapier", &folder.out("out")));
     assert!(matches!(code, Some(0 | 1)), "done, with or without agreement, got {code:?}: {said}");
-    let record: Value =
-        serde_json::from_slice(&output.stdout).expect("JSON on the standard output");
-    let written = fs::read(out.join("compare.json")).expect("compare.json");
-    let written: Value = serde_json::from_slice(&written).expect("JSON");
+    let record: Value = serde_json::from_str(&printed).expect("JSON on the standard output");
+    let written = folder.json("out/compare.json");
     assert_eq!(record["runs"], written["runs"], "what is printed is what is written");
     assert_eq!(code == Some(0), record["within_bands"] == json!(true), "the exit code says so");
     let names: Vec<&str> = record["runs"]
@@ -50,27 +35,19 @@ fn engines_get_the_same_grains_and_the_specimen_is_handed_on() {
     assert_eq!(names, ["bullet", "rapier", "rapier-from-bullet-specimen"]);
 
     // The handed specimen: the rows before the vibration are Bullet's own.
-    let heights = |run: &str| -> Vec<String> {
-        let text =
-            fs::read_to_string(out.join("runs").join(run).join("series.csv")).expect("a series");
-        let mut rows = csv_rows(&text);
-        let stage = rows[0].iter().position(|h| h == "stage").expect("a column for the stage");
-        let height =
-            rows[0].iter().position(|h| h == "mean_grain_height_mm").expect("a column for it");
-        rows.remove(0);
-        rows.into_iter().filter(|r| r[stage] != "3").map(|r| r[height].clone()).collect()
+    let heights = |run: &str| -> Vec<u64> {
+        let series = folder.path(&format!("out/runs/{run}/series.csv"));
+        let (stages, heights) = (column(&series, "stage"), column(&series, "mean_grain_height_mm"));
+        let before = stages.iter().zip(heights).filter(|(stage, _)| **stage != 3.0);
+        before.map(|(_, height)| height.to_bits()).collect()
     };
     let (own, handed, other) =
         (heights("bullet"), heights("rapier-from-bullet-specimen"), heights("rapier"));
     assert!(own == handed, "law: the handed specimen is the first engine's to the last bit");
     assert!(own != other, "and the other engine's own is another");
     for file in ["report.html", "figures/compare-height.svg", "figures/compare-plate.csv"] {
-        assert!(out.join(file).is_file(), "{file} is written");
+        assert!(folder.path("out").join(file).is_file(), "{file} is written");
     }
-}
-
-fn csv_rows(text: &str) -> Vec<Vec<String>> {
-    text.lines().map(|l| l.split(',').map(str::to_owned).collect()).collect()
 }
 
 /// Law: what one of the engines cannot do is refused before the other runs.
@@ -79,14 +56,10 @@ fn what_an_engine_cannot_do_is_refused_before_the_other_runs() {
     if !cfg!(feature = "rapier") {
         return;
     }
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("pressed.json");
+    let folder = Folder::new();
     let scenario = json!({
         "name": "pressed",
-        "grains": {
-            "total_mass_g": 20, "density_kg_per_m3": 2650,
-            "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
-        },
+        "grains": small::fine(20.0),
         "pieces": [
             { "name": "box", "shape": { "box": { "inner_mm": [50, 50, 50] } } },
             { "name": "lid", "shape": { "plate": { "size_mm": [48, 48, 5] } }, "at_mm": [0, 0, 100] }
@@ -97,15 +70,10 @@ fn what_an_engine_cannot_do_is_refused_before_the_other_runs() {
         ],
         "rest_test_s": 0
     });
-    fs::write(&path, scenario.to_string()).expect("a scenario file");
-    let out = folder.path().join("out");
-    let output = compare(&path, "bullet,rapier", &out);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "law: it is a fault of the scenario, got {said}");
-    for word in ["stages[1]", "rapier"] {
-        assert!(said.contains(word), "`{word}` is missing in: {said}");
-    }
-    assert!(!out.exists(), "law: faults are found before anything is written");
+    let path = folder.scenario("pressed.json", &scenario);
+    let out = folder.out("out");
+    program::refused(&compare(&path, "bullet,rapier", &out), 2, &["stages[1]", "rapier"]);
+    assert!(!folder.path("out").exists(), "law: faults are found before anything is written");
 }
 
 /// Law: grains that cannot be read are reported before anything is written.
@@ -114,36 +82,28 @@ fn grains_that_are_not_there_leave_nothing() {
     if !cfg!(feature = "rapier") {
         return;
     }
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = Folder::new();
     let mut scenario = small::scenario(30.0, 0.25, 0.2);
     scenario["grains"] = json!({ "file": "nowhere.json" });
-    let path = folder.path().join("small.json");
-    fs::write(&path, scenario.to_string()).expect("a scenario file");
-    let out = folder.path().join("out");
-    let output = compare(&path, "bullet,rapier", &out);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(!output.status.success(), "law: there are no grains, got {said}");
-    for word in ["nowhere.json", "grains.file of `small`"] {
-        assert!(said.contains(word), "`{word}` is missing in: {said}");
-    }
-    assert!(!out.exists(), "law: faults are found before anything is written");
+    let path = folder.scenario("small.json", &scenario);
+    let (code, _, said) = program::run(&compare(&path, "bullet,rapier", &folder.out("out")));
+    assert_ne!(code, Some(0), "law: there are no grains, got {said}");
+    program::assert_holds(&said, &["nowhere.json", "grains.file of `small`"]);
+    assert!(!folder.path("out").exists(), "law: faults are found before anything is written");
 }
 
 /// Law: one engine alone is no comparison, and one that stands there twice is refused by its name.
 #[test]
 fn engines_are_compared_once_each_and_with_others() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
-    let out = folder.path().join("out");
+    let folder = Folder::new();
+    let scenario = folder.scenario("small.json", &small::scenario(30.0, 0.25, 0.2));
+    let out = folder.out("out");
     for (backends, words) in [
         ("bullet", "at least two engines"),
         ("bullet,bullet", "names bullet twice"),
         ("bullet,rapier,bullet", "names bullet twice"),
     ] {
-        let output = compare(&scenario, backends, &out);
-        assert_eq!(output.status.code(), Some(2), "law: wrong usage ends with 2: {backends}");
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(said.contains("--backends") && said.contains(words), "law: `{words}` in {said}");
-        assert!(!out.exists(), "law: nothing is written");
+        program::refused(&compare(&scenario, backends, &out), 2, &["--backends", words]);
+        assert!(!folder.path("out").exists(), "law: nothing is written");
     }
 }

@@ -4,20 +4,24 @@
 use std::{
     fs,
     path::{Path, PathBuf},
-    process::{Command, Output},
+    process::Output,
 };
 
 use pluvia::record::{hash_bytes, hash_json};
 use serde_json::{Value, json};
 
-use super::{export::small_run, interruption::copy};
+use super::{
+    export::small_run,
+    interruption::copy,
+    program::{json as read, pluvia, said, write},
+};
 
-fn read(path: &Path) -> Value {
-    serde_json::from_slice(&fs::read(path).expect("a file")).expect("JSON")
-}
-
-fn write(path: &Path, value: &Value) {
-    fs::write(path, value.to_string()).expect("written");
+/// Seals a record that holds a hash of itself, in a field of this name.
+pub fn seal(record: &mut Value, name: &str) {
+    let fields = record.as_object_mut().expect("fields");
+    fields.shift_remove(name);
+    let own = hash_json(&fields);
+    fields.insert(name.to_owned(), json!(own));
 }
 
 /// A copy of a run of which something is made up before all hashes are made to fit: the state at
@@ -41,7 +45,7 @@ impl Craft {
         let mut state = read(&self.run.join("specimen.json"));
         change(&mut state);
         for folder in [&self.run, &self.stage] {
-            write(&folder.join("specimen.json"), &state);
+            write(folder, "specimen.json", &state);
         }
     }
 
@@ -53,10 +57,9 @@ impl Craft {
     }
 
     fn manifest(&self, change: impl FnOnce(&mut Value)) {
-        let path = self.run.join("manifest.json");
-        let mut manifest = read(&path);
+        let mut manifest = read(&self.run.join("manifest.json"));
         change(&mut manifest);
-        write(&path, &manifest);
+        write(&self.run, "manifest.json", &manifest);
     }
 
     /// Makes every hash fit what the files hold.
@@ -65,15 +68,11 @@ impl Craft {
         let [specimen, frames] =
             ["specimen.json", "frames.bin"].map(|name| hash(self.stage.join(name)));
         let of_run = hash(self.run.join("specimen.json"));
-        let path = self.stage.join("stage.json");
-        let mut record = read(&path);
+        let mut record = read(&self.stage.join("stage.json"));
         record["specimen_sha256"] = json!(specimen);
         record["frames_sha256"] = json!(frames);
-        let fields = record.as_object_mut().expect("fields");
-        fields.shift_remove("record_sha256");
-        let own = hash_json(&fields);
-        fields.insert("record_sha256".to_owned(), json!(own));
-        write(&path, &record);
+        seal(&mut record, "record_sha256");
+        write(&self.stage, "stage.json", &record);
         self.manifest(|manifest| {
             manifest["files_sha256"]["specimen.json"] = json!(of_run);
             if let Some(stage) = manifest["stages"].as_array_mut().and_then(|all| all.last_mut()) {
@@ -84,7 +83,7 @@ impl Craft {
 
     /// What everything that reads a run makes of it.
     fn read_by_all(&self, to: &Path) -> Vec<(&'static str, Output)> {
-        let commands: [(&str, &str, &[&str]); 7] = [
+        let commands: [(&str, &str, &[&str]); 8] = [
             ("view", "--save", &["run.html"]),
             ("picture", "--out", &["run.png", "--width", "96"]),
             ("picture", "--animate", &["moving.png", "--width", "96"]),
@@ -92,10 +91,11 @@ impl Craft {
             ("export", "--out", &["glb", "--format", "glb", "--animate"]),
             ("export", "--out", &["obj", "--format", "obj"]),
             ("export", "--out", &["json", "--format", "json"]),
+            ("export", "--out", &["csv", "--format", "csv"]),
         ];
         let outputs = commands.map(|(command, option, more)| {
             let to = to.join(more[0]);
-            let mut program = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+            let mut program = pluvia();
             program.arg(command).arg(&self.run).arg(option).arg(&to).args(&more[1..]);
             let output = program.output().expect("it starts");
             let _ = fs::remove_file(&to);
@@ -110,7 +110,7 @@ impl Craft {
 fn assert_refused(craft: &Craft, to: &Path, words: &[&str], by: &dyn Fn(&str) -> bool) {
     craft.seal();
     for (name, output) in craft.read_by_all(to) {
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let said = said(&output);
         let what = format!("{name} of a run crafted with {words:?}");
         for fault in ["panicked", "a fault of the program"] {
             assert!(!said.contains(fault), "law: {what}: an error, no panic, got {said}");
@@ -209,7 +209,7 @@ fn frames_that_cannot_be_are_refused_by_all_that_read_them() {
         let craft = Craft::new(folder.path().join(n.to_string()));
         craft.frames(change);
         // The end of a stage alone has no frames.
-        let reads_frames = |name: &str| !["obj", "json"].contains(&name);
+        let reads_frames = |name: &str| !["obj", "json", "csv"].contains(&name);
         assert_refused(&craft, folder.path(), &["frames.bin", words], &reads_frames);
     }
 }
@@ -235,7 +235,7 @@ fn manifests_that_cannot_be_are_refused_by_all_that_read_them() {
         craft.seal();
         craft.manifest(change);
         for (name, output) in craft.read_by_all(folder.path()) {
-            let said = String::from_utf8_lossy(&output.stderr).into_owned();
+            let said = said(&output);
             assert_eq!(output.status.code(), Some(2), "law: {name} refuses {words}, got {said}");
             let is_plain = !said.contains(['\u{1b}', '\u{202e}']);
             assert!(is_plain && said.contains(words), "law: {name}: it is said, got {said:?}");

@@ -3,22 +3,15 @@
 
 mod markdown;
 
-use std::{collections::BTreeSet, fs, path::Path};
+use std::{collections::BTreeSet, fs};
 
 use pluvia::export::Carrier;
 use pluvia::grains::load_scenario;
 use pluvia::scenario::{EngineSettings, NativeSettings, RapierSettings, Scenario, StockSettings};
 use serde_json::Value;
 
+use super::program::{self, done, page as read, root};
 use markdown::{anchors, blocks, links, make_targets};
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
-fn read(path: &str) -> String {
-    fs::read_to_string(root().join(path)).unwrap_or_else(|e| panic!("{path} cannot be read: {e}"))
-}
 
 /// Paths of the Markdown files at the root and in the folders of the documentation.
 fn documents() -> Vec<String> {
@@ -231,21 +224,21 @@ fn paths<'a>(prefix: &str, value: &'a Value) -> Box<dyn Iterator<Item = String> 
     }
 }
 
-#[test]
-fn every_field_of_a_scenario_is_on_its_page() {
-    let printed = std::process::Command::new(env!("CARGO_BIN_EXE_pluvia"))
-        .args(["schema", "--page"])
-        .output()
-        .expect("the program starts");
-    let printed = String::from_utf8(printed.stdout).expect("UTF-8");
-    let kept = read("docs/scenario.md");
+/// A page is what the program prints; `by` writes it anew.
+fn assert_kept(path: &str, printed: &str, by: &str) {
+    let kept = read(path);
     let differs = printed.lines().zip(kept.lines()).find(|(new, old)| new != old);
     assert!(
         printed == kept,
-        "law: docs/scenario.md is what `pluvia schema --page` prints; \
-         `cargo run -- schema --page > docs/scenario.md` writes it anew. First difference \
-         (printed, kept): {differs:?}"
+        "law: {path} is what the program prints; {by} writes it anew. First difference (printed, \
+         kept): {differs:?}"
     );
+}
+
+#[test]
+fn every_field_of_a_scenario_is_on_its_page() {
+    let printed = done(&["schema", "--page"]);
+    assert_kept("docs/scenario.md", &printed, "`cargo run -- schema --page > docs/scenario.md`");
 }
 
 /// `PLUVIA_WRITE=1` writes the table anew.
@@ -298,11 +291,7 @@ fn a_pile_is_explained_with_its_defaults() {
 
 #[test]
 fn options_of_pictures_are_explained_with_their_defaults() {
-    let printed = std::process::Command::new(env!("CARGO_BIN_EXE_pluvia"))
-        .args(["picture", "--help"])
-        .output()
-        .expect("the program starts");
-    let help = String::from_utf8(printed.stdout).expect("UTF-8");
+    let help = done(&["picture", "--help"]);
     let page = read("docs/pictures.md");
     for option in ["--cylinder", "--azimuth", "--elevation", "--width", "--background"] {
         let of_option = help.split(&format!("\n      {option} ")).nth(1).unwrap_or_default();
@@ -376,14 +365,9 @@ fn every_page_is_in_the_contents_of_the_site() {
 
 /// Help of the program or of one of its commands, 100 columns wide.
 fn help(arguments: &[&str]) -> String {
-    let printed = std::process::Command::new(env!("CARGO_BIN_EXE_pluvia"))
-        .args(arguments)
-        .arg("--help")
-        .env("COLUMNS", "100")
-        .env("NO_COLOR", "1")
-        .output()
-        .expect("the program starts");
-    String::from_utf8(printed.stdout).expect("UTF-8")
+    let mut command = program::pluvia();
+    command.args(arguments).arg("--help").envs([("COLUMNS", "100"), ("NO_COLOR", "1")]);
+    String::from_utf8(command.output().expect("the program starts").stdout).expect("UTF-8")
 }
 
 /// The page of commands, from the program's own help.
@@ -418,11 +402,5 @@ fn every_command_is_on_its_page() {
         fs::write(root().join("docs/commands.md"), page).expect("written");
         return;
     }
-    let kept = read("docs/commands.md");
-    let differs = page.lines().zip(kept.lines()).find(|(new, old)| new != old);
-    assert!(
-        page == kept,
-        "law: docs/commands.md is the program's help; PLUVIA_WRITE=1 writes it anew. \
-         First difference (help, kept): {differs:?}"
-    );
+    assert_kept("docs/commands.md", &page, "PLUVIA_WRITE=1");
 }

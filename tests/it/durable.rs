@@ -5,12 +5,14 @@
 use std::{
     collections::HashMap,
     fs,
-    io::{self, Write},
     path::{Path, PathBuf},
     process::{Command, Stdio},
 };
 
-use super::interruption::write_scenario_in_segments;
+use super::{
+    interruption::write_scenario_in_segments,
+    program::{said, skipped},
+};
 
 /// A call that changes names, or brings something to the disk.
 #[derive(Debug, Clone, PartialEq)]
@@ -110,18 +112,15 @@ fn names_are_on_the_disk_before_anybody_relies_on_them() {
     };
     let tried = strace(&log).arg("true").stderr(Stdio::null()).status();
     if !tried.is_ok_and(|status| status.success()) {
-        // Not with a macro: those are captured, and nobody would see it.
-        let said = "\n*** SKIPPED: no strace that works here, the order of writes is NOT tested. \
-                    Try: apt-get install strace ***\n";
-        let _ = io::stderr().write_all(said.as_bytes());
-        return;
+        let why = "no strace that works here; try: apt-get install strace";
+        return skipped("the order of writes", why);
     }
     let scenario = write_scenario_in_segments(&root);
     let out = root.join("new/folders/out");
     let mut command = strace(&log);
     command.arg(env!("CARGO_BIN_EXE_pluvia")).arg("run").arg(&scenario).arg("--out").arg(&out);
     let output = command.arg("--quiet").output().expect("strace starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{}", said(&output));
     let text = fs::read_to_string(&log).expect("a log");
     let calls = calls(&text, &root);
     let count = |is: fn(&Call) -> bool| calls.iter().filter(|call| is(call)).count();

@@ -3,7 +3,7 @@
 use std::{
     fs,
     path::{Path, PathBuf},
-    process::{Command, Output},
+    process::Output,
     sync::OnceLock,
 };
 
@@ -13,7 +13,12 @@ use pluvia::grains::grain_name;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use super::small;
+use super::{
+    interruption::stored,
+    near::near,
+    program::{self, assert_holds, json, said, text, write},
+    small,
+};
 
 /// Thirty grams of gravel poured, put under a plate and shaken for a moment, without figures, once
 /// for all tests.
@@ -21,29 +26,21 @@ pub(super) fn small_run() -> &'static Path {
     static RUN: OnceLock<(TempDir, PathBuf)> = OnceLock::new();
     let (_, out) = RUN.get_or_init(|| {
         let folder = tempfile::tempdir().expect("a folder");
-        let scenario = folder.path().join("small.json");
-        let content = small::scenario(30.0, 0.25, 0.1);
-        fs::write(&scenario, content.to_string()).expect("a scenario file");
+        let scenario = write(folder.path(), "small.json", &small::scenario(30.0, 0.25, 0.1));
         let out = folder.path().join("run");
-        let args = ["run", "--quiet", "--no-figures", "--out"];
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-        let output = command.args(args).arg(&out).arg(&scenario).output().expect("it starts");
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        program::done(&["run", text(&scenario), "--quiet", "--no-figures", "--out", text(&out)]);
         (folder, out)
     });
     out
 }
 
 fn export(run: &Path, more: &[&str], out: &Path) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-    command.arg("export").arg(run).args(more).arg("--out").arg(out);
-    command.output().expect("it starts")
+    program::output(&[&["export", text(run), "--out", text(out)][..], more].concat())
 }
 
 fn done(run: &Path, more: &[&str], out: &Path) {
     let output = export(run, more, out);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{more:?}: {said}");
+    assert_eq!(output.status.code(), Some(0), "{more:?}: {}", said(&output));
 }
 
 fn scene(out: &Path) -> Scene {
@@ -70,17 +67,10 @@ fn the_scene_is_the_specimen() {
     for (grain, state) in got.grains.iter().zip(run.specimen.present()) {
         assert_eq!(grain.grain, state, "law: grains carry their numbers");
         assert_eq!(grain.name, grain_name(state), "law: and the names of all other files");
-        let volume = grain.shape.signed_volume();
-        assert!(
-            (volume / grain.volume_m3 - 1.0).abs() < 1e-9,
-            "law: the faces enclose the volume, expected {}, got {volume}",
-            grain.volume_m3
-        );
-        assert!(
-            (grain.mass_kg / grain.volume_m3 / 2673.9 - 1.0).abs() < 1e-9,
-            "law: mass = density · volume, got {}",
-            grain.mass_kg
-        );
+        let (volume, expected) = (grain.shape.signed_volume(), grain.volume_m3);
+        near("the faces enclose the volume", volume, expected, 1e-9 * expected);
+        let mass = 2673.9 * expected;
+        near("mass = density · volume", grain.mass_kg, mass, 1e-9 * mass);
     }
     // In equilibrium but for what still moves, contacts carry the weight of the plate.
     let carried: f64 = got
@@ -106,7 +96,7 @@ fn an_earlier_stage_can_be_chosen_and_carries_what_follows() {
     assert_eq!(scene(folder.path()), named, "law: number and name say the same");
     let earlier = ["--format", "json", "--stage", "fill_funnel"];
     let refused = export(small_run(), &earlier, folder.path());
-    let said = String::from_utf8_lossy(&refused.stderr);
+    let said = said(&refused);
     assert_eq!(refused.status.code(), Some(2), "law: another scene is not written over: {said}");
     assert!(said.contains("--force"), "law: with the way out: {said}");
     done(small_run(), &[&earlier[..], &["--force"]].concat(), folder.path());
@@ -212,20 +202,16 @@ fn frames_lead_from_the_first_stage_to_the_last_specimen() {
     for file in ["manifest.json", "grains.json"] {
         fs::copy(small_run().join(file), bare.path().join(file)).expect("a copy");
     }
-    for stage in fs::read_dir(small_run().join("stages")).expect("stages").flatten() {
-        if !stage.path().is_dir() {
-            continue;
-        }
-        let to = bare.path().join("stages").join(stage.file_name());
+    for stage in stored(small_run()) {
+        let to = bare.path().join("stages").join(stage.file_name().expect("a name"));
         fs::create_dir_all(&to).expect("a folder");
-        fs::copy(stage.path().join("specimen.json"), to.join("specimen.json")).expect("a copy");
-        let text = fs::read(stage.path().join("stage.json")).expect("a record");
-        let mut record: serde_json::Value = serde_json::from_slice(&text).expect("JSON");
+        fs::copy(stage.join("specimen.json"), to.join("specimen.json")).expect("a copy");
+        let mut record = json(&stage.join("stage.json"));
         let fields = record.as_object_mut().expect("an object");
         for sum in ["frames_sha256", "record_sha256", "identity"] {
             assert!(fields.remove(sum).is_some(), "law: a record has {sum}");
         }
-        fs::write(to.join("stage.json"), record.to_string()).expect("a record");
+        write(&to, "stage.json", &record);
     }
     let bare = read_playback(bare.path()).expect("the run can be read");
     let frames: Vec<usize> = bare.stages.iter().map(|s| s.frames.len()).collect();
@@ -238,7 +224,7 @@ fn frames_for_paraview_are_listed_and_counted() {
     let folder = tempfile::tempdir().expect("a folder");
     let output =
         export(small_run(), &["--format", "vtk", "--every", "0.08", "--json"], folder.path());
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
     let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let lists: Vec<&str> =
         told["files"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
@@ -322,11 +308,9 @@ fn what_cannot_be_exported_is_said_in_one_line() {
     let refused = |run: &Path, more: &[&str], code: i32, words: &[&str]| {
         let out = folder.path().join("out");
         let output = export(run, more, &out);
-        let said = String::from_utf8_lossy(&output.stderr);
+        let said = said(&output);
         assert_eq!(output.status.code(), Some(code), "{more:?}: {said}");
-        for word in words {
-            assert!(said.contains(word), "`{word}` is missing in: {said}");
-        }
+        assert_holds(&said, words);
         assert!(!out.exists(), "nothing is written: {more:?}");
     };
     let run = small_run();
@@ -362,20 +346,24 @@ fn what_cannot_be_exported_is_said_in_one_line() {
     for (format, missing) in [("csv", "specimen.json"), ("vtk", "stages"), ("glb", "stages")] {
         refused(&damaged, &["--format", format], 4, &[missing]);
     }
+    fs::copy(run.join("specimen.json"), damaged.join("specimen.json")).expect("a copy");
+    let grains = fs::read_to_string(run.join("grains.json")).expect("grains");
+    fs::write(damaged.join("grains.json"), grains.replacen("0.0", "0.5", 1)).expect("changed");
+    refused(&damaged, &["--format", "csv"], 2, &["grains.json", "not what was written"]);
+    fs::write(damaged.join("grains.json"), grains).expect("as it was");
     let state = fs::read_to_string(run.join("specimen.json")).expect("a specimen");
     let state = state.replace("\"table_x\"", "\"table_y\"");
     fs::write(damaged.join("specimen.json"), state).expect("a damaged specimen");
     refused(&damaged, &["--format", "csv"], 2, &["specimen.json", "not what was written"]);
     // Older versions noted no sums.
-    let text = fs::read_to_string(run.join("manifest.json")).expect("a manifest");
-    let mut manifest: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let mut manifest = json(&run.join("manifest.json"));
     assert!(manifest["files_sha256"].take().is_object(), "law: a manifest notes sums");
     manifest["files_sha256"] = serde_json::json!({});
-    fs::write(damaged.join("manifest.json"), manifest.to_string()).expect("an old manifest");
+    write(&damaged, "manifest.json", &manifest);
     refused(&damaged, &["--format", "csv"], 2, &["specimen.json", "table_x"]);
     // Of two stages of a name none is meant.
     manifest["stages"][2]["stage"] = serde_json::json!("pour");
-    fs::write(damaged.join("manifest.json"), manifest.to_string()).expect("another manifest");
+    write(&damaged, "manifest.json", &manifest);
     for format in ["json", "vtk", "glb"] {
         refused(&damaged, &["--format", format, "--stage", "pour"], 2, &["`pour`", "1 or 2"]);
     }

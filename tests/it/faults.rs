@@ -6,7 +6,7 @@ use std::{
     path::Path,
     process::{Command, Output, Stdio},
     thread,
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use serde_json::{Value, json};
@@ -14,6 +14,9 @@ use serde_json::{Value, json};
 use super::{
     export::small_run,
     interruption::{copy, write_scenario},
+    program::{self, Folder, assert_holds, said, text},
+    same::assert_same_bytes,
+    small,
 };
 
 /// Longest that anything here may take; without an end it takes for ever.
@@ -21,34 +24,23 @@ const SOON: Duration = Duration::from_secs(60);
 
 /// Waits for a program to end; kills one that does not.
 fn ended(mut command: Command, what: &str) -> Output {
-    let mut child =
-        command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts");
-    let begun = Instant::now();
-    while child.try_wait().expect("its state").is_none() {
-        if begun.elapsed() > SOON {
-            child.kill().expect("killed");
-            panic!("law: {what} ends; expected within seconds, got nothing in {SOON:?}");
-        }
-        thread::sleep(Duration::from_millis(20));
-    }
-    child.wait_with_output().expect("its output")
+    command.stdout(Stdio::null()).stderr(Stdio::piped());
+    program::ended(program::spawned(command), SOON, what)
 }
 
 fn pluvia(args: &[&str], out: &Path) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+    let mut command = program::pluvia();
     command.args(args).arg("--out").arg(out).arg("--quiet");
     command
 }
 
-/// One line with the words, and the exit code.
-fn refused(output: &Output, expected: i32, words: &[&str], what: &str) {
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    let code = output.status.code();
-    assert_eq!(code, Some(expected), "law: {what}: the exit code, got: {said}");
+/// Ends soon, without a panic, with an exit code and words.
+fn refused(command: Command, expected: i32, words: &[&str], what: &str) {
+    let output = ended(command, what);
+    let said = said(&output);
+    assert_eq!(output.status.code(), Some(expected), "law: {what}: the exit code, got: {said}");
     assert!(!said.contains("panicked"), "law: {what}: no panic, got: {said}");
-    for word in words {
-        assert!(said.contains(word), "law: {what}: the message holds `{word}`, got: {said}");
-    }
+    assert_holds(&said, words);
 }
 
 fn scenario(grains: Value) -> Value {
@@ -56,33 +48,31 @@ fn scenario(grains: Value) -> Value {
 }
 
 #[cfg(target_os = "linux")]
+fn of_mesh(file: &str) -> Value {
+    scenario(json!({ "meshes": [file], "mesh_unit": "mm", "density_kg_per_m3": 2650 }))
+}
+
+#[cfg(target_os = "linux")]
 #[test]
 fn inputs_without_end_are_refused_whoever_names_them() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
-    let write = |name: &str, content: &Value| {
-        fs::write(at(name), content.to_string()).expect("written");
-    };
-    let fifo = at("fifo.stl");
+    let folder = Folder::new();
+    let fifo = folder.out("fifo.stl");
     assert!(Command::new("mkfifo").arg(&fifo).status().is_ok_and(|s| s.success()), "mkfifo");
-    std::os::unix::fs::symlink("/dev/zero", at("zero.stl")).expect("a link");
-    write("extends.json", &json!({ "extends": "/dev/zero" }));
-    write("grains.json", &scenario(json!({ "file": "/dev/zero" })));
-    let mesh = |file: &str| {
-        scenario(json!({ "meshes": [file], "mesh_unit": "mm", "density_kg_per_m3": 2650 }))
-    };
-    write("mesh.json", &mesh("zero.stl"));
-    write("pipe.json", &mesh("fifo.stl"));
-    let out = folder.path().join("out");
+    std::os::unix::fs::symlink("/dev/zero", folder.path("zero.stl")).expect("a link");
+    let extends = folder.scenario("extends.json", &json!({ "extends": "/dev/zero" }));
+    let grains = folder.scenario("grains.json", &scenario(json!({ "file": "/dev/zero" })));
+    let mesh = folder.scenario("mesh.json", &of_mesh("zero.stl"));
+    let pipe = folder.scenario("pipe.json", &of_mesh("fifo.stl"));
+    let out = folder.path("out");
     let only = "only regular files are read";
     for args in [
         ["run", "/dev/zero"],
         ["run", &fifo],
         ["grains", "/dev/full"],
-        ["run", &at("extends.json")],
-        ["run", &at("grains.json")],
-        ["grains", &at("mesh.json")],
-        ["grains", &at("pipe.json")],
+        ["run", &extends],
+        ["run", &grains],
+        ["grains", &mesh],
+        ["grains", &pipe],
         ["compare", &fifo],
         ["sweep", "/dev/zero"],
         ["calibrate", "/dev/zero"],
@@ -94,25 +84,24 @@ fn inputs_without_end_are_refused_whoever_names_them() {
             "calibrate" => drop(command.args(["--angle-of-repose", "35"])),
             _ => {}
         }
-        refused(&ended(command, &what), 2, &[only], &what);
+        refused(command, 2, &[only], &what);
     }
     for command in ["converge", "sensitivity"] {
-        let output = ended(pluvia(&[command, "--design", "/dev/zero"], &out), command);
-        refused(&output, 2, &[only], command);
+        refused(pluvia(&[command, "--design", "/dev/zero"], &out), 2, &[only], command);
     }
     // A file of the kernel, regular by name: reading it waits for ever.
-    let output = ended(pluvia(&["run", "/proc/kmsg"], &out), "run /proc/kmsg");
+    let kernel = pluvia(&["run", "/proc/kmsg"], &out);
     // Whoever may open it finds no JSON in it; to everybody else the system refuses it.
     let may_open = fs::File::open("/proc/kmsg").is_ok();
-    refused(&output, if may_open { 2 } else { 4 }, &["/proc/kmsg"], "run /proc/kmsg");
+    refused(kernel, if may_open { 2 } else { 4 }, &["/proc/kmsg"], "run /proc/kmsg");
 }
 
 /// Law: what a file is or holds is usage (2), what the system does not let be read is not (4).
 #[cfg(target_os = "linux")]
 #[test]
 fn each_refusal_has_one_exit_code() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let folder = Folder::new();
+    let at = |name: &str| folder.out(name);
     let large = |name: &str, bytes: u64| {
         let file = fs::File::create(at(name)).expect("made");
         file.set_len(bytes).expect("a hole takes no room");
@@ -120,31 +109,22 @@ fn each_refusal_has_one_exit_code() {
     large("large.json", (4 << 20) + 1);
     large("large.stl", (512 << 20) + 1);
     fs::write(at("words.json"), "no JSON").expect("written");
-    let write = |name: &str, grains: Value| {
-        fs::write(at(name), scenario(grains).to_string()).expect("written");
-    };
-    for (name, file) in [
-        ("of-words.json", "words.json"),
-        ("of-folder.json", "."),
-        ("of-missing.json", "missing.json"),
-    ] {
-        write(name, json!({ "file": file }));
-    }
-    for (name, file) in
-        [("of-large-mesh.json", "large.stl"), ("of-missing-mesh.json", "missing.stl")]
-    {
-        write(name, json!({ "meshes": [file], "mesh_unit": "mm", "density_kg_per_m3": 2650 }));
-    }
-    let run = folder.path().join("run");
-    copy(small_run(), &run);
-    fs::write(run.join("manifest.json"), "{}").expect("written");
+    let from_file = |file: &str| scenario(json!({ "file": file }));
+    folder.scenario("of-words.json", &from_file("words.json"));
+    folder.scenario("of-folder.json", &from_file("."));
+    folder.scenario("of-missing.json", &from_file("missing.json"));
+    folder.scenario("of-large-mesh.json", &of_mesh("large.stl"));
+    folder.scenario("of-missing-mesh.json", &of_mesh("missing.stl"));
+    copy(small_run(), &folder.path("run"));
+    fs::write(at("run/manifest.json"), "{}").expect("written");
     let (run, none) = (at("run"), at("none"));
     let (device, file) = ("/dev/zero".to_owned(), at("words.json"));
-    let export = ["--format", "csv"];
+    let (export, png) = (["--format", "csv"], at("x.png"));
+    let to_png = ["--out", &*png];
     type Case<'a> = (&'a str, &'a str, &'a [&'a str], i32, &'a [&'a str]);
-    let cases: [Case; 17] = [
+    let cases: [Case; 21] = [
         ("run", &at("large.json"), &[], 2, &["large.json", "4.0 MiB", "at most 4.0 MiB"]),
-        ("run", folder.path().to_str().expect("UTF-8"), &[], 2, &["a folder", "regular files"]),
+        ("run", &at("."), &[], 2, &["a folder", "regular files"]),
         ("run", &at("words.json"), &[], 2, &["words.json", "not JSON"]),
         ("run", &at("of-words.json"), &[], 2, &["words.json", "grains.file"]),
         ("run", &at("of-folder.json"), &[], 2, &["a folder", "regular files"]),
@@ -160,103 +140,45 @@ fn each_refusal_has_one_exit_code() {
         ("view", &run, &["--save", "x.html"], 2, &["manifest.json", "as Pluvia writes it"]),
         ("view", &device, &["--save", "x.html"], 2, &["/dev/zero", "a device"]),
         ("view", &none, &["--save", "x.html"], 4, &["none", "No such file"]),
+        ("picture", &device, &to_png, 2, &["a device"]),
+        ("picture", &run, &to_png, 2, &["as Pluvia writes it"]),
+        ("picture", &file, &to_png, 2, &["words.json"]),
+        ("picture", &none, &to_png, 4, &["No such file"]),
     ];
     for (command, subject, more, code, words) in cases {
         let what = format!("{command} {subject}");
-        let mut program = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-        program.arg(command).arg(subject).args(more).arg("--quiet").current_dir(folder.path());
-        if !["view", "stage"].contains(&command) {
+        let mut program = program::pluvia();
+        program.arg(command).arg(subject).args(more).arg("--quiet").current_dir(at(""));
+        if !["view", "stage", "picture"].contains(&command) {
             program.arg("--out").arg(at("out"));
         }
-        refused(&ended(program, &what), code, words, &what);
-    }
-    for (subject, code, words) in [
-        ("/dev/zero", 2, "a device"),
-        (&*run, 2, "as Pluvia writes it"),
-        (&*file, 2, "words.json"),
-        (&*none, 4, "No such file"),
-    ] {
-        let mut program = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-        program.args(["picture", subject, "--out", &at("x.png"), "--quiet"]);
-        refused(&ended(program, subject), code, &[words], &format!("picture {subject}"));
+        refused(program, code, words, &what);
     }
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 fn files_of_a_run_without_end_are_refused() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = Folder::new();
     for name in ["manifest.json", "grains.json", "specimen.json"] {
-        let run = folder.path().join(name);
+        let run = folder.path(name);
         copy(small_run(), &run);
         fs::remove_file(run.join(name)).expect("removed");
         std::os::unix::fs::symlink("/dev/zero", run.join(name)).expect("a link");
-        let run = run.to_str().expect("UTF-8").to_owned();
-        let command = pluvia(&["export", &run, "--format", "csv"], &folder.path().join("out"));
-        let output = ended(command, name);
-        refused(&output, 2, &[name, "only regular files are read"], name);
-    }
-}
-
-/// Law: a specimen that speaks of grains that are not there is refused with the field,
-/// by whatever reads it.
-#[test]
-fn a_specimen_of_other_grains_is_refused() {
-    let folder = tempfile::tempdir().expect("a folder");
-    type Change = fn(&mut Value);
-    let changes: [(&str, Change); 2] = [
-        ("bodies", |state| {
-            let bodies = state["bodies"].as_array_mut().expect("a list");
-            bodies.extend(bodies.clone());
-        }),
-        ("fixed_grains[0].grain", |state| {
-            let pose = state["bodies"][0]["pose"].clone();
-            state["base"] = json!({
-                "radius": 0.1, "friction": null,
-                "fixed_grains": [{ "grain": 1_000_000, "pose": pose }]
-            });
-        }),
-    ];
-    for (n, (field, change)) in changes.into_iter().enumerate() {
-        let run = folder.path().join(n.to_string());
-        copy(small_run(), &run);
-        let path = run.join("specimen.json");
-        let text = fs::read(&path).expect("a specimen");
-        let mut state: Value = serde_json::from_slice(&text).expect("JSON");
-        change(&mut state);
-        fs::write(&path, state.to_string()).expect("written");
-        // As if it had been written so.
-        let manifest = run.join("manifest.json");
-        let text = fs::read(&manifest).expect("a manifest");
-        let mut content: Value = serde_json::from_slice(&text).expect("JSON");
-        content["files_sha256"].as_object_mut().expect("hashes").remove("specimen.json");
-        fs::write(&manifest, content.to_string()).expect("written");
-        for format in ["vtk", "obj", "glb", "csv"] {
-            let run = run.to_str().expect("UTF-8");
-            let out = folder.path().join("out");
-            let output =
-                ended(pluvia(&["export", run, "--force", "--format", format], &out), field);
-            // Formats of the whole run read the stages, which are as they were.
-            if output.status.code() != Some(0) {
-                refused(&output, 2, &["specimen.json", field], field);
-            } else {
-                assert!(matches!(format, "vtk" | "glb"), "law: {format} refuses `{field}`");
-            }
-        }
+        let command = pluvia(&["export", text(&run), "--format", "csv"], &folder.path("out"));
+        refused(command, 2, &[name, "only regular files are read"], name);
     }
 }
 
 /// Law: a system that gives no threads is reported as one, at once.
 #[test]
 fn without_threads_one_message_says_so() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
-    let run = ["run", scenario.to_str().expect("UTF-8")];
-    let mut command = pluvia(&run, &folder.path().join("out"));
+    let folder = Folder::new();
+    let scenario = write_scenario(&folder.path(""));
+    let mut command = pluvia(&["run", text(&scenario)], &folder.path("out"));
     // A stack for which there is no room: no thread of Rust's starts.
     command.env("RUST_MIN_STACK", (1_u64 << 46).to_string());
-    let output = ended(command, "a run without threads");
-    refused(&output, 3, &["no thread could be started"], "a run without threads");
+    refused(command, 3, &["no thread could be started"], "a run without threads");
 }
 
 /// Law: more threads or jobs than there are cores are as many as the cores, with one warning
@@ -264,16 +186,16 @@ fn without_threads_one_message_says_so() {
 #[test]
 #[ignore = "slow: make test-all"]
 fn threads_that_are_not_there_change_no_bit() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
+    let folder = Folder::new();
+    let scenario = write_scenario(&folder.path(""));
     let program = env!("CARGO_BIN_EXE_pluvia");
     let run = |name: &str, limit: &str, more: &[&str]| {
-        let out = folder.path().join(name);
+        let out = folder.path(name);
         let mut command = Command::new("bash");
         command.arg("-c").arg(format!("{limit} exec \"$0\" \"$@\"")).arg(program);
         command.arg("run").arg(&scenario).arg("--out").arg(&out).args(more);
         let output = ended(command, name);
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let said = said(&output);
         assert_eq!(output.status.code(), Some(0), "law: {name} is run: {said}");
         (out, said)
     };
@@ -286,10 +208,7 @@ fn threads_that_are_not_there_change_no_bit() {
         }
     }
     let assert_same = |other: &Path, what: &str| {
-        for name in ["specimen.json", "series.csv", "grains.csv"] {
-            let read = |out: &Path| fs::read(out.join(name)).expect("a file");
-            assert!(read(&plain) == read(other), "law: {what}: the same bytes of {name}");
-        }
+        assert_same_bytes(&plain, other, &["specimen.json", "series.csv", "grains.csv"], what);
     };
     assert_same(&many, "as many threads as there are cores");
     // The engine's threads have stacks as large as the limit says, for which there is no room.
@@ -302,24 +221,18 @@ fn threads_that_are_not_there_change_no_bit() {
 /// read as valid: the last line says so, and so does the summary.
 #[test]
 fn the_last_line_of_a_run_that_is_not_valid_says_so() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut scenario: Value =
-        serde_json::from_slice(&fs::read(write_scenario(folder.path())).expect("a scenario"))
-            .expect("JSON");
+    let folder = Folder::new();
+    let mut scenario = small::scenario(40.0, 0.5, 0.2);
     // Creep is not measured then, which the standard asks for.
     scenario["rest_test_s"] = json!(0);
-    let path = folder.path().join("unmeasured.json");
-    fs::write(&path, scenario.to_string()).expect("written");
-    let out = folder.path().join("out");
-    let mut command = pluvia(&["run", path.to_str().expect("UTF-8"), "--no-figures"], &out);
-    let output = command.output().expect("it starts");
+    let path = folder.scenario("unmeasured.json", &scenario);
     // Also quietly: nothing else is said then.
-    assert!(output.stdout.is_empty(), "law: quiet");
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let args = ["run", &path, "--no-figures", "--quiet", "--out", &folder.out("out")];
+    let (_, printed, said) = program::run(&args);
+    assert!(printed.is_empty(), "law: quiet");
     let last = said.lines().last().unwrap_or_default();
     assert!(last.contains("NOT VALID") && last.contains("standard"), "law: got `{last}`");
-    let summary = fs::read(out.join("summary.json")).expect("a summary");
-    let summary: Value = serde_json::from_slice(&summary).expect("JSON");
+    let summary = folder.json("out/summary.json");
     assert_eq!(summary["meets_standard"], json!(false), "law: the summary says so, too");
     assert_eq!(summary["valid"], json!(false), "law: what misses the standard is not valid");
     let why = summary["left_out_of_means"][0].as_str().unwrap_or_default();

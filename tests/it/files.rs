@@ -9,8 +9,12 @@ use std::{
 };
 
 use super::{
-    interruption::{copy, finished, pluvia, stages, wait_for_stages, write_scenario},
+    interruption::{
+        copy, finished, pluvia, prepared, stages, stored, wait_for_stages, with_results,
+    },
+    program::{self, assert_holds, said, text},
     same::assert_same_files,
+    soak::image::Mounted,
 };
 
 /// Runs the program under a limit of the size of any file, in blocks of 1 KiB:
@@ -25,13 +29,11 @@ fn limited(scenario: &Path, out: &Path, blocks: u32) -> Output {
 
 /// Exit code 4 and one line that holds all the words; gives the line.
 fn refused(output: &Output, words: &[&str]) -> String {
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let said = said(output);
     assert_eq!(output.status.code(), Some(4), "law: exit code 4 for files, got: {said}");
     assert_eq!(said.trim().lines().count(), 1, "law: one message, got: {said}");
     assert!(!said.contains("panicked"), "law: no panic, got: {said}");
-    for word in words {
-        assert!(said.contains(word), "law: the message holds `{word}`, got: {said}");
-    }
+    assert_holds(&said, words);
     said
 }
 
@@ -40,14 +42,9 @@ fn run(scenario: &Path, out: &Path) -> Output {
     pluvia(scenario, out).stderr(Stdio::piped()).output().expect("the program starts")
 }
 
-fn text(path: &Path) -> &str {
-    path.to_str().expect("UTF-8")
-}
-
 #[test]
 fn a_full_disk_ends_a_run_that_goes_on_when_there_is_room() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
+    let (folder, scenario) = prepared();
     let (whole, full) = (finished(), folder.path().join("full"));
     // Too little for the grains; for the pictures.
     let largest = |name: &str| fs::metadata(whole.join(name)).expect("a file").len() / 1024;
@@ -59,37 +56,22 @@ fn a_full_disk_ends_a_run_that_goes_on_when_there_is_room() {
     assert_same_files(whole, &full, "a disk that was full twice");
 }
 
-/// Whether a small file system could be mounted here, which takes leave that
-/// tests seldom have.
-fn mount(at: &Path, kib: u32) -> bool {
-    let mut command = Command::new("mount");
-    command.args(["-t", "tmpfs", "-o", &format!("size={kib}k"), "tmpfs"]).arg(at);
-    command.output().is_ok_and(|output| output.status.success())
-}
-
 #[test]
 fn a_disk_that_fills_up_between_stages_keeps_them() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
-    let small = folder.path().join("small");
-    fs::create_dir(&small).expect("a folder");
-    if !mount(&small, 180) {
-        eprintln!("not tested here: no file system can be mounted");
-        return;
-    }
-    let out = small.join("out");
+    let (folder, scenario) = prepared();
+    let Some(_mounted) = Mounted::tmpfs(&folder.path().join("small"), 180) else {
+        return program::skipped("a small disk", "no file system can be mounted");
+    };
+    let out = folder.path().join("small/out");
     let output = run(&scenario, &out);
-    let kept = stages(&out);
-    let unmounted = Command::new("umount").arg(&small).status().expect("umount starts");
     let said = refused(&output, &["No space left on device", "finished stage"]);
+    let kept = stages(&out);
     assert!((1..5).contains(&kept), "law: some stages fit into 180 KiB, got {kept}; {said}");
-    assert!(unmounted.success(), "law: nobody holds a file there");
 }
 
 #[test]
 fn what_is_in_the_way_is_named() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
+    let (folder, scenario) = prepared();
     for blocked in ["", "stages", "stages/.lock", "figures", "summary.json", "grains.json"] {
         let out = folder.path().join(format!("out-{}", blocked.replace('/', "-")));
         let place = if blocked.is_empty() { out.clone() } else { out.join(blocked) };
@@ -113,8 +95,7 @@ fn what_is_in_the_way_is_named() {
 #[test]
 fn a_folder_that_cannot_be_written_into_is_told_at_once() {
     use std::os::unix::fs::PermissionsExt;
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
+    let (folder, scenario) = prepared();
     let closed = folder.path().join("closed");
     fs::create_dir(&closed).expect("a folder");
     fs::set_permissions(&closed, fs::Permissions::from_mode(0o555)).expect("closed");
@@ -127,8 +108,7 @@ fn a_folder_that_cannot_be_written_into_is_told_at_once() {
 
 #[test]
 fn a_folder_that_is_removed_under_way_is_told() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
+    let (folder, scenario) = prepared();
     let out = folder.path().join("out");
     let mut command = pluvia(&scenario, &out);
     command.stderr(Stdio::piped());
@@ -147,9 +127,8 @@ fn standard_output_that_is_full_is_told() {
         eprintln!("not tested here: there is no /dev/full");
         return;
     };
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-    let output = command.args(["info", "--json"]).stdout(full).output().expect("it starts");
-    refused(&output, &["standard output", "No space left"]);
+    let output = program::pluvia().args(["info", "--json"]).stdout(full).output();
+    refused(&output.expect("it starts"), &["standard output", "No space left"]);
 }
 
 /// Damage to what a finished run has in store.
@@ -157,10 +136,7 @@ type Damage = fn(&Path);
 
 #[test]
 fn a_damaged_stage_is_told_and_done_again() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
-    let hurt = folder.path().join("hurt");
-    copy(finished(), &hurt);
+    let (_folder, scenario, hurt) = with_results();
     let damages: [(&str, Damage); 3] = [
         ("frames.bin", |file| {
             let length = fs::metadata(file).expect("a file").len();
@@ -176,46 +152,14 @@ fn a_damaged_stage_is_told_and_done_again() {
             fs::write(file, content.replacen("\"steps\": ", "\"steps\": 1", 1)).expect("changed");
         }),
     ];
-    let stored = fs::read_dir(hurt.join("stages")).expect("stages").flatten().map(|e| e.path());
-    let mut folders: Vec<PathBuf> = stored.filter(|p| p.join("stage.json").exists()).collect();
-    folders.sort();
-    for ((name, damage), stage) in damages.iter().zip(&folders) {
+    for ((name, damage), stage) in damages.iter().zip(stored(&hurt)) {
         damage(&stage.join(name));
     }
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-    command.arg("run").arg(&scenario).arg("--out").arg(&hurt);
-    let output = command.output().expect("it starts");
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "law: damage does not end a run, got {said}");
+    let (code, _, said) = program::run(&["run", text(&scenario), "--out", text(&hurt)]);
+    assert_eq!(code, Some(0), "law: damage does not end a run, got {said}");
     for (name, _) in damages {
         let told = said.lines().any(|l| l.contains("damaged and done again") && l.contains(name));
         assert!(told, "law: `{name}` is reported, got {said}");
     }
     assert_same_files(finished(), &hurt, "three damaged stages");
-}
-
-#[test]
-fn a_run_that_was_changed_by_hand_is_not_exported() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().join("out");
-    copy(finished(), &out);
-    let export = |format: &str| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-        command.arg("export").arg(&out).args(["--format", format, "--quiet", "--out"]);
-        command.arg(folder.path().join("exported")).output().expect("it starts")
-    };
-    assert!(export("csv").status.success(), "law: as it was written it is exported");
-    for name in ["grains.json", "specimen.json"] {
-        let path = out.join(name);
-        let was = fs::read_to_string(&path).expect("a file");
-        fs::write(&path, was.replacen("0.0", "0.5", 1)).expect("changed");
-        let output = export("csv");
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "law: {name}: refused for what it holds: {said}");
-        for words in [name, "not what was written"] {
-            assert!(said.contains(words), "law: `{words}` is said, got {said}");
-        }
-        fs::write(&path, was).expect("as it was");
-    }
-    assert!(export("csv").status.success(), "law: put back it is exported again");
 }

@@ -1,13 +1,14 @@
 //! Interpretations of the paper: settings that only stock Bullet contacts take, steps
 //! that are coarse by leave, and the command that lays interpretations side by side.
 
-use std::fs;
-
-use assert_cmd::Command;
-use pluvia::scenario::{Scenario, ScenarioErrors, check, warnings};
+use pluvia::scenario::{Scenario, check, warnings};
 use serde_json::{Value, json};
 
-use crate::small;
+use crate::{
+    program::{Folder, assert_holds, done, refused},
+    scenario::told,
+    small,
+};
 
 fn scenario(engine: Value) -> Scenario {
     let mut value = small::scenario(40.0, 0.25, 0.1);
@@ -16,13 +17,7 @@ fn scenario(engine: Value) -> Scenario {
 }
 
 fn faults(engine: Value) -> Vec<(String, String)> {
-    match check(&scenario(engine)) {
-        Ok(()) => Vec::new(),
-        Err(ScenarioErrors::Faults(faults)) => {
-            faults.into_iter().map(|f| (f.path.clone(), f.to_string())).collect()
-        }
-        Err(other) => panic!("{other}"),
-    }
+    told(check(&scenario(engine)))
 }
 
 #[test]
@@ -69,46 +64,32 @@ fn coarse_steps_are_refused_or_a_warning() {
     assert!(warnings(&scenario(let_pass)).is_empty(), "law: fine steps are not warned of");
 }
 
-fn pluvia(args: &[&str]) -> (Option<i32>, String, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-    let output = command.args(args).output().expect("the program starts");
-    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
-    (output.status.code(), text(output.stdout), text(output.stderr))
-}
-
 #[test]
 fn wrong_names_are_refused_with_the_allowed_ones() {
     for args in [
         ["interpretations", "--only", "converged,blender"],
         ["reproduce", "--interpretation", "blender"],
     ] {
-        let (code, _, err) = pluvia(&args);
-        assert_eq!(code, Some(2), "{args:?}: {err}");
-        for name in ["`blender`", "converged", "per_body", "bullet_stock", "blender_2014_mm"] {
-            assert!(err.contains(name), "{args:?}: {name} is not named in: {err}");
-        }
+        let names = ["`blender`", "converged", "per_body", "bullet_stock", "blender_2014_mm"];
+        refused(&args, 2, &names);
     }
 }
 
 #[test]
 #[ignore = "slow: make test-all"]
 fn interpretations_of_one_programme_accumulate() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().to_str().expect("UTF-8");
+    let folder = Folder::new();
+    let out = folder.out("");
     let run = |only: &str, more: &[&str]| {
-        let args = ["interpretations", "--quick", "--jobs", "1", "--out", out, "--only", only];
+        let args = ["interpretations", "--quick", "--jobs", "1", "--out", &out, "--only", only];
         let small = ["--set", "grains.total_mass_g=40", "--set", "rest_test_s=0.2"];
-        let (code, text, err) = pluvia(&[&args[..], &small, more].concat());
-        assert_eq!(code, Some(0), "{only}: {err}");
-        text
+        done(&[&args[..], &small, more].concat())
     };
     run("converged", &[]);
     let text = run("blender_2014_cm,per_body", &[]);
-    for name in ["converged", "blender_2014_cm", "per_body"] {
-        assert!(text.contains(name), "law: earlier interpretations stay: {name} in {text}");
-    }
-    let read = |name: &str| fs::read_to_string(folder.path().join(name)).expect(name);
-    let json: Value = serde_json::from_str(&read("interpretations.json")).expect("JSON");
+    // Earlier interpretations stay.
+    assert_holds(&text, &["converged", "blender_2014_cm", "per_body"]);
+    let json = folder.json("interpretations.json");
     let names: Vec<&str> = json["interpretations"]
         .as_array()
         .expect("a list")
@@ -122,22 +103,20 @@ fn interpretations_of_one_programme_accumulate() {
     );
     let warned = |n: usize| json["interpretations"][n]["warnings"].as_array().map_or(0, Vec::len);
     assert_eq!((warned(0), warned(2) > 0), (0, true), "coarse steps are reported: {json}");
-    let summary = read("runs/pluviation-c1-fh000-interpretation-blender-2014-cm/summary.json");
+    let run_of = "runs/pluviation-c1-fh000-interpretation-blender-2014-cm";
+    let summary = folder.text(&format!("{run_of}/summary.json"));
     assert!(summary.contains("allow_coarse_steps"), "and kept in the summary: {summary}");
-    let manifest: Value = serde_json::from_str(&read(
-        "runs/pluviation-c1-fh000-interpretation-blender-2014-cm/manifest.json",
-    ))
-    .expect("JSON");
+    let manifest = folder.json(&format!("{run_of}/manifest.json"));
     let held = &manifest["engine_settings_read_back"];
     assert_eq!(held["sleeping"], 1.0, "read back: {held}");
     for file in ["interpretations.md", "interpretations.html"] {
-        assert!(read(file).contains("blender_2014_cm"), "{file} shows every interpretation");
+        assert_holds(&folder.text(file), &["blender_2014_cm"]);
     }
     // Its few grains went through the floor: it has no heights, and the page says so.
-    let figure = read("figures/interpretations-standing-height.svg");
+    let figure = folder.text("figures/interpretations-standing-height.svg");
     assert!(figure.contains("per_body"), "law: an interpretation with heights has a line");
     let without = "Without a run that kept grains: blender_2014_cm";
-    assert!(read("interpretations.html").contains(without), "law: the others are named");
+    assert_holds(&folder.text("interpretations.html"), &[without]);
 
     // Another gravity is another programme.
     let text = run("full_stroke", &["--set", "gravity_m_per_s2=9.8"]);

@@ -1,5 +1,4 @@
-//! A run that is killed goes on from what it had finished, and ends with the
-//! bytes of one that was never killed.
+//! A small run for tests that interrupt it, and what one that nobody interrupted leaves.
 
 use std::{
     fs,
@@ -10,40 +9,52 @@ use std::{
     time::{Duration, Instant},
 };
 
-use serde_json::{Value, json};
+use serde_json::json;
 use tempfile::TempDir;
 
-use super::{same::assert_same_files, small};
+use super::{
+    program::{self, write},
+    small,
+};
 
 /// Forty grams of gravel, poured and shaken for half a second.
 pub fn write_scenario(folder: &Path) -> PathBuf {
-    let path = folder.join("small.json");
-    let scenario = small::scenario(40.0, 0.5, 0.2);
-    fs::write(&path, scenario.to_string()).expect("a scenario file");
-    path
+    write(folder, "small.json", &small::scenario(40.0, 0.5, 0.2))
 }
 
 /// The same, stored on its way after every tenth of a simulated second.
 pub fn write_scenario_in_segments(folder: &Path) -> PathBuf {
-    let path = folder.join("segments.json");
     let mut scenario = small::scenario(40.0, 0.5, 0.2);
     scenario["engine"] = json!({ "native": { "checkpoint_every_s": 0.1 } });
-    fs::write(&path, scenario.to_string()).expect("a scenario file");
-    path
+    write(folder, "segments.json", &scenario)
+}
+
+/// A folder with that scenario.
+pub fn prepared() -> (TempDir, PathBuf) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario(folder.path());
+    (folder, scenario)
+}
+
+/// The same, and in `out` what the scenario leaves.
+pub fn with_results() -> (TempDir, PathBuf, PathBuf) {
+    let (folder, scenario) = prepared();
+    let out = folder.path().join("out");
+    copy(finished(), &out);
+    (folder, scenario, out)
 }
 
 /// What an uninterrupted run of [`write_scenario`] leaves, once for all tests.
 pub fn finished() -> &'static Path {
-    static MADE: OnceLock<TempDir> = OnceLock::new();
-    static OUT: OnceLock<PathBuf> = OnceLock::new();
-    let folder = MADE.get_or_init(|| {
+    static MADE: OnceLock<(TempDir, PathBuf)> = OnceLock::new();
+    let (_, out) = MADE.get_or_init(|| {
         let folder = tempfile::tempdir().expect("a folder");
-        let scenario = write_scenario(folder.path());
-        let done = pluvia(&scenario, &folder.path().join("out")).status().expect("started");
+        let out = folder.path().join("out");
+        let done = pluvia(&write_scenario(folder.path()), &out).status().expect("started");
         assert!(done.success(), "law: the small scenario can be run");
-        folder
+        (folder, out)
     });
-    OUT.get_or_init(|| folder.path().join("out"))
+    out
 }
 
 /// A copy of a folder, to be changed.
@@ -61,7 +72,7 @@ pub fn copy(from: &Path, to: &Path) {
 
 /// `pluvia run`, saying nothing.
 pub fn pluvia(scenario: &Path, out: &Path) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+    let mut command = program::pluvia();
     command.arg("run").arg(scenario).arg("--out").arg(out).arg("--quiet");
     command.stdout(Stdio::null()).stderr(Stdio::null());
     command
@@ -74,27 +85,19 @@ pub fn without_figures(scenario: &Path, out: &Path) -> Command {
     command
 }
 
-/// The summary without what depends on the machine's speed.
-fn summary(out: &Path) -> Value {
-    let text = fs::read(out.join("summary.json")).expect("a summary");
-    let mut summary: Value = serde_json::from_slice(&text).expect("JSON");
-    let fields = summary.as_object_mut().expect("an object");
-    for timing in ["wall_s", "engine_s", "peak_memory_mib"] {
-        assert!(fields.remove(timing).is_some(), "the summary has {timing}");
-    }
-    summary
+/// Folders of the stages that are stored, in order.
+pub fn stored(out: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(out.join("stages")).expect("stages").flatten().map(|e| e.path());
+    let mut stored: Vec<PathBuf> =
+        entries.filter(|path| path.join("stage.json").exists()).collect();
+    stored.sort();
+    stored
 }
 
-/// The same results.
-pub fn assert_same(a: &Path, b: &Path, what: &str) {
-    assert_eq!(summary(a), summary(b), "law: {what}: the same summary but for timings");
-    for file in ["specimen.json", "series.csv", "grains.csv", "rest_test.csv", "grains.json"] {
-        let (one, two) = (fs::read(a.join(file)), fs::read(b.join(file)));
-        assert!(
-            one.expect("written") == two.expect("written"),
-            "law: {what}: the same bytes in {file}"
-        );
-    }
+/// The first of them of a name.
+pub fn stored_as(out: &Path, name: &str) -> PathBuf {
+    let is_named = |folder: &PathBuf| program::json(&folder.join("stage.json"))["stage"] == name;
+    stored(out).into_iter().find(is_named).unwrap_or_else(|| panic!("law: {name} is stored"))
 }
 
 /// How many stages are stored.
@@ -109,23 +112,4 @@ pub fn wait_for_stages(out: &Path, wanted: usize) {
     while stages(out) < wanted && patience.elapsed() < Duration::from_secs(120) {
         sleep(Duration::from_millis(2));
     }
-}
-
-#[test]
-fn killed_in_the_middle_and_started_again_gives_the_same_as_uninterrupted() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
-    let killed = folder.path().join("killed");
-    // Killed when one stage is stored, then when three are.
-    for wanted in [1, 3] {
-        let mut run = pluvia(&scenario, &killed).spawn().expect("started");
-        wait_for_stages(&killed, wanted);
-        // It may have ended by itself in the meantime: then nothing is killed.
-        let _ = run.kill();
-        run.wait().expect("ended");
-        assert!(stages(&killed) >= wanted, "{wanted} stages stored before the kill");
-    }
-    assert!(pluvia(&scenario, &killed).status().expect("started").success());
-    assert_same(finished(), &killed, "killed and started again");
-    assert_same_files(finished(), &killed, "killed and started again");
 }

@@ -2,10 +2,11 @@
 
 use std::{
     fs,
-    os::unix::fs::PermissionsExt,
     path::Path,
     process::{Command, Output},
 };
+
+use super::program::{assert_holds, root, said, script};
 
 /// Says its build, leaves a table of two points with two piles each, one of which is left out, and
 /// the targets that it was asked for.
@@ -41,7 +42,7 @@ fn joint(folder: &Path, format: &str, batches: &str) -> Output {
         .arg("scripts/joint.sh")
         .args([folder.join("out"), folder.join("tables")])
         .arg(batches)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .current_dir(root())
         .env("PLUVIA", folder.join("program"))
         .env("FORMAT", format)
         .output()
@@ -53,11 +54,8 @@ fn joint(folder: &Path, format: &str, batches: &str) -> Output {
 #[test]
 fn rows_of_two_builds_are_not_pooled() {
     let folder = tempfile::tempdir().expect("a folder");
-    let program = folder.path().join("program");
-    fs::write(&program, PROGRAM).expect("written");
-    fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).expect("allowed");
+    script(&folder.path().join("program"), PROGRAM);
     let read = |file: &str| fs::read_to_string(folder.path().join(file)).expect("it is there");
-    let said = |output: &Output| String::from_utf8_lossy(&output.stderr).into_owned();
     let first = joint(folder.path(), "18", "1");
     assert!(first.status.success(), "law: an empty folder: {}", said(&first));
     assert_eq!(
@@ -69,9 +67,8 @@ fn rows_of_two_builds_are_not_pooled() {
         "law: means of 36.5 and 40.5, and of 44 alone"
     );
     let asked = read("out/pile-1/asked");
-    for words in ["contact.grain_grain_friction=0.25..0.9", "--configurations 4", "--seed 1"] {
-        assert!(asked.contains(words), "law: `{words}` is asked for, got {asked}");
-    }
+    let words = ["contact.grain_grain_friction=0.25..0.9", "--configurations 4", "--seed 1"];
+    assert_holds(&asked, &words);
     assert_eq!(
         read("tables/builds.csv"),
         "table,format\npile-1,18\ncontinuous-1,18\nintermittent-1,18\n",
@@ -83,10 +80,8 @@ fn rows_of_two_builds_are_not_pooled() {
 
     let more = joint(folder.path(), "19", "2");
     assert!(!more.status.success(), "law: rows of two builds are refused");
-    let said = said(&more);
-    for words in ["format 18: ", "pile-1.csv", "format 19: ", "pile-2.csv, to be made"] {
-        assert!(said.contains(words), "law: `{words}` is named, got {said}");
-    }
+    let words = ["format 18: ", "pile-1.csv", "format 19: ", "pile-2.csv, to be made"];
+    assert_holds(&said(&more), &words);
     assert!(!folder.path().join("out/pile-2").exists(), "law: before anything is computed");
 
     fs::remove_file(folder.path().join("tables/builds.csv")).expect("removed");

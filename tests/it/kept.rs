@@ -1,39 +1,40 @@
 //! What a command finds in its way is kept, unless `--force` says otherwise.
 
-use std::{fs, path::Path, process::Command};
+use std::fs;
 
 use serde_json::{Value, json};
 
 use super::{
-    interruption::{copy, finished, write_scenario},
+    interruption::{copy, finished},
+    program::{self, Folder, assert_holds, done, refused},
     same::assert_same_files,
     small,
 };
 
-fn run(scenario: &Path, out: &Path, more: &[&str]) -> (Option<i32>, String, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-    let output = command.arg("run").arg(scenario).arg("--out").arg(out).args(more).output();
-    let output = output.expect("it starts");
-    let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
-    (output.status.code(), text(&output.stdout), text(&output.stderr))
+/// A folder with the small scenario in `small.json`, and what it leaves in `out`.
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.scenario("small.json", &small::scenario(40.0, 0.5, 0.2));
+    copy(finished(), &folder.path("out"));
+    folder
+}
+
+fn run(scenario: &str, out: &str, more: &[&str]) -> (Option<i32>, String, String) {
+    program::run(&[&["run", scenario, "--out", out][..], more].concat())
 }
 
 /// Law: the results of another scenario are kept; those of the same may be made again; `--force`
 /// replaces them.
 #[test]
 fn a_run_does_not_write_over_another() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
-    let out = folder.path().join("out");
-    copy(finished(), &out);
-    let summary = || fs::read(out.join("summary.json")).expect("a summary");
+    let folder = folder();
+    let (scenario, out) = (folder.out("small.json"), folder.out("out"));
+    let summary = || folder.bytes("out/summary.json");
     let was = summary();
     let other = ["--set", "contact.restitution=0.1", "--set", "rest_test_s=0"];
     let (code, printed, said) = run(&scenario, &out, &other);
     assert_eq!(code, Some(2), "law: another scenario is refused, got {said}");
-    for words in ["contact.restitution", "--force", "out"] {
-        assert!(said.contains(words), "`{words}` is missing in: {said}");
-    }
+    assert_holds(&said, &["contact.restitution", "--force", "out"]);
     assert!(printed.is_empty() && summary() == was, "law: nothing is written");
     let (code, _, said) = run(&scenario, &out, &["--quiet", "--no-figures"]);
     assert_eq!(code, Some(0), "law: the same run may be made again, got {said}");
@@ -41,18 +42,15 @@ fn a_run_does_not_write_over_another() {
     let (code, printed, said) = run(&scenario, &out, &forced);
     assert_eq!(code, Some(0), "law: --force replaces it, got {said}");
     assert!(printed.contains("NOT VALID"), "law: with what the other gives, got {printed}");
-    assert!(!out.join("rest_test.csv").exists(), "law: nothing of the first run stays");
-    assert!(!out.join("unfinished.json").exists(), "law: it is finished");
+    assert!(!folder.path("out/rest_test.csv").exists(), "law: nothing of the first run stays");
+    assert!(!folder.path("out/unfinished.json").exists(), "law: it is finished");
 }
 
 /// A box, and a lid that stands in it.
 fn overlapping() -> Value {
     json!({
         "name": "overlapping",
-        "grains": {
-            "total_mass_g": 20, "density_kg_per_m3": 2650,
-            "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
-        },
+        "grains": small::fine(20.0),
         "pieces": [
             { "name": "box", "shape": { "box": { "inner_mm": [100, 100, 100] } } },
             { "name": "lid", "shape": { "plate": { "size_mm": [90, 90, 10] } }, "at_mm": [0, 0, 2] }
@@ -68,31 +66,27 @@ fn overlapping() -> Value {
 /// begin; grains that cannot be read are reported, and not that the scenario is another.
 #[test]
 fn results_are_kept_where_the_next_run_cannot_begin() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().join("out");
-    copy(finished(), &out);
+    let folder = folder();
+    let out = folder.out("out");
     let mut unread = small::scenario(40.0, 0.5, 0.2);
     unread["grains"] = json!({ "file": "gone.json" });
-    for (name, scenario, code, word) in [
-        ("unread", unread, Some(4), "cannot read"),
-        ("overlapping", overlapping(), Some(2), "overlap"),
-    ] {
-        let path = folder.path().join(format!("{name}.json"));
-        fs::write(&path, scenario.to_string()).expect("a scenario");
+    for (name, scenario, code, word) in
+        [("unread", unread, 4, "cannot read"), ("overlapping", overlapping(), 2, "overlap")]
+    {
+        let path = folder.scenario(&format!("{name}.json"), &scenario);
         let mut tried = vec![&["--force"][..]];
         if name == "unread" {
             tried.push(&[]);
         }
         for more in tried {
-            let (got, _, said) = run(&path, &out, more);
-            assert_eq!(got, code, "law: {name} {more:?} is refused, got {said}");
-            assert!(said.contains(word), "`{word}` is missing in: {said}");
+            let args = ["run", &path, "--out", &out];
+            let said = refused(&[&args[..], more].concat(), code, &[word]);
             assert!(!said.contains("another scenario"), "law: {name}: the reason, got {said}");
-            assert_same_files(finished(), &out, name);
+            assert_same_files(finished(), &folder.path("out"), name);
         }
-        let bare = folder.path().join(name);
-        assert_eq!(run(&path, &bare, &[]).0, code, "law: {name} is refused anywhere");
-        let left = fs::read_dir(&bare).expect("a folder").count();
+        // Refused anywhere.
+        refused(&["run", &path, "--out", &folder.out(name)], code, &[]);
+        let left = fs::read_dir(folder.path(name)).expect("a folder").count();
         assert_eq!(left, 0, "law: {name}: nothing is written");
     }
 }
@@ -101,9 +95,8 @@ fn results_are_kept_where_the_next_run_cannot_begin() {
 /// scenario without the fault.
 #[test]
 fn a_study_that_cannot_begin_leaves_its_folder_free() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("overlapping.json");
-    fs::write(&path, overlapping().to_string()).expect("a scenario");
+    let folder = Folder::new();
+    let path = folder.scenario("overlapping.json", &overlapping());
     let friction = "contact.grain_grain_friction";
     let calibrate = ["--target", "void_ratio=0.8", "--unknown", friction, "--between", "0.2..0.9"];
     let mut studies = vec![("calibrate", &calibrate[..])];
@@ -111,16 +104,12 @@ fn a_study_that_cannot_begin_leaves_its_folder_free() {
         studies.push(("compare", &[]));
     }
     for (study, more) in studies {
-        let out = folder.path().join(study);
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-        command.arg(study).arg(&path).arg("--out").arg(&out).args(more);
-        let output = command.output().expect("it starts");
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "law: {study} is refused, got {said}");
-        assert!(said.contains("overlap"), "law: with the reason, got {said}");
-        let left = fs::read_dir(&out).expect("a folder").flatten().map(|e| e.file_name());
-        let is_result = |name: &str| name != "command.json" && !name.ends_with(".lock");
-        let left: Vec<_> = left.filter(|name| is_result(&name.to_string_lossy())).collect();
+        let args = [study, &path, "--out", &folder.out(study)];
+        refused(&[&args[..], more].concat(), 2, &["overlap"]);
+        let left = fs::read_dir(folder.path(study)).expect("a folder").flatten();
+        let names = left.map(|entry| entry.file_name().to_string_lossy().into_owned());
+        let is_result = |name: &String| name != "command.json" && !name.ends_with(".lock");
+        let left: Vec<String> = names.filter(is_result).collect();
         assert!(left.is_empty(), "law: {study} leaves nothing, got {left:?}");
     }
 }
@@ -128,17 +117,15 @@ fn a_study_that_cannot_begin_leaves_its_folder_free() {
 /// Law: quietly, nothing is printed but errors, and what `--json` asks for.
 #[test]
 fn quiet_commands_print_nothing() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
-    let out = folder.path().join("out");
-    copy(finished(), &out);
+    let folder = folder();
+    let (scenario, out) = (folder.out("small.json"), folder.out("out"));
     let (code, printed, said) = run(&scenario, &out, &["--quiet"]);
     assert_eq!((code, &*printed, &*said), (Some(0), "", ""), "law: nothing at all");
     let (code, printed, said) = run(&scenario, &out, &["--quiet", "--json", "--no-figures"]);
     assert_eq!((code, &*said), (Some(0), ""), "law: no progress");
-    let summary: serde_json::Value = serde_json::from_str(&printed).expect("JSON");
+    let summary: Value = serde_json::from_str(&printed).expect("JSON");
     assert_eq!(summary["scenario"], "small", "law: what --json asks for");
-    let (code, printed, said) = run(&folder.path().join("none.json"), &out, &["--quiet"]);
+    let (code, printed, said) = run(&folder.out("none.json"), &out, &["--quiet"]);
     assert_eq!((code, &*printed), (Some(4), ""), "law: an error is one");
     assert!(said.contains("none.json"), "law: and is said, got {said}");
 }
@@ -146,33 +133,16 @@ fn quiet_commands_print_nothing() {
 /// Law: grains need no engine, apparatus or stages: faults there do not keep them from being made.
 #[test]
 fn grains_are_made_whatever_else_a_scenario_says() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let grains = serde_json::json!({
-        "total_mass_g": 30, "density_kg_per_m3": 2673.9,
-        "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-    });
-    let path = folder.path().join("s.json");
-    let make = |scenario: serde_json::Value| {
-        fs::write(&path, scenario.to_string()).expect("a scenario");
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-        command.arg("grains").arg(&path).arg("--out").arg(folder.path().join("out"));
-        let output = command.output().expect("it starts");
-        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    let folder = Folder::new();
+    let out = folder.out("out");
+    let file = |grains: Value| {
+        let stages = json!([{ "stage": "melt" }]);
+        let engine = json!({ "rate_hz": -1, "colour": 1 });
+        let scenario = json!({ "name": "s", "grains": grains, "engine": engine, "stages": stages });
+        folder.scenario("s.json", &scenario)
     };
-    let (code, said) = make(serde_json::json!({
-        "name": "s", "grains": grains, "engine": { "rate_hz": -1, "colour": 1 },
-        "apparatus": { "funnel": { "opening_diameter_mm": 1 } },
-        "stages": [{ "stage": "melt" }]
-    }));
-    assert_eq!(code, Some(0), "law: only the grains count, got {said}");
-    let (code, said) = make(serde_json::json!({ "name": "s", "grains": grains }));
-    assert_eq!(code, Some(0), "law: nothing else is needed, got {said}");
-    let (code, said) = make(serde_json::json!({
-        "name": "s", "grains": { "total_mass_g": -1 }, "sead": 2, "engine": { "rate_hz": -1 }
-    }));
-    assert_eq!(code, Some(2), "law: faults of the grains are faults, got {said}");
-    for words in ["grains.total_mass_g", "sead"] {
-        assert!(said.contains(words), "`{words}` is missing in: {said}");
-    }
+    done(&["grains", &file(small::gravel(30.0)), "--out", &out]);
+    let fault = file(json!({ "total_mass_g": -1 }));
+    let said = refused(&["grains", &fault, "--out", &out], 2, &["grains.total_mass_g"]);
     assert!(!said.contains("rate_hz"), "law: of the grains alone, got {said}");
 }

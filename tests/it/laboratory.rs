@@ -4,16 +4,19 @@ use std::path::Path;
 
 use pluvia::grains::load_scenario;
 use pluvia::protocol::Setup;
-use pluvia::scenario::{Scenario, ScenarioErrors, schema, warnings};
+use pluvia::scenario::{Scenario, schema, warnings};
 use serde_json::{Value, json};
+
+use super::{
+    program::json as read,
+    scenario::{assert_told, changed, told_of as faults},
+    small,
+};
 
 fn sound() -> Value {
     json!({
         "name": "laboratory",
-        "grains": {
-            "total_mass_g": 100, "density_kg_per_m3": 2650,
-            "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
-        },
+        "grains": small::fine(100.0),
         "pieces": [
             { "name": "box", "shape": { "box": { "inner_mm": [100, 100, 100] } } },
             { "name": "lid", "shape": { "plate": { "size_mm": [120, 120, 10] } }, "at_mm": [0, 0, 205] }
@@ -27,24 +30,12 @@ fn sound() -> Value {
     })
 }
 
-/// Paths and texts of the faults of a scenario's file.
-fn faults(value: &Value) -> Vec<(String, String)> {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("scenario.json");
-    std::fs::write(&path, value.to_string()).expect("written");
-    match load_scenario(&path, &[]) {
-        Ok(_) => Vec::new(),
-        Err(ScenarioErrors::Faults(faults)) => {
-            faults.into_iter().map(|f| (f.path.clone(), f.to_string())).collect()
-        }
-        Err(other) => panic!("{other}"),
-    }
-}
-
-fn changed(pointer: &str, to: Value) -> Value {
-    let mut value = sound();
-    *value.pointer_mut(pointer).unwrap_or_else(|| panic!("there is {pointer}")) = to;
-    value
+/// The engines that can neither press nor let go pieces, by their settings and names.
+fn other_engines() -> [(Value, &'static str); 2] {
+    [
+        (json!({ "backend": "rapier" }), "rapier"),
+        (json!({ "contact_solver": "stock" }), "stock contacts"),
+    ]
 }
 
 #[test]
@@ -57,8 +48,7 @@ fn the_shipped_laboratories_load_can_be_built_and_are_short() {
             let file = entry.expect("an entry").path();
             let scenario = load_scenario(&file, &[]).unwrap_or_else(|e| panic!("{e}")).scenario;
             Setup::new(&scenario).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
-            let text = std::fs::read_to_string(&file).expect("read");
-            assert!(validator.is_valid(&serde_json::from_str(&text).expect("JSON")), "{file:?}");
+            assert!(validator.is_valid(&read(&file)), "{file:?}");
             // Tests of flow go down to openings at which hoppers begin to jam.
             let unusual = *folder == "laboratory" && !warnings(&scenario).is_empty();
             assert!(!unusual, "law: nothing unusual in {file:?}");
@@ -75,85 +65,44 @@ fn the_shipped_laboratories_load_can_be_built_and_are_short() {
 #[test]
 fn faults_name_the_field_and_what_is_allowed() {
     assert_eq!(faults(&sound()), [], "law: the sound one is sound");
-    for (pointer, to, path, words) in [
-        ("/pieces/1/name", json!("box"), "pieces[1].name", "two pieces"),
-        ("/pieces/1/name", json!("a b"), "pieces[1].name", "letters, digits"),
-        ("/pieces/1/name", json!("table"), "pieces[1].name", "not a piece's"),
-        ("/stages/0/rate_g_per_s", json!(0.01), "stages[0].time_limit_s", "take longer"),
-        ("/stages/2/pieces", json!(["lid", "lid"]), "stages[2].pieces[1]", "named twice"),
-        ("/pieces/1/shape", json!({}), "pieces[1].shape", "one of `box`"),
-        ("/pieces/1/shape", json!({ "cube": 1 }), "pieces[1].shape.cube", "there is no such field"),
-        (
-            "/pieces/0/shape/box/inner_mm",
-            json!([0, 1, 1]),
-            "pieces[0].shape.box.inner_mm[0]",
-            "out of range",
-        ),
-        ("/stages/0/rate_g_per_s", Value::Null, "stages[0].rate_g_per_s", "type"),
-        ("/stages/0/area_mm", json!([0, 80]), "stages[0].area_mm", "above 0"),
-        ("/stages/1/travel_mm", json!(0), "stages[1].travel_mm", "out of range"),
-        (
-            "/stages/1",
-            json!({ "stage": "move", "pieces": ["lid"], "velocity_mm_per_s": [0, 0, 20], "travel_mm": 10, "ramp_s": 0.6 }),
-            "stages[1].ramp_s",
-            "at most 0.5 s",
-        ),
-        (
-            "/stages/1",
-            json!({ "stage": "press", "loads": [{ "piece": "lid", "force_n": 1 }], "ramp_s": 2, "time_limit_s": 1 }),
-            "stages[1].ramp_s",
-            "at most 1 s",
-        ),
-        (
-            "/stages/0",
-            json!({ "stage": "deposit", "at_mm": [0, 0, 90], "area_mm": [80, 80], "rate_g_per_s": 50, "sizes_mm": [8, 9] }),
-            "stages[0].sizes_mm",
-            "[8, 10]",
-        ),
-        (
-            "/stages/1/velocity_mm_per_s",
-            json!([0, 0, 0]),
-            "stages[1].velocity_mm_per_s",
-            "nothing would move",
-        ),
-        ("/stages/1/pieces", json!(["door"]), "stages[1].pieces[0]", "no such piece"),
-        (
-            "/stages/2/pieces",
-            json!(["lid", "box", "gate"]),
-            "stages[2].pieces[2]",
-            "allowed: box, lid",
-        ),
-        (
-            "/stages/3",
-            json!({ "stage": "remove", "pieces": ["lid"] }),
-            "stages[3].pieces[0]",
-            "removed before",
-        ),
-        ("/stages/3", json!({ "stage": "fill_funnel" }), "stages[3].stage", "built-in"),
-        (
-            "/stages/1",
-            json!({ "stage": "move", "velocity_mm_per_s": [0, 0, 5000000], "duration_s": 1 }),
-            "stages[1]",
-            "a piece at its fastest",
-        ),
-        (
-            "/stages/1",
-            json!({ "stage": "move", "sine": { "amplitude_mm": [0, 0, 1], "frequency_hz": 10 }, "duration_s": 0.55 }),
-            "stages[1].duration_s",
-            "whole number of cycles",
-        ),
-        (
-            "/stages/1",
-            json!({ "stage": "move", "rotation": { "axis": [0, 1, 0], "deg_per_s": 10 }, "travel_mm": 5 }),
-            "stages[1].travel_mm",
-            "no end of this motion",
-        ),
+    for (path, to, words) in [
+        ("pieces[1].name", json!("box"), "two pieces"),
+        ("pieces[1].name", json!("a b"), "letters, digits"),
+        ("pieces[1].name", json!("table"), "not a piece's"),
+        ("pieces[1].shape", json!({}), "one of `box`"),
+        ("pieces[0].shape.box.inner_mm[0]", json!(0), "out of range"),
+        ("stages[0].rate_g_per_s", Value::Null, "type"),
+        ("stages[0].area_mm", json!([0, 80]), "above 0"),
+        ("stages[0].sizes_mm", json!([8, 9]), "[8, 10]"),
+        ("stages[1].travel_mm", json!(0), "out of range"),
+        ("stages[1].ramp_s", json!(0.6), "at most 0.5 s"),
+        ("stages[1].velocity_mm_per_s", json!([0, 0, 0]), "nothing would move"),
     ] {
-        let found = faults(&changed(pointer, to));
-        assert!(
-            found.iter().any(|(p, text)| p == path && text.contains(words)),
-            "law: {pointer} is answered at {path} with `{words}`, got {found:#?}"
-        );
+        assert_told(&faults(&changed(sound(), path, to)), path, words);
+    }
+    let load = json!({ "piece": "lid", "force_n": 1 });
+    let press = json!({ "stage": "press", "loads": [load], "ramp_s": 2, "time_limit_s": 1 });
+    let sine = json!({ "amplitude_mm": [0, 0, 1], "frequency_hz": 10 });
+    let sine = json!({ "stage": "move", "sine": sine, "duration_s": 0.55 });
+    let turn = json!({ "axis": [0, 1, 0], "deg_per_s": 10 });
+    let turn = json!({ "stage": "move", "rotation": turn, "travel_mm": 5 });
+    let remove = json!({ "stage": "remove", "pieces": ["lid"] });
+    let fast = json!({ "stage": "move", "velocity_mm_per_s": [0, 0, 5000000], "duration_s": 1 });
+    let three = json!(["lid", "box", "gate"]);
+    for (place, to, path, words) in [
+        ("pieces[1].shape", json!({ "cube": 1 }), "pieces[1].shape.cube", "there is no such field"),
+        ("stages[0].rate_g_per_s", json!(0.01), "stages[0].time_limit_s", "take longer"),
+        ("stages[1].pieces", json!(["door"]), "stages[1].pieces[0]", "no such piece"),
+        ("stages[1]", fast, "stages[1]", "a piece at its fastest"),
+        ("stages[1]", press, "stages[1].ramp_s", "at most 1 s"),
+        ("stages[1]", sine, "stages[1].duration_s", "whole number of cycles"),
+        ("stages[1]", turn, "stages[1].travel_mm", "no end of this motion"),
+        ("stages[2].pieces", json!(["lid", "lid"]), "stages[2].pieces[1]", "named twice"),
+        ("stages[2].pieces", three, "stages[2].pieces[2]", "allowed: box, lid"),
+        ("stages[3]", remove, "stages[3].pieces[0]", "removed before"),
+        ("stages[3]", json!({ "stage": "fill_funnel" }), "stages[3].stage", "built-in"),
+    ] {
+        assert_told(&faults(&changed(sound(), place, to)), path, words);
     }
     let mut without = sound();
     without.as_object_mut().expect("an object").remove("pieces");
@@ -192,20 +141,13 @@ fn loads_are_checked_all_at_once_and_refused_where_no_engine_can_press() {
         ("loads[3].axis", "only a moment has an axis"),
         ("loads[4].axis", "a moment needs its axis"),
     ] {
-        let path = format!("stages[{stage}].{field}");
-        let told = found.iter().any(|(at, text)| *at == path && text.contains(words));
-        assert!(told, "law: `{path}` is reported with `{words}`, got {found:#?}");
+        assert_told(&found, &format!("stages[{stage}].{field}"), words);
     }
-    for (engine, words) in [
-        (json!({ "backend": "rapier" }), "rapier cannot press"),
-        (json!({ "contact_solver": "stock" }), "stock contacts cannot press"),
-    ] {
+    for (engine, name) in other_engines() {
         let mut value = good.clone();
         value["engine"] = engine;
-        let found = faults(&value);
         let path = format!("stages[{stage}].stage");
-        let told = found.iter().any(|(at, text)| *at == path && text.contains(words));
-        assert!(told, "law: told with `{words}`, got {found:#?}");
+        assert_told(&faults(&value), &path, &format!("{name} cannot press"));
     }
 }
 
@@ -242,9 +184,7 @@ fn a_mean_stress_is_kept_by_pieces_that_a_force_presses_and_by_no_others() {
     let moves = |stage: &&Value| stage.get("keep_mean_stress").is_some();
     let at = with.iter().position(|stage| moves(&stage)).expect("it moves");
     let told = |value: &Value, field: &str, words: &str| {
-        let (found, path) = (faults(value), format!("stages[{at}].keep_mean_stress.{field}"));
-        let told = found.iter().any(|(at, text)| *at == path && text.contains(words));
-        assert!(told, "law: `{path}` is reported with `{words}`, got {found:#?}");
+        assert_told(&faults(value), &format!("stages[{at}].keep_mean_stress.{field}"), words);
     };
     // All at once.
     let names = ["nobody", "cover", "cover", "lid", "vane", "block", "box"];
@@ -271,13 +211,10 @@ fn a_mean_stress_is_kept_by_pieces_that_a_force_presses_and_by_no_others() {
     let mut locked = kept(keep(&["cover"]));
     locked["stages"][at - 2]["loads"][0] = json!({ "piece": "cover", "locked": true });
     told(&locked, "pieces[0]", "no force presses the piece");
-    for (engine, words) in [
-        (json!({ "backend": "rapier" }), "rapier cannot press"),
-        (json!({ "contact_solver": "stock" }), "stock contacts cannot press"),
-    ] {
+    for (engine, name) in other_engines() {
         let mut value = good.clone();
         value["engine"] = engine;
-        told(&value, "pieces", words);
+        told(&value, "pieces", &format!("{name} cannot press"));
     }
     let without: Scenario = serde_json::from_value(sound()).expect("a scenario");
     let text = without.canonical_json();
@@ -302,20 +239,15 @@ fn pieces_that_are_let_go_are_checked_and_refused_where_no_engine_can() {
     };
     let good = with(&["block"]);
     assert_eq!(faults(&good), [], "law: a vane can be let go");
-    let all: Vec<String> = good["pieces"]
-        .as_array()
-        .expect("pieces")
-        .iter()
-        .map(|piece| piece["name"].as_str().expect("a name").to_owned())
-        .collect();
-    let all: Vec<&str> = all.iter().map(String::as_str).collect();
+    let all = ["box", "lid", "block", "cross"];
     let mut thick = good.clone();
     let last = thick["pieces"].as_array().expect("pieces").len() - 1;
     thick["pieces"][last]["shape"]["vane"]["blade_mm"] = json!(25);
-    let mut rapier = good.clone();
-    rapier["engine"] = json!({ "backend": "rapier" });
-    let mut stock = good.clone();
-    stock["engine"] = json!({ "contact_solver": "stock" });
+    let [rapier, stock] = other_engines().map(|(engine, _)| {
+        let mut value = good.clone();
+        value["engine"] = engine;
+        value
+    });
     for (value, field, words) in [
         (with(&["nobody"]), "pieces[0]", "no such piece"),
         (with(&["block", "block"]), "pieces[1]", "named twice"),
@@ -325,32 +257,29 @@ fn pieces_that_are_let_go_are_checked_and_refused_where_no_engine_can() {
         (rapier, "stage", "rapier moves no piece freely"),
         (stock, "stage", "stock contacts moves no piece freely"),
     ] {
-        let path = format!("stages[{stage}].{field}");
-        let found = faults(&value);
-        let told = found.iter().any(|(at, text)| *at == path && text.contains(words));
-        assert!(told, "law: `{path}` is reported with `{words}`, got {found:#?}");
+        assert_told(&faults(&value), &format!("stages[{stage}].{field}"), words);
     }
-    let found = faults(&thick);
-    let path = format!("pieces[{last}].shape.vane.blade_mm");
-    assert!(found.iter().any(|(at, _)| *at == path), "law: no blades are left, {found:#?}");
+    // No blades are left.
+    assert_told(&faults(&thick), &format!("pieces[{last}].shape.vane.blade_mm"), "");
 }
 
 #[test]
 fn what_does_not_suit_is_reported_and_pieces_in_each_other_are_refused() {
     let of = |value: Value| -> Scenario { serde_json::from_value(value).expect("a scenario") };
     let narrow = changed(
-        "/pieces/1/shape",
+        sound(),
+        "pieces[1].shape",
         json!({ "hopper": { "opening_diameter_mm": 40, "top_diameter_mm": 90, "half_angle_deg": 30 } }),
     );
     let told: Vec<String> = warnings(&of(narrow)).iter().map(ToString::to_string).collect();
     assert!(told.iter().any(|text| text.contains("may jam")), "law: 40 mm < 5 × 9 mm, {told:?}");
-    let heavy = changed("/grains/total_mass_g", json!(2000));
+    let heavy = changed(sound(), "grains.total_mass_g", json!(2000));
     let told: Vec<String> = warnings(&of(heavy)).iter().map(ToString::to_string).collect();
     assert!(
         told.iter().any(|text| text.contains("over the rims")),
         "law: 1.6 of 1 litre, {told:?}"
     );
-    let within = changed("/pieces/1/at_mm", json!([0, 0, 100]));
+    let within = changed(sound(), "pieces[1].at_mm", json!([0, 0, 100]));
     let error = Setup::new(&of(within)).expect_err("law: the lid is in the walls").to_string();
     assert!(error.contains("`box` and `lid`"), "{error}");
 }

@@ -4,19 +4,20 @@
 use std::{fs, path::Path};
 
 use pluvia::grains::load_scenario;
-use pluvia::scenario::{ScenarioErrors, StageSpec};
+use pluvia::scenario::StageSpec;
 use serde_json::{Value, json};
 
-use super::interruption::without_figures;
+use super::{
+    program::{self, done, text},
+    scenario::{assert_told, changed, told},
+    small,
+};
 
 /// A box with a lid that is lowered and pressed.
 fn sound() -> Value {
     json!({
         "name": "ends",
-        "grains": {
-            "total_mass_g": 25, "density_kg_per_m3": 2650,
-            "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
-        },
+        "grains": small::fine(25.0),
         "pieces": [
             { "name": "box", "shape": { "box": { "inner_mm": [40, 40, 90] } } },
             { "name": "lid", "shape": { "plate": { "size_mm": [38, 38, 10] } }, "at_mm": [0, 0, 120] }
@@ -41,34 +42,22 @@ fn sound() -> Value {
 }
 
 fn write(folder: &Path, value: &Value) -> std::path::PathBuf {
-    let path = folder.join("scenario.json");
-    fs::write(&path, value.to_string()).expect("written");
-    path
+    program::write(folder, "scenario.json", value)
 }
 
 /// Paths and texts of the faults of a scenario's file in a folder.
 fn faults_in(folder: &Path, value: &Value) -> Vec<(String, String)> {
-    match load_scenario(&write(folder, value), &[]) {
-        Ok(_) => Vec::new(),
-        Err(ScenarioErrors::Faults(faults)) => {
-            faults.into_iter().map(|f| (f.path.clone(), f.to_string())).collect()
-        }
-        Err(other) => panic!("{other}"),
-    }
+    told(load_scenario(&write(folder, value), &[]))
 }
 
+#[track_caller]
 fn expect(folder: &Path, value: &Value, path: &str, words: &str) {
-    let found = faults_in(folder, value);
-    assert!(
-        found.iter().any(|(p, text)| p == path && text.contains(words)),
-        "law: answered at {path} with `{words}`, got {found:#?}"
-    );
+    assert_told(&faults_in(folder, value), path, words);
 }
 
-fn changed(pointer: &str, to: Value) -> Value {
-    let mut value = sound();
-    *value.pointer_mut(pointer).unwrap_or_else(|| panic!("there is {pointer}")) = to;
-    value
+/// Runs a scenario without figures.
+fn run(scenario: &Path, out: &Path) {
+    done(&["run", text(scenario), "--out", text(out), "--quiet", "--no-figures"]);
 }
 
 #[test]
@@ -76,7 +65,7 @@ fn conditions_are_checked_with_what_they_need() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     assert_eq!(faults_in(folder, &sound()), [], "law: the sound one is sound");
-    let until = |to: Value| changed("/stages/1/until", to);
+    let until = |to: Value| changed(sound(), "stages[1].until", to);
     let up = json!([0, 0, 1]);
     for (condition, field, words) in [
         (json!({}), "until.force_n", "ends by one condition"),
@@ -181,10 +170,8 @@ fn what_ended_a_stage_stands_in_the_summary() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = write(folder.path(), &sound());
     let out = folder.path().join("out");
-    let done = without_figures(&scenario, &out).output().expect("started");
-    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-    let read = fs::read(out.join("summary.json")).expect("a summary");
-    let summary: Value = serde_json::from_slice(&read).expect("JSON");
+    run(&scenario, &out);
+    let summary = program::json(&out.join("summary.json"));
     let of = |stage: usize| &summary["stages"][stage]["until"];
     assert_eq!(*of(0), Value::Null, "law: a deposit has no condition");
     let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("a number, got {value}"));
@@ -246,8 +233,8 @@ fn a_recorded_motion_moves_pieces_and_is_checked_beforehand() {
     assert_eq!(faults_in(folder, &value), [], "law: a recorded motion takes a condition");
     value["stages"][1]["time_limit_s"] = json!(1);
     expect(folder, &value, "stages[1].time_limit_s", "with its last row at the latest");
-    let joined = changed("/stages/1/until", json!({ "piece": "lid", "moved_mm": 1 }));
-    let mut value = joined;
+    let moved = json!({ "piece": "lid", "moved_mm": 1 });
+    let mut value = changed(sound(), "stages[1].until", moved);
     value["stages"][1]["interpolation"] = json!("linear");
     expect(folder, &value, "stages[1].interpolation", "has rows to join");
 }
@@ -307,17 +294,12 @@ fn a_mesh_is_a_piece_of_its_convex_parts_and_shows_in_pictures() {
 
     let scenario = write(folder, &of("blocks.obj"));
     let out = folder.join("out");
-    let done = without_figures(&scenario, &out).output().expect("started");
-    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    run(&scenario, &out);
     let shown = |walls: &str| {
         let picture = folder.join(format!("{walls}.png"));
-        let done = std::process::Command::new(env!("CARGO_BIN_EXE_pluvia"))
-            .args(["picture", "--width", "160", "--height", "120", "--no-key"])
-            .args(["--cylinder", walls, "--out"])
-            .args([&picture, &out])
-            .output()
-            .expect("started");
-        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        let look = ["--width", "160", "--height", "120", "--no-key", "--cylinder", walls];
+        let args = ["picture", text(&out), "--out", text(&picture)];
+        done(&[&args[..], &look].concat());
         fs::read(picture).expect("a picture")
     };
     assert_ne!(shown("transparent"), shown("hidden"), "law: a mesh, the only piece, is drawn");

@@ -1,26 +1,21 @@
 //! What runs of laboratories say of their specimen: of a surface that they do not have, and of
 //! grains that are not there.
 
-use std::fs;
-
 use serde_json::{Value, json};
 
-use super::program::{Folder, done};
+use super::{
+    program::{Folder, assert_holds, done},
+    small,
+};
 
 /// Thirty grains that rain into a box, with more or other fields of the deposit; null takes one away.
 fn boxed(deposit: &Value) -> Value {
     let mut stage = json!({ "stage": "deposit", "at_mm": [0, 0, 60], "area_mm": [50, 50],
         "rate_g_per_s": 150 });
-    for (field, value) in deposit.as_object().expect("fields") {
-        stage[field] = value.clone();
-    }
-    stage.as_object_mut().expect("a stage").retain(|_, value| !value.is_null());
+    small::put(&mut stage, deposit);
     json!({
         "name": "boxed",
-        "grains": {
-            "total_mass_g": 30, "density_kg_per_m3": 2650,
-            "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
-        },
+        "grains": small::fine(30.0),
         "pieces": [{ "name": "box", "shape": { "box": { "inner_mm": [60, 60, 60] } } }],
         "stages": [stage],
         "rest_test_s": 0.3
@@ -54,7 +49,7 @@ fn a_laboratory_has_no_mean_surface_over_time() {
         rows.records().map(|row| row.expect("a row")[column].to_owned()).collect();
     assert!(!cells.is_empty() && cells.iter().all(String::is_empty), "law: empty, got {cells:?}");
     assert_eq!(summary["rest_test"]["mean_surface_drop_mm"], Value::Null, "law: no drop of it");
-    let figure = fs::read_to_string(folder.path("out/figures/heights.svg")).expect("a figure");
+    let figure = folder.text("out/figures/heights.svg");
     assert!(!figure.contains("Mean surface"), "law: no curve of what is not measured");
     assert!(figure.contains("Mean height of the grains"), "law: what is measured is drawn");
     // The circle about the corners of the box has 57 cm², and the grains have 11.3 cm³.
@@ -183,9 +178,9 @@ fn a_sweep_of_a_laboratory_has_its_results() {
             assert_eq!(row[column].parse::<f64>(), Ok(own), "law: {path} as {} has it", &row[0]);
         }
     }
-    let page = fs::read_to_string(folder.path("out/sweep.md")).expect("sweep.md");
-    assert!(page.contains("| Rate through mouth (g/s) |"), "law: points have the flow: {page}");
-    assert!(page.contains("opening_diameter_mm | Rate through mouth"), "law: and effects: {page}");
+    // Points have the flow, and effects.
+    let columns = ["| Rate through mouth (g/s) |", "opening_diameter_mm | Rate through mouth"];
+    assert_holds(&folder.text("out/sweep.md"), &columns);
     let (runs, target) = (format!("h={out}"), format!("h:{rate}=1..100000"));
     let found = folder.out("targets");
     done(&["targets", "--runs", &runs, "--target", &target, "--out", &found]);

@@ -2,8 +2,7 @@
 //! are refused are done without, and long lists are answered at once.
 
 use std::{
-    fs,
-    io::{self, Write},
+    fs, io,
     os::unix::fs::PermissionsExt,
     path::{Path, PathBuf},
     process::{Command, Output, Stdio},
@@ -13,22 +12,15 @@ use std::{
 
 use serde_json::json;
 
-use super::{interruption::write_scenario, small};
+use super::{
+    interruption::{prepared, write_scenario},
+    program::{assert_holds, said, skipped, text},
+    same::assert_same_bytes,
+    small,
+};
 
-/// Aloud: what a macro prints is captured, and nobody would see it.
-fn skipped(what: &str, why: &str) {
-    let said = format!("\n*** SKIPPED: {what} is NOT tested: {why} ***\n");
-    let _ = io::stderr().write_all(said.as_bytes());
-}
-
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn bytes(out: &Path) -> Vec<Vec<u8>> {
-    let files = ["specimen.json", "series.csv", "grains.csv"];
-    files.map(|name| fs::read(out.join(name)).expect("a file")).into()
-}
+/// What is the same whatever a run is run with.
+const FILES: [&str; 3] = ["specimen.json", "series.csv", "grains.csv"];
 
 /// The output of a command, and the most threads that it had at a time.
 fn watched(mut command: Command) -> io::Result<(Output, usize)> {
@@ -46,8 +38,7 @@ fn watched(mut command: Command) -> io::Result<(Output, usize)> {
 #[test]
 #[ignore = "slow: make test-all"]
 fn typed_threads_stop_at_the_cores() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
+    let (folder, scenario) = prepared();
     let run = |name: &str, threads: u32| {
         let out = folder.path().join(name);
         let mut command = Command::new("taskset");
@@ -71,7 +62,7 @@ fn typed_threads_stop_at_the_cores() {
         let warning =
             format!("engine.native.threads = {threads} exceeds the 2 available cores; using 2");
         assert_eq!(told.matches(&warning).count(), 1, "law: one warning, got {told}");
-        assert!(bytes(&plain) == bytes(&out), "law: {threads} threads give the same bytes");
+        assert_same_bytes(&plain, &out, &FILES, &format!("{threads} threads"));
         assert_eq!(with_more, with_two, "law: {threads} typed threads make no more than two do");
     }
 }
@@ -106,7 +97,7 @@ fn threads_that_are_refused_end_in_no_panic() {
         command.arg(&program).args(args).arg("--out").arg(results.join(name)).arg("--quiet");
         command.output()
     };
-    let scenario = scenario.to_str().expect("UTF-8");
+    let scenario = text(&scenario);
     let run = ["run", scenario, "--set", "engine.native.threads=2"];
     let plain = match limited(None, &run, "plain") {
         Ok(output) if output.status.success() => results.join("plain"),
@@ -125,10 +116,7 @@ fn threads_that_are_refused_end_in_no_panic() {
         match code {
             Some(0) => {
                 done += 1;
-                assert!(
-                    bytes(&plain) == bytes(&results.join(&name)),
-                    "law: {what}: the same bytes"
-                );
+                assert_same_bytes(&plain, &results.join(&name), &FILES, &what);
             }
             Some(3) => {
                 refused += 1;
@@ -200,9 +188,7 @@ fn a_sieve_table_of_very_many_fractions_is_answered_soon() {
         let output = command.output().expect("it starts");
         let told = said(&output);
         assert_eq!(output.status.code(), Some(2), "law: {count} {what} are refused, got {told}");
-        let words = ["grains.sieve_table", "the list is too long", "1 to 100 elements"];
-        let is_told = words.iter().all(|word| told.contains(word));
-        assert!(is_told, "law: {count} {what}: it is reported with what is allowed, got {told}");
+        assert_holds(&told, &["grains.sieve_table", "the list is too long", "1 to 100 elements"]);
         // A hundred faults are written out at most, each in a line.
         assert!(told.len() < 40_000, "law: {count} {what}: in few words, got {}", told.len());
     }

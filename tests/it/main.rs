@@ -33,6 +33,7 @@ mod load;
 mod measures;
 mod memory;
 mod motions;
+mod near;
 mod peers;
 mod picture;
 mod program;

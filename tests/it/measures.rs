@@ -1,13 +1,14 @@
 //! What is measured of a laboratory, against laws of a specimen at rest, and figures of any of it.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    process::{Command, Output},
-    sync::OnceLock,
-};
+use std::{path::Path, sync::OnceLock};
 
 use serde_json::{Value, json};
+
+use super::{
+    interruption, near,
+    program::{self, Folder, assert_holds, done, refused, words},
+    small,
+};
 
 const GRAVITY: f64 = 9.81;
 
@@ -15,10 +16,7 @@ const GRAVITY: f64 = 9.81;
 fn scenario() -> Value {
     json!({
         "name": "measured",
-        "grains": {
-            "total_mass_g": 100, "density_kg_per_m3": 2650,
-            "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
-        },
+        "grains": small::fine(100.0),
         "pieces": [
             { "name": "floor", "shape": { "plate": { "size_mm": [80, 80, 10] } }, "at_mm": [0, 0, -5] },
             { "name": "walls", "friction": 0,
@@ -41,38 +39,24 @@ fn scenario() -> Value {
     })
 }
 
-fn pluvia(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_pluvia")).args(arguments).output().expect("it starts")
-}
-
-/// The folder of the run, made once.
-fn finished() -> &'static Path {
-    static RUN: OnceLock<(tempfile::TempDir, PathBuf)> = OnceLock::new();
-    let (_, out) = RUN.get_or_init(|| {
-        let folder = tempfile::tempdir().expect("a folder");
-        let file = folder.path().join("measured.json");
-        fs::write(&file, scenario().to_string()).expect("written");
-        let out = folder.path().join("out");
-        let text = |path: &Path| path.to_str().expect("UTF-8").to_owned();
-        let quiet = ["--quiet", "--no-figures"];
-        let ran = pluvia(&[&["run", &text(&file), "--out", &text(&out)][..], &quiet].concat());
-        assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
-        (folder, out)
-    });
-    out
+/// The folder that holds the run in `out`, made once.
+fn finished() -> &'static Folder {
+    static RUN: OnceLock<Folder> = OnceLock::new();
+    RUN.get_or_init(|| {
+        let folder = Folder::new();
+        let file = folder.scenario("measured.json", &scenario());
+        done(&["run", &file, "--out", &folder.out("out"), "--quiet", "--no-figures"]);
+        folder
+    })
 }
 
 fn summary() -> Value {
-    let text = fs::read(finished().join("summary.json")).expect("a summary");
-    serde_json::from_slice(&text).expect("JSON")
+    finished().json("out/summary.json")
 }
 
-/// A column of a table as numbers; empty cells are NaN.
+/// A column of a table of the run.
 fn column(table: &str, name: &str) -> Vec<f64> {
-    let mut reader = csv::Reader::from_path(finished().join(table)).expect("a table");
-    let headers = reader.headers().expect("a header").clone();
-    let at = headers.iter().position(|h| h == name).unwrap_or_else(|| panic!("{table} has {name}"));
-    reader.records().map(|record| record.expect("a row")[at].parse().unwrap_or(f64::NAN)).collect()
+    program::column(&finished().path("out").join(table), name)
 }
 
 /// Law: empty space above the grains is no void between them; a region within them has a relative
@@ -98,11 +82,7 @@ fn number(value: &Value, pointer: &str) -> f64 {
 
 #[track_caller]
 fn near(law: &str, expected: f64, got: f64, share: f64) {
-    let tolerance = share * expected.abs();
-    assert!(
-        (got - expected).abs() <= tolerance,
-        "law: {law}: expected {expected}, got {got}, tolerance {tolerance}"
-    );
+    near::near(law, got, expected, share * expected.abs());
 }
 
 /// Law: between smooth walls the vertical force at every height is the weight of what lies above;
@@ -167,10 +147,7 @@ fn lifting_costs_what_it_should_and_energies_balance() {
     let kinetic = number(&summary, "/stages/0/energy/kinetic_energy_j");
     let lost = number(&summary, "/stages/1/energy/dissipated_j");
     let stored = potential(1) - potential(0) - kinetic;
-    assert!(
-        (put_in - stored - lost).abs() < 1e-3 * put_in,
-        "law: {put_in} J = {stored} + {lost} J"
-    );
+    near("what is put in is stored or lost, J", put_in, stored + lost, 1e-3);
     let heights = column("grains.csv", "z_mm");
     let masses = column("grains.csv", "mass_g");
     let expected: f64 = heights.iter().zip(&masses).map(|(z, m)| 1e-6 * z * m * GRAVITY).sum();
@@ -211,58 +188,34 @@ fn contacts_and_voids_are_counted_whole() {
     near("solids in mm³", 1e3 * number(&summary, "/grains/solids_volume_cm3"), solids, 1e-4);
 }
 
+/// `pluvia plot` of a run, with what else is typed.
+fn plot<'a>(run: &'a str, line: &'a str) -> Vec<&'a str> {
+    [&["plot", run][..], &words(line)].concat()
+}
+
 #[test]
 fn any_columns_can_be_drawn_and_others_are_refused_with_the_nearest() {
-    let run = finished().to_str().expect("UTF-8");
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
-    let plot = |arguments: &[&str]| pluvia(&[&["plot", run], arguments].concat());
-    let said = |output: &Output| String::from_utf8_lossy(&output.stderr).into_owned();
-    let (svg, png) = (file("a/forces.svg"), file("profile.png"));
-    let forces =
-        ["--x", "time_s", "--y", "floor_force_z_n,both_force_z_n,all_void_ratio", "--out", &svg];
-    let drawn = plot(&forces);
-    assert!(drawn.status.success(), "{}", said(&drawn));
-    let text = fs::read_to_string(&svg).expect("a figure");
-    for words in
-        ["Time (s)", "Force z (N)", "All void ratio", "Floor force z", "Beginning of a stage"]
-    {
-        assert!(text.contains(words), "law: `{words}` stands in the figure");
-    }
-    let again = plot(&forces);
-    assert_eq!(again.status.code(), Some(2), "law: a file that is there is kept");
-    assert!(said(&again).contains("--force"), "{}", said(&again));
-    assert!(plot(&[&forces[..], &["--force"]].concat()).status.success(), "law: unless asked");
-    let profile = plot(&[
-        "--file",
-        "void_profile",
-        "--where",
-        "of=layer",
-        "--where",
-        "by=height",
-        "--x",
-        "void_ratio",
-        "--y",
-        "middle_mm",
-        "--out",
-        &png,
-    ]);
-    assert!(profile.status.success(), "{}", said(&profile));
-    assert_eq!(fs::read(&png).expect("a figure")[1..4], *b"PNG");
-    let at_rest = plot(&[
-        "--stage",
-        "rest_test",
-        "--x",
-        "all_stress_xx_kpa",
-        "--y",
-        "all_stress_zz_kpa",
-        "--out",
-        &file("rest.svg"),
-    ]);
-    assert!(at_rest.status.success(), "{}", said(&at_rest));
-    for (arguments, words) in [
+    let run = finished().out("out");
+    let folder = Folder::new();
+    let (svg, png) = (folder.out("a/forces.svg"), folder.out("profile.png"));
+    let forces = "--x time_s --y floor_force_z_n,both_force_z_n,all_void_ratio";
+    let forces = [plot(&run, forces), vec!["--out", &*svg]].concat();
+    done(&forces);
+    let titles = ["Time (s)", "Force z (N)", "All void ratio", "Floor force z"];
+    assert_holds(&folder.text("a/forces.svg"), &titles);
+    assert_holds(&folder.text("a/forces.svg"), &["Beginning of a stage"]);
+    refused(&forces, 2, &["--force"]);
+    done(&[&forces[..], &["--force"]].concat());
+    let profile =
+        "--file void_profile --where of=layer --where by=height --x void_ratio --y middle_mm --out";
+    done(&[plot(&run, profile), vec![&*png]].concat());
+    assert_eq!(folder.bytes("profile.png")[1..4], *b"PNG");
+    let rest = folder.out("rest.svg");
+    let at_rest = "--stage rest_test --x all_stress_xx_kpa --y all_stress_zz_kpa --out";
+    done(&[plot(&run, at_rest), vec![&*rest]].concat());
+    let cases: [(&str, &[&str]); 10] = [
         (
-            &["--x", "tine_s", "--y", "box_n,floor_force_z", "--out", "x.svg"][..],
+            "--x tine_s --y box_n,floor_force_z",
             &[
                 "--x tine_s",
                 "did you mean `time_s`",
@@ -270,81 +223,45 @@ fn any_columns_can_be_drawn_and_others_are_refused_with_the_nearest() {
                 "--y floor_force_z",
                 "`floor_force_z_n`",
                 "There are: time_s, stage",
-            ][..],
+            ],
         ),
         (
-            &["--x", "time_s", "--y", "all_void_ratio", "--stage", "shake", "--out", "x.svg"],
+            "--x time_s --y all_void_ratio --stage shake",
             &["no such stage", "0 deposit, 1 move", "rest_test"],
         ),
         (
-            &["--x", "time_s", "--y", "all_void_ratio", "--stage", "control", "--out", "x.svg"],
+            "--x time_s --y all_void_ratio --stage control",
             &["no such stage (now called `rest_test`)"],
         ),
-        (&["--x", "time_s", "--y", "all_void_ratio", "--out", "x.pdf"], &[".svg or .png"]),
+        ("--x time_s --y all_void_ratio --out x.pdf", &[".svg or .png"]),
+        ("--file grain --x x_mm --y z_mm", &["no table `grain`", "grains, rest_test, series"]),
         (
-            &["--file", "grain", "--x", "x_mm", "--y", "z_mm", "--out", "x.svg"],
-            &["no table `grain`", "grains, rest_test, series"],
-        ),
-        (
-            &["--file", "control", "--x", "time_s", "--y", "all_void_ratio", "--out", "x.svg"],
+            "--file control --x time_s --y all_void_ratio",
             &["no table `control` (now called `rest_test`)"],
         ),
+        ("--file ../out/series --x time_s --y stage", &["no table"]),
+        ("--file grains --x x_mm --y fate", &["--y fate", "it holds text, such as `present`"]),
         (
-            &["--file", "../out/series", "--x", "time_s", "--y", "stage", "--out", "x.svg"],
-            &["no table"],
-        ),
-        (
-            &["--file", "grains", "--x", "x_mm", "--y", "fate", "--out", "x.svg"],
-            &["--y fate", "it holds text, such as `present`"],
-        ),
-        (
-            &[
-                "--file",
-                "grains",
-                "--where",
-                "fate=lost",
-                "--x",
-                "x_mm",
-                "--y",
-                "z_mm",
-                "--out",
-                "x.svg",
-            ],
+            "--file grains --where fate=lost --x x_mm --y z_mm",
             &["fate=lost: no row has it; there are present"],
         ),
-        (
-            &["--x", "time_s", "--y", "plate_height_mm", "--out", "x.svg"],
-            &["--y plate_height_mm", "empty"],
-        ),
-    ] {
-        let refused = plot(arguments);
-        assert_eq!(
-            refused.status.code(),
-            Some(2),
-            "law: {arguments:?} is refused, {}",
-            said(&refused)
-        );
-        for words in words {
-            assert!(
-                said(&refused).contains(words),
-                "law: `{words}` of {arguments:?}: {}",
-                said(&refused)
-            );
-        }
+        ("--x time_s --y plate_height_mm", &["--y plate_height_mm", "empty"]),
+    ];
+    for (line, words) in cases {
+        let out = if line.contains("--out") { "" } else { "--out x.svg" };
+        refused(&plot(&run, &format!("{line} {out}")), 2, words);
     }
     assert!(!Path::new("x.svg").exists(), "law: nothing is written");
-    let listed = plot(&["--list", "--json"]);
-    let listed: Value = serde_json::from_slice(&listed.stdout).expect("JSON");
+    let listed: Value = serde_json::from_str(&done(&plot(&run, "--list --json"))).expect("JSON");
     let columns = listed["columns"].as_array().expect("columns");
     let time = columns.iter().find(|c| c["name"] == "time_s").expect("time_s");
     assert_eq!(time["smallest"], json!(0.0), "law: the range of a column");
-    let text = String::from_utf8_lossy(&plot(&["--list"]).stdout).into_owned();
-    assert!(text.contains("floor_force_z_n"), "{text}");
+    assert_holds(&done(&plot(&run, "--list")), &["floor_force_z_n"]);
 }
 
 #[test]
 fn groups_that_make_no_sense_are_refused_with_the_field() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = Folder::new();
     for (groups, words) in [
         (json!([{ "name": "floor", "pieces": ["floor"] }]), "measures.groups"),
         (json!([{ "name": "a", "pieces": ["flor"] }]), "measures.groups[0].pieces[0]"),
@@ -354,22 +271,15 @@ fn groups_that_make_no_sense_are_refused_with_the_field() {
     ] {
         let mut value = scenario();
         value["measures"]["groups"] = groups;
-        let file = folder.path().join("s.json");
-        fs::write(&file, value.to_string()).expect("written");
-        let out = folder.path().join("out");
-        let ran =
-            pluvia(&["run", file.to_str().expect("UTF-8"), "--out", out.to_str().expect("UTF-8")]);
-        let said = String::from_utf8_lossy(&ran.stderr);
-        assert_eq!(ran.status.code(), Some(2), "law: refused, {said}");
-        assert!(said.contains(words), "law: `{words}`, got {said}");
+        let file = folder.scenario("s.json", &value);
+        refused(&["run", &file, "--out", &folder.out("out")], 2, &[words]);
     }
 }
 
 /// Law: at rest the cylinder carries the grains and the plate.
 #[test]
 fn the_built_in_cylinder_carries_the_weight() {
-    let text = fs::read(super::interruption::finished().join("summary.json")).expect("a summary");
-    let summary: Value = serde_json::from_slice(&text).expect("JSON");
+    let summary = program::json(&interruption::finished().join("summary.json"));
     let weight = number(&summary, "/contacts/balance/weight_n");
     let grains = number(&summary, "/grains/mass_in_cylinder_g") * 1e-3 * GRAVITY;
     assert!(weight > grains, "law: grains and plate, {weight} N of {grains} N");
@@ -381,17 +291,12 @@ fn the_built_in_cylinder_carries_the_weight() {
 /// and stops; the work of the table is what it lets the contacts take and what lifts the grains.
 #[test]
 fn a_table_gives_and_contacts_take() {
-    let out = super::interruption::finished();
-    let mut reader = csv::Reader::from_path(out.join("series.csv")).expect("a table");
-    let headers = reader.headers().expect("a header").clone();
-    let at = |name: &str| headers.iter().position(|h| h == name).expect("the column");
-    let columns = ["stage", "dissipated_j", "work_input_j", "table_x_mm"].map(at);
-    let rows: Vec<[f64; 4]> = reader
-        .records()
-        .map(|row| {
-            row.map(|row| columns.map(|k| row[k].parse().expect("a number"))).expect("a row")
-        })
-        .collect();
+    let series = interruption::finished().join("series.csv");
+    let names = ["stage", "dissipated_j", "work_input_j", "table_x_mm"];
+    let [stage, dissipated, put_in, x] = names.map(|name| program::column(&series, name));
+    let rows: Vec<[f64; 4]> =
+        (0..stage.len()).map(|n| [stage[n], dissipated[n], put_in[n], x[n]]).collect();
+    assert!(rows.iter().flatten().all(|cell| cell.is_finite()), "law: every cell has a number");
     let shaken = rows.iter().filter(|row| row[3].abs() > 1.0).count();
     assert!(shaken > 3, "law: the table moved in some rows, got {shaken}");
     for pair in rows.windows(2).filter(|pair| pair[0][0] == pair[1][0]) {

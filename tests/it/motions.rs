@@ -4,23 +4,25 @@ use std::{fs, path::Path};
 
 use serde_json::{Value, json};
 
-use super::{interruption::without_figures, small};
+use super::{
+    near::near,
+    program::{done, json as read, text, write},
+    small,
+};
 
 /// Runs the small scenario with a change of it; its summary.
 fn carried_out(folder: &Path, name: &str, change: impl Fn(&mut Value)) -> Value {
     let mut scenario = small::scenario(90.0, 0.5, 0.2);
     change(&mut scenario);
-    let file = folder.join(format!("{name}.json"));
-    fs::write(&file, scenario.to_string()).expect("a scenario");
+    let file = write(folder, &format!("{name}.json"), &scenario);
     // One folder: what runs share is run once.
     let out = folder.join("out");
-    let done = without_figures(&file, &out).arg("--force").output().expect("started");
-    assert!(done.status.success(), "{name}: {}", String::from_utf8_lossy(&done.stderr));
+    let run = ["run", text(&file), "--out", text(&out)];
+    done(&[&run[..], &["--quiet", "--no-figures", "--force"]].concat());
     for table in ["series.csv", "rest_test.csv", "manifest.json"] {
         fs::copy(out.join(table), folder.join(format!("{name}-{table}"))).expect("kept");
     }
-    let summary = fs::read(out.join("summary.json")).expect("a summary");
-    serde_json::from_slice(&summary).expect("JSON")
+    read(&out.join("summary.json"))
 }
 
 /// Rows of a table by column.
@@ -57,7 +59,7 @@ fn settlement_is_read_at_rest_and_goes_on_through_all_later_stages() {
         "law: held for 0.25 s, at most the limit: {settling}"
     );
     let [start, end] = [0, 1].map(|n| number(&plain["vibrations"][0]["periods_s"][0][n]));
-    assert!((end - start - 0.5).abs() < 1e-9, "law: half a second of shaking, {start} to {end} s");
+    near("half a second of shaking", end - start, 0.5, 1e-9);
 
     let series = rows(folder.path(), "rested-series.csv");
     let later = series.iter().filter(|r| number(&r["stage"]) >= 3.0);
@@ -68,11 +70,7 @@ fn settlement_is_read_at_rest_and_goes_on_through_all_later_stages() {
     );
     for row in later.chain(&rest_test) {
         let (settled, height) = (number(&row["settlement_mm"]), number(&row["plate_height_mm"]));
-        assert!(
-            (settled - (begin - height)).abs() < 1e-9,
-            "law: the drop since the vibration began, expected {}, got {settled}",
-            begin - height
-        );
+        near("the drop since the vibration began", settled, begin - height, 1e-9);
     }
     assert!(
         series.iter().filter(|r| number(&r["stage"]) < 3.0).all(|r| r["settlement_mm"].is_null())
@@ -86,18 +84,10 @@ fn settlement_is_read_at_rest_and_goes_on_through_all_later_stages() {
     let settlement = &plain["settlement_mm"];
     let last = series.iter().rfind(|r| number(&r["stage"]) == 3.0).expect("shaken");
     let at_rest = number(&last["settlement_mm"]);
-    assert!(
-        (number(&settlement["final"]) - at_rest).abs() < 1e-6,
-        "law: at rest, {at_rest}, {settlement}"
-    );
+    near("at rest", number(&settlement["final"]), at_rest, 1e-6);
     let moving = of("plain-series.csv", end);
-    let got = number(&settlement["end_of_shaking"]);
-    assert!((got - moving).abs() < 1e-6, "law: the row at the end of shaking, {moving}, got {got}");
-    let with_rest = number(&rested["settlement_mm"]["final"]);
-    assert!(
-        (with_rest - at_rest).abs() < 0.05,
-        "law: a rest changes nothing, {at_rest}, {with_rest}"
-    );
+    near("the row at the end of shaking", number(&settlement["end_of_shaking"]), moving, 1e-6);
+    near("a rest changes nothing", number(&rested["settlement_mm"]["final"]), at_rest, 0.05);
     assert_eq!(rested["settlement_mm"]["end_of_shaking"], settlement["end_of_shaking"]);
 
     // What comes after the shaking does not act on what was before.
@@ -118,21 +108,6 @@ fn settlement_is_read_at_rest_and_goes_on_through_all_later_stages() {
 #[ignore = "slow: make test-all"]
 fn every_motion_drives_a_stage_and_says_what_it_is() {
     let folder = tempfile::tempdir().expect("a folder");
-    let with = |fields: Value| {
-        move |s: &mut Value| {
-            let stage = s["stages"][3].as_object_mut().expect("a stage");
-            for (name, field) in fields.as_object().expect("fields") {
-                match field {
-                    Value::Null => {
-                        stage.remove(name);
-                    }
-                    field => {
-                        stage.insert(name.clone(), field.clone());
-                    }
-                }
-            }
-        }
-    };
     let table: String = std::iter::once("time_s,x_mm,y_mm\n".to_owned())
         .chain((0..=100).map(|n| {
             let t = f64::from(n) / 200.0;
@@ -159,16 +134,13 @@ fn every_motion_drives_a_stage_and_says_what_it_is() {
             "recorded, 101 rows",
         ),
     ] {
-        let summary = carried_out(folder.path(), name, with(fields));
+        let with = |s: &mut Value| small::put(&mut s["stages"][3], &fields);
+        let summary = carried_out(folder.path(), name, with);
         let motion = &summary["vibrations"][0]["motion"];
         let got = number(&motion["peak_acceleration_m_per_s2"]);
-        assert!(
-            (got / acceleration - 1.0).abs() < 0.01,
-            "law: peak acceleration of {name}, expected {acceleration}, got {got}, tolerance 1 %"
-        );
+        near(&format!("peak acceleration of {name}"), got, acceleration, 0.01 * acceleration);
         assert!(motion["waveform"].as_str().is_some_and(|w| w.contains(words)), "{name}: {motion}");
-        let manifest = fs::read(folder.path().join(format!("{name}-manifest.json"))).expect("kept");
-        let manifest: Value = serde_json::from_slice(&manifest).expect("JSON");
+        let manifest = read(&folder.path().join(format!("{name}-manifest.json")));
         assert_eq!(&manifest["vibrations"][0]["motion"], motion, "law: both say the same");
         assert_eq!(summary["grains"]["escaped"], 0, "law: nothing passes a wall, {name}");
         let series = rows(folder.path(), &format!("{name}-series.csv"));
@@ -203,14 +175,11 @@ fn every_motion_drives_a_stage_and_says_what_it_is() {
 fn plates_are_laid_anew_on_the_same_specimen_and_seated_on_demand() {
     let folder = tempfile::tempdir().expect("a folder");
     let placed = |name: &str, fields: Value| {
-        let summary = carried_out(folder.path(), name, |s| {
-            let stage = s["stages"][2].as_object_mut().expect("a stage");
-            stage.extend(fields.as_object().expect("fields").clone());
-        });
+        let with = |s: &mut Value| small::put(&mut s["stages"][2], &fields);
+        let summary = carried_out(folder.path(), name, with);
         let series = rows(folder.path(), &format!("{name}-series.csv"));
         let plate = series.into_iter().rfind(|r| number(&r["stage"]) == 2.0).expect("a plate");
-        let manifest = fs::read(folder.path().join(format!("{name}-manifest.json"))).expect("kept");
-        let manifest: Value = serde_json::from_slice(&manifest).expect("JSON");
+        let manifest = read(&folder.path().join(format!("{name}-manifest.json")));
         (summary, number(&plate["plate_height_mm"]), manifest["stages"].clone())
     };
     let (_, axis, first) = placed("axis", json!({}));

@@ -3,21 +3,21 @@
 use std::{
     fs,
     path::{Path, PathBuf},
-    process::{Command, Output},
+    process::Command,
 };
 
-use super::{export::small_run, interruption::finished};
+use super::{
+    export::small_run,
+    interruption::finished,
+    program::{self, assert_holds, said},
+};
 
 const SMALL: [&str; 4] = ["--width", "240", "--height", "160"];
 
 fn pluvia(subject: &Path, more: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+    let mut command = program::pluvia();
     command.arg("picture").arg(subject).args(SMALL).args(more);
     command
-}
-
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 /// Makes a picture and gives its file.
@@ -130,9 +130,7 @@ fn what_cannot_be_shown_is_said_in_one_line() {
         let output = pluvia(subject, more).arg(out).output().expect("it starts");
         let said = said(&output);
         assert_eq!(output.status.code(), Some(code), "{more:?}: {said}");
-        for word in words {
-            assert!(said.contains(word), "`{word}` is missing in: {said}");
-        }
+        assert_holds(&said, words);
         assert!(!out.is_file(), "nothing is written: {more:?}");
     };
     let run = small_run();

@@ -1,12 +1,9 @@
 //! The Python package is of the program's version, and built of what the program is built of.
 //! What it does is tested by `make test-python`.
 
-use std::{collections::BTreeMap, fs, path::Path};
+use std::collections::BTreeMap;
 
-fn read(path: &str) -> String {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    fs::read_to_string(root.join(path)).unwrap_or_else(|e| panic!("{path} cannot be read: {e}"))
-}
+use super::program::page as read;
 
 fn version(manifest: &str) -> String {
     let line = manifest.lines().find_map(|l| l.strip_prefix("version = "));

@@ -1,27 +1,28 @@
 //! `pluvia reproduce` as a user meets it, on a few grains: the files it leaves,
 //! and its report in a real browser, on a phone and on paper.
 
-use std::{fs, path::Path, process::Command, sync::OnceLock};
+use std::{fs, path::Path, sync::OnceLock};
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use super::viewer::browser::Browser;
+use super::{
+    program::{done, json as read, text, words},
+    viewer::browser::Browser,
+};
+
+/// The whole programme on some fifteen grains.
+pub(super) const PROGRAMME: &str = "reproduce --quick --configurations 1 \
+                                    --set grains.total_mass_g=30 --set rest_test_s=0.2";
 
 /// The whole programme with some twenty grains, once for all tests.
 pub(super) fn programme() -> &'static Path {
     static MADE: OnceLock<TempDir> = OnceLock::new();
     let folder = MADE.get_or_init(|| {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let out = folder.path().to_str().expect("UTF-8");
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-        command.args(["reproduce", "--quick", "--configurations", "1", "--quiet", "--out", out]);
-        command.args(["--set", "grains.total_mass_g=30", "--set", "rest_test_s=0.2"]);
-        command.args(["--placements", "2"]);
-        let done = command.output().expect("the program starts");
-        let said = String::from_utf8_lossy(&done.stderr);
-        assert_eq!(done.status.code(), Some(0), "law: the programme is run, got {said}");
+        let more = ["--quiet", "--out", text(folder.path()), "--placements", "2"];
+        done(&[&words(PROGRAMME)[..], &more].concat());
         folder
     });
     folder.path()
@@ -30,8 +31,7 @@ pub(super) fn programme() -> &'static Path {
 #[test]
 fn every_file_of_the_contract_is_there() {
     let folder = programme();
-    let text = fs::read_to_string(folder.join("claims.json")).expect("claims.json");
-    let claims: Value = serde_json::from_str(&text).expect("JSON");
+    let claims = read(&folder.join("claims.json"));
     let claims = claims.as_array().expect("a list");
     assert!(claims.len() >= 25, "law: every statement of the paper, got {}", claims.len());
     for claim in claims {
@@ -45,8 +45,7 @@ fn every_file_of_the_contract_is_there() {
             assert!(claim["reason"].is_string(), "law: in words: {claim}");
         }
     }
-    let text = fs::read_to_string(folder.join("scorecard.json")).expect("scorecard.json");
-    let card: Value = serde_json::from_str(&text).expect("JSON");
+    let card = read(&folder.join("scorecard.json"));
     let rows = card["rows"].as_array().expect("a list").len();
     assert!((6..=8).contains(&rows), "law: six to eight rows, got {rows}");
     let tally = card["tally"].as_object().expect("counts");
@@ -69,8 +68,7 @@ fn every_file_of_the_contract_is_there() {
         count, 9,
         "law: four pours, two vibrations, a pile, and two placements of the plate"
     );
-    let text = fs::read_to_string(folder.join("uncertainty.json")).expect("uncertainty.json");
-    let uncertainty: Value = serde_json::from_str(&text).expect("JSON");
+    let uncertainty = read(&folder.join("uncertainty.json"));
     let plate = &uncertainty["placements"][0];
     let of = |field: &str| plate["specimens"][0][field].as_array().expect("a list").clone();
     let (values, left_out) = (of("values"), of("left_out"));

@@ -43,9 +43,7 @@ use pluvia::study::STAGE_FORMAT;
 use scan::{Allowed, Kind};
 use value::Results;
 
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
+use super::program::root;
 
 #[test]
 fn pages_quote_their_results() {

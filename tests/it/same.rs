@@ -140,6 +140,14 @@ pub fn assert_same_files(a: &Path, b: &Path, what: &str) {
     assert!(differ.is_empty(), "law: {what}: the same bytes, got others in {differ:?}");
 }
 
+/// The same bytes in some files of two folders.
+pub fn assert_same_bytes(a: &Path, b: &Path, files: &[&str], what: &str) {
+    for file in files {
+        let [one, two] = [a, b].map(|out| fs::read(out.join(file)).expect("written"));
+        assert!(one == two, "law: {what}: the same bytes in {file}");
+    }
+}
+
 /// What is there is whole: the same bytes as in the finished folder; of a stage that failed on the
 /// way, which is not there, its last good state; and which scenario the unfinished run is of.
 pub fn assert_whole_files(part: &Path, finished: &Path, what: &str) {

@@ -15,12 +15,16 @@ use pluvia::{
 };
 use serde_json::{Value, json};
 
+use super::{
+    architecture::files,
+    program::{Folder, json as read, page, root},
+};
+
 /// A scenario as a file gives it, with everything that follows from its grains.
 fn loaded(file: &Value) -> Scenario {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("s.json");
-    std::fs::write(&path, file.to_string()).expect("written");
-    load_scenario(&path, &[]).unwrap_or_else(|e| panic!("{e:?}")).scenario
+    let folder = Folder::new();
+    let path = folder.scenario("s.json", file);
+    load_scenario(path.as_ref(), &[]).unwrap_or_else(|e| panic!("{e:?}")).scenario
 }
 
 /// Thirty grains in a funnel, everything times `larger`.
@@ -185,18 +189,7 @@ fn what_is_typed_is_taken_and_told_where_it_does_not_suit() {
 /// Law: a quantity that the page lists is one that the program uses.
 #[test]
 fn every_quantity_is_used() {
-    fn sources(folder: &std::path::Path, text: &mut String) {
-        for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
-            let path = entry.path();
-            if path.is_dir() {
-                sources(&path, text);
-            } else if path.extension().is_some_and(|e| e == "rs") {
-                text.push_str(&std::fs::read_to_string(&path).expect("a source"));
-            }
-        }
-    }
-    let mut text = String::new();
-    sources(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut text);
+    let text: String = files(&["src"], &["rs"]).into_iter().map(|(_, text)| text).collect();
     let named = |line: &str| {
         let (name, rest) = line.trim().split_once(" = ")?;
         let capitals = name.chars().all(|c| c.is_ascii_uppercase() || c == '_');
@@ -252,47 +245,24 @@ fn has_unit(comment: &str) -> bool {
 /// why it is the same for all grains.
 #[test]
 fn numbers_with_a_unit_are_of_the_scale_or_explained() {
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    let page = std::fs::read_to_string(root.join("docs/scale.md")).expect("a page");
+    let page = page("docs/scale.md");
     let (_, rest) = page.split_once("<!-- ABSOLUTE -->").expect("a mark");
     let (table, _) = rest.split_once("<!-- END -->").expect("an end");
     let mut explained: Vec<String> =
         table.split('`').skip(1).step_by(2).map(str::to_owned).collect();
     let mut found = Vec::new();
     // What draws, what quotes the paper and what sets up experiments of its own is not the laboratory.
-    for folder in [
-        "apparatus",
-        "export",
-        "grains",
-        "measure",
-        "protocol",
-        "record",
-        "scenario",
-        "study",
-        "world",
-    ] {
-        let mut folders = vec![root.join("src").join(folder)];
-        while let Some(folder) = folders.pop() {
-            for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
-                let path = entry.path();
-                if path.is_dir() {
-                    folders.push(path);
-                    continue;
-                }
-                let of_file =
-                    path.strip_prefix(root.join("src")).expect("below").display().to_string();
-                if of_file.contains("test") || !of_file.ends_with(".rs") {
-                    continue;
-                }
-                let source = std::fs::read_to_string(&path).expect("a source");
-                let with_unit = constants(&source).into_iter().filter(|(_, c)| has_unit(c));
-                found.extend(with_unit.map(|(name, _)| format!("{of_file} {name}")));
-            }
+    let of_laboratory =
+        "apparatus export grains measure protocol record scenario specimen.rs study world";
+    for (path, source) in files(&["src"], &["rs"]) {
+        let of_file = path.trim_start_matches("src/");
+        let part = of_file.split('/').next().unwrap_or_default();
+        let counts = of_laboratory.split_whitespace().any(|of| of == part);
+        if counts && !of_file.contains("test") {
+            let with_unit = constants(&source).into_iter().filter(|(_, c)| has_unit(c));
+            found.extend(with_unit.map(|(name, _)| format!("{of_file} {name}")));
         }
     }
-    let specimen = include_str!("../../src/specimen.rs");
-    let with_unit = constants(specimen).into_iter().filter(|(_, c)| has_unit(c));
-    found.extend(with_unit.map(|(name, _)| format!("specimen.rs {name}")));
     found.sort();
     explained.sort();
     assert!(found.len() >= 10, "law: constants are found: {found:?}");
@@ -315,8 +285,7 @@ fn numbers_with_a_unit_are_found() {
 /// Law: the factors in the page's table of laws are those of the program.
 #[test]
 fn factors_of_the_page_are_those_of_the_program() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/scale.md");
-    let page = std::fs::read_to_string(path).expect("a page");
+    let page = page("docs/scale.md");
     for words in [
         format!("more than {} ρ g d₅₀", scale::STRESS_OF_DEFAULT),
         format!("{} √(P/ρ)/d", 1.0 / scale::SUBSTEP_OF_INERTIAL_TIME),
@@ -382,15 +351,9 @@ fn unlike(path: &str, a: &Value, b: &Value, larger: f64, found: &mut Vec<String>
 
 #[test]
 fn the_twins_of_the_design_are_twins() {
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    let read = |name: &str| -> Value {
-        let text =
-            std::fs::read_to_string(root.join("scenarios/studies").join(name)).expect("a design");
-        serde_json::from_str(&text).expect("JSON")
-    };
-    let design = read("twins.json");
-    let specimen =
-        root.join("scenarios/studies").join(design["full"]["scenario"].as_str().expect("a path"));
+    let folder = root().join("scenarios/studies");
+    let design = read(&folder.join("twins.json"));
+    let specimen = folder.join(design["full"]["scenario"].as_str().expect("a path"));
     let with = |changes: &Value| -> Value {
         let texts = changes.as_array().into_iter().flatten();
         let changes: Vec<_> =
@@ -420,19 +383,13 @@ fn the_twins_of_the_design_are_twins() {
 /// The script of `make twins` on the table of a sweep whose runs are made up.
 #[test]
 fn the_table_of_twins_has_a_row_for_each_run_with_a_result() {
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/twins.sh");
-    let folder = tempfile::tempdir().expect("a folder");
-    let table = folder.path().join("twins.csv");
+    let folder = Folder::new();
     let sweep = |rows: &str| {
-        std::fs::write(folder.path().join("sweep.csv"), rows).expect("written");
-        std::process::Command::new("bash")
-            .arg(script)
-            .args([folder.path(), &table])
-            .env("PLUVIA", "true")
-            .output()
-            .expect("bash starts")
-            .status
-            .success()
+        std::fs::write(folder.path("sweep.csv"), rows).expect("written");
+        let mut bash = std::process::Command::new("bash");
+        bash.arg(root().join("scripts/twins.sh")).env("PLUVIA", "true");
+        bash.args([folder.path(""), folder.path("twins.csv")]);
+        bash.output().expect("bash starts").status.success()
     };
     let rows = "run,point,configuration,size,poured_height_mm.mean_surface,void_ratio,\
                 standing_height_mm.mean_surface,coordination_number,overlap.mean_percent,\
@@ -441,7 +398,7 @@ fn the_table_of_twins_has_a_row_for_each_run_with_a_result() {
                 b,p,1,0.1,11,1.04,10.8,4.5,0.06,0.3,0.1,2,true,true,\n\
                 c,p,2,1,,,,,,,,,,,\"it failed, badly\"\n";
     assert!(sweep(rows), "law: two runs make a table");
-    let got = std::fs::read_to_string(&table).expect("a table");
+    let got = folder.text("twins.csv");
     let header =
         include_str!("../../docs/results/scale/twins.csv").lines().next().expect("a header");
     let expected = format!(
@@ -452,6 +409,5 @@ fn the_table_of_twins_has_a_row_for_each_run_with_a_result() {
         !sweep(&rows.replace("void_ratio", "other")),
         "law: a column that is missing is an error"
     );
-    let kept = std::fs::read_to_string(&table).expect("the table");
-    assert_eq!(kept, got, "law: and the table stays as it was");
+    assert_eq!(folder.text("twins.csv"), got, "law: and the table stays as it was");
 }

@@ -17,9 +17,10 @@ use pluvia::grains::{ParticleSizeDistribution, load_grains, load_scenario};
 use pluvia::scenario::{Fault, GrainsSpec, Override, Scenario, ScenarioErrors, check, schema};
 use serde_json::{Value, json};
 
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
+use super::{
+    program::{assert_holds, json as read, root},
+    small,
+};
 
 /// Every scenario under `scenarios/`; verification cases are no scenarios.
 fn files() -> Vec<PathBuf> {
@@ -68,8 +69,7 @@ fn every_scenario_of_the_project_loads_and_says_its_choices() {
             assert_eq!(got, expected, "law: n = V / (π/6 d³) a fraction, in {}", file.display());
         }
         check(&scenario).unwrap_or_else(|e| panic!("{} as a value: {e}", file.display()));
-        let text = fs::read_to_string(&file).expect("it was read before");
-        let raw: Value = serde_json::from_str(&text).expect("it was parsed before");
+        let raw = read(&file);
         let faults: Vec<_> = validator.iter_errors(&raw).map(|e| e.to_string()).collect();
         assert!(faults.is_empty(), "{} and the schema disagree: {faults:?}", file.display());
     }
@@ -95,9 +95,7 @@ fn extends_merges_objects_and_replaces_lists() {
 fn grains_are_made_whatever_is_done_with_them() {
     let load = |fields: Value| {
         let mut value = sound();
-        for (name, field) in fields.as_object().expect("fields") {
-            value[name] = field.clone();
-        }
+        small::put(&mut value, &fields);
         let folder = folder(&[("s.json", &value.to_string())]);
         load_grains(&folder.path().join("s.json")).map_err(|errors| errors.to_string())
     };
@@ -140,6 +138,35 @@ fn sound() -> Value {
     })
 }
 
+/// Paths and texts of the faults for which a scenario was refused; none where it was not.
+pub fn told<T>(scenario: Result<T, ScenarioErrors>) -> Vec<(String, String)> {
+    match scenario {
+        Ok(_) => Vec::new(),
+        Err(ScenarioErrors::Faults(faults)) => {
+            faults.into_iter().map(|f| (f.path.clone(), f.to_string())).collect()
+        }
+        Err(other) => panic!("{other}"),
+    }
+}
+
+/// The same of a scenario's file.
+pub fn told_of(value: &Value) -> Vec<(String, String)> {
+    told(load_text(&value.to_string(), &[]))
+}
+
+/// A fault is told at a path, with words.
+#[track_caller]
+pub fn assert_told(found: &[(String, String)], path: &str, words: &str) {
+    let is_told = found.iter().any(|(at, text)| at == path && text.contains(words));
+    assert!(is_told, "law: `{path}` is reported with `{words}`, got {found:#?}");
+}
+
+/// A value with another one at a path such as `stages[1].stage`.
+pub fn changed(mut value: Value, path: &str, to: Value) -> Value {
+    *place(&mut value, path) = to;
+    value
+}
+
 /// A folder with the given files.
 fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -174,38 +201,36 @@ fn expect_one(spoil: impl FnOnce(&mut Value), path: &str, words: &[&str]) {
     let text = found[0].to_string();
     assert!(found[0].file.ends_with("s.json"), "the fault names its file: {text}");
     assert_eq!(text.lines().count(), 1, "a fault is one line: {text}");
-    for word in words {
-        assert!(text.contains(word), "expected `{word}` in: {text}");
-    }
+    assert_holds(&text, words);
+}
+
+/// The place in a value of a path such as `stages[1].stage`; fields on the way are made.
+fn place<'a>(value: &'a mut Value, path: &str) -> &'a mut Value {
+    path.split(['.', '[']).fold(value, |at, step| {
+        match step.trim_end_matches(']').parse::<usize>() {
+            Ok(index) => &mut at[index],
+            Err(_) => &mut at[step],
+        }
+    })
+}
+
+/// Puts a value at a path of the sound scenario, and expects one fault there.
+fn expect_at(path: &str, to: Value, words: &[&str]) {
+    expect_one(|s| *place(s, path) = to, path, words);
 }
 
 #[test]
 fn unknown_fields_are_named_with_what_is_known() {
-    expect_one(
-        |s| s["engine"] = json!({ "iteration": 50 }),
-        "engine.iteration",
-        &["no such field", "did you mean `iterations`", "found 50", "`rate_hz`"],
-    );
-    expect_one(|s| s["colour"] = json!("red"), "colour", &["no such field", "`gravity_m_per_s2`"]);
-    expect_one(
-        |s| s["grains"]["densty_kg_per_m3"] = json!(1),
-        "grains.densty_kg_per_m3",
-        &["did you mean `density_kg_per_m3`"],
-    );
-    expect_one(
-        |s| s["stages"][1]["height_mm"] = json!(1),
-        "stages[1].height_mm",
-        &["no such field", "`falling_height_mm`"],
-    );
+    let words = ["no such field", "did you mean `iterations`", "found 50", "`rate_hz`"];
+    expect_at("engine.iteration", json!(50), &words);
+    expect_at("colour", json!("red"), &["no such field", "`gravity_m_per_s2`"]);
+    expect_at("grains.densty_kg_per_m3", json!(1), &["did you mean `density_kg_per_m3`"]);
+    expect_at("stages[1].height_mm", json!(1), &["no such field", "`falling_height_mm`"]);
 }
 
 #[test]
 fn a_mass_too_small_for_every_fraction_is_a_fault_of_the_mass() {
-    expect_one(
-        |s| s["grains"]["total_mass_g"] = json!(0.01),
-        "grains.total_mass_g",
-        &["not every fraction", "at least"],
-    );
+    expect_at("grains.total_mass_g", json!(0.01), &["not every fraction", "at least"]);
 }
 
 #[test]
@@ -216,11 +241,8 @@ fn unions_are_decided_before_they_are_checked() {
         &["no such field", "the field `file`"],
     );
     expect_one(|s| s["grains"] = json!({ "file": 7 }), "grains.file", &["wrong type", "a text"]);
-    expect_one(
-        |s| s["stages"][1]["stage"] = json!("poor"),
-        "stages[1].stage",
-        &["no such choice", "did you mean \"pour\"", "\"vibrate\""],
-    );
+    let words = ["no such choice", "did you mean \"pour\"", "\"vibrate\""];
+    expect_at("stages[1].stage", json!("poor"), &words);
     expect_one(
         |s| s["stages"][1] = json!({ "stage": "pour" }),
         "stages[1].falling_height_mm",
@@ -231,22 +253,12 @@ fn unions_are_decided_before_they_are_checked() {
 
 #[test]
 fn wrong_types_and_missing_fields_are_named() {
-    expect_one(
-        |s| s["grains"]["total_mass_g"] = json!("much"),
-        "grains.total_mass_g",
-        &["wrong type", "found \"much\"", "a number above 0"],
-    );
-    expect_one(|s| s["engine"] = json!([]), "engine", &["wrong type", "an object"]);
-    expect_one(
-        |s| s["engine"] = json!({ "iterations": 20.5 }),
-        "engine.iterations",
-        &["wrong type", "20.5", "a whole number of at least 1"],
-    );
-    expect_one(
-        |s| s["gravity_m_per_s2"] = Value::Null,
-        "gravity_m_per_s2",
-        &["wrong type", "found null"],
-    );
+    let words = ["wrong type", "found \"much\"", "a number above 0"];
+    expect_at("grains.total_mass_g", json!("much"), &words);
+    expect_at("engine", json!([]), &["wrong type", "an object"]);
+    let words = ["wrong type", "20.5", "a whole number of at least 1"];
+    expect_at("engine.iterations", json!(20.5), &words);
+    expect_at("gravity_m_per_s2", Value::Null, &["wrong type", "found null"]);
     expect_one(
         |s| drop(s.as_object_mut().expect("an object").remove("grains")),
         "grains",

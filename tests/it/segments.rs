@@ -3,7 +3,6 @@
 use std::{
     fs,
     path::{Path, PathBuf},
-    process::{Command, Stdio},
     sync::OnceLock,
     thread,
     time::{Duration, Instant},
@@ -14,6 +13,8 @@ use tempfile::TempDir;
 
 use super::{
     interruption::{copy, finished, pluvia, stages, without_figures, write_scenario_in_segments},
+    near::near,
+    program::{self, column, json as read, text, write},
     same::assert_same_files,
     small,
 };
@@ -39,14 +40,6 @@ pub fn in_segments_timed() -> &'static (TempDir, Duration) {
 
 /// Rows of a stage that shakes for half a second, until the shaking ends.
 const ROWS_OF_SHAKING: usize = 8;
-
-/// A column of a table, empty cells as NaN.
-fn column(file: &Path, name: &str) -> Vec<f64> {
-    let mut reader = csv::Reader::from_path(file).expect("a table");
-    let at = reader.headers().expect("a head").iter().position(|h| h == name).expect("the column");
-    let cell = |row: csv::StringRecord| row[at].parse().unwrap_or(f64::NAN);
-    reader.records().map(|row| cell(row.expect("a row"))).collect()
-}
 
 #[test]
 fn no_row_is_missing_or_there_twice() {
@@ -89,10 +82,7 @@ fn what_was_kept_on_the_way_is_gone_at_the_end() {
         let name = entry.file_name().to_string_lossy().into_owned();
         assert!(name == ".lock" || !name.starts_with('.'), "law: nothing is left, got {name}");
     }
-    let manifest = fs::read(in_segments().join("manifest.json")).expect("a manifest");
-    let manifest: Value = serde_json::from_slice(&manifest).expect("JSON");
-    let whole = fs::read(finished().join("manifest.json")).expect("a manifest");
-    let whole: Value = serde_json::from_slice(&whole).expect("JSON");
+    let [manifest, whole] = [in_segments(), finished()].map(|out| read(&out.join("manifest.json")));
     for (segments, one) in
         [("segments", &manifest), ("one segment", &whole)].map(|(n, m)| (n, &m["stages"]))
     {
@@ -105,10 +95,7 @@ fn what_was_kept_on_the_way_is_gone_at_the_end() {
         (steps, rate * time)
     };
     for (steps, expected) in [counted(&manifest), counted(&whole)] {
-        assert!(
-            (steps - expected).abs() < 1e-3,
-            "law: steps are counted once, {expected}, {steps}"
-        );
+        near("steps are counted once", steps, expected, 1e-3);
     }
 }
 
@@ -129,8 +116,8 @@ fn last_stage(folder: &Path, stage: &Value, every: Option<f64>) -> Rows {
         scenario["engine"] = json!({ "native": { "checkpoint_every_s": every } });
     }
     let name = if every.is_some() { "segments" } else { "whole" };
-    let (file, out) = (folder.join(format!("{name}.json")), folder.join(name));
-    fs::write(&file, scenario.to_string()).expect("a scenario");
+    let file = write(folder, &format!("{name}.json"), &scenario);
+    let out = folder.join(name);
     assert!(without_figures(&file, &out).status().expect("started").success());
     let table = out.join("series.csv");
     let of = |what: &str| {
@@ -276,12 +263,10 @@ fn damaged_checkpoints_are_told_and_those_before_are_used() {
         } else {
             fs::write(found[0].with_file_name("frames.bin"), "PLUVFRM1").expect("cut off");
         }
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-        command.arg("run").arg(&scenario).arg("--out").arg(&out);
-        command.args((!is_drawn).then_some("--no-figures")).stdout(Stdio::null());
-        let output = command.output().expect("it starts");
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "law: damage does not end a run, got {said}");
+        let mut args = vec!["run", text(&scenario), "--out", text(&out)];
+        args.extend((!is_drawn).then_some("--no-figures"));
+        let (code, _, said) = program::run(&args);
+        assert_eq!(code, Some(0), "law: damage does not end a run, got {said}");
         let told = said.matches("a checkpoint is damaged").count();
         assert_eq!(told, torn.min(2), "law: as many are reported as are damaged, got {said}");
         let goes_on = said.contains("resumes at");

@@ -4,14 +4,16 @@
 use std::{
     fs,
     path::{Path, PathBuf},
-    process::{Command, Output},
+    process::Output,
 };
 
 use serde_json::{Value, json};
 
 use super::{
+    crafted::seal,
     export::small_run,
-    interruption::{copy, finished},
+    interruption::{copy, finished, stored, write_scenario},
+    program::{self, json as read, said, text, words, write},
     reproduce, small,
     viewer::browser::Browser,
 };
@@ -31,13 +33,9 @@ fn hostile() -> String {
 
 /// The program, with colours as on a terminal.
 fn pluvia(args: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+    let mut command = program::pluvia();
     command.args(args).env_remove("NO_COLOR").env("CLICOLOR_FORCE", "1");
     command.output().expect("it starts")
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().expect("UTF-8")
 }
 
 /// What the program prints and says, without our own colours: those that a style begins and ends.
@@ -62,8 +60,7 @@ fn assert_plain(output: &Output, what: &str) {
 #[test]
 fn a_terminal_is_told_names_and_nothing_more() {
     let folder = tempfile::tempdir().expect("a folder");
-    let home = folder.path().join(hostile());
-    fs::create_dir(&home).expect("a folder of any name");
+    let home = home(folder.path());
     // Errors name paths.
     let missing = home.join("none.json");
     let output = pluvia(&["run", text(&missing), "--out", text(&home.join("out"))]);
@@ -72,16 +69,12 @@ fn a_terminal_is_told_names_and_nothing_more() {
     let output = pluvia(&["export", text(&home), "--format", "csv", "--out", text(folder.path())]);
     assert_plain(&output, "a run that is none");
     // Results name paths; messages on the way name damaged files.
-    let scenario = home.join("small.json");
-    fs::write(&scenario, small::scenario(40.0, 0.5, 0.2).to_string()).expect("a scenario");
+    let scenario = write_scenario(&home);
     let out = home.join("out");
-    copy(finished(), &out);
-    let stored = fs::read_dir(out.join("stages")).expect("stages").flatten();
-    let stage = stored.map(|e| e.path()).find(|p| p.join("stage.json").exists()).expect("a stage");
-    fs::write(stage.join("series.csv"), "").expect("damaged");
+    fs::write(copied(&out).join("series.csv"), "").expect("damaged");
     let output = pluvia(&["run", text(&scenario), "--out", text(&out), "--no-figures"]);
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let said = said(&output);
+    assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(said.contains("damaged and done again"), "law: it is reported, got {said}");
     assert_plain(&output, "a run");
     let coloured = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -93,25 +86,24 @@ fn a_terminal_is_told_names_and_nothing_more() {
     assert_eq!(report["store"], text(&out.join("stages")), "law: a program reads the name itself");
 }
 
+/// Copies what the small run left, and gives the folder of one of its stages.
+fn copied(out: &Path) -> PathBuf {
+    copy(finished(), out);
+    stored(out).remove(0)
+}
+
 /// Law: names in a store that somebody made up stay in their line.
 #[test]
 fn a_store_is_checked_and_its_names_shown() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
-    copy(finished(), &out);
-    let stored = fs::read_dir(out.join("stages")).expect("stages").flatten();
-    let stage = stored.map(|e| e.path()).find(|p| p.join("stage.json").exists()).expect("a stage");
-    let path = stage.join("stage.json");
-    let mut record: Value =
-        serde_json::from_slice(&fs::read(&path).expect("a record")).expect("JSON");
+    let stage = copied(&out);
+    let mut record = read(&stage.join("stage.json"));
     let name = format!("{TURN}\nforged line");
     record["identity"]["stage"] = json!(name);
     record["stage"] = json!(name);
-    let fields = record.as_object_mut().expect("fields");
-    fields.shift_remove("record_sha256");
-    let own = pluvia::record::hash_json(&fields);
-    fields.insert("record_sha256".to_owned(), json!(own));
-    fs::write(&path, record.to_string()).expect("written");
+    seal(&mut record, "record_sha256");
+    write(&stage, "stage.json", &record);
     fs::rename(&stage, stage.with_file_name(format!("{TURN}\nforged folder"))).expect("renamed");
     let output = pluvia(&["store", "check", text(&out)]);
     assert_eq!(output.status.code(), Some(1), "law: it is damaged");
@@ -182,15 +174,12 @@ fn scenario(folder: &Path) -> PathBuf {
     scenario["name"] = json!(TAG);
     scenario["description"] = json!(hostile());
     scenario["notes"] = json!([hostile()]);
-    let path = folder.join("small.json");
-    fs::write(&path, scenario.to_string()).expect("a scenario");
-    path
+    write(folder, "small.json", &scenario)
 }
 
 fn done(args: &[&str]) {
     let output = pluvia(args);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{args:?}: {said}");
+    assert_eq!(output.status.code(), Some(0), "{args:?}: {}", said(&output));
 }
 
 #[test]
@@ -215,24 +204,11 @@ fn a_calibration_shows_names_as_they_are() {
     let folder = tempfile::tempdir().expect("a folder");
     let home = home(folder.path());
     let (scenario, out) = (scenario(&home), home.join("out"));
-    let args = [
-        "calibrate",
-        text(&scenario),
-        "--target",
-        "standing_height_mm.mean_surface=9",
-        "--unknown",
-        "grains.total_mass_g",
-        "--between",
-        "20..90",
-        "--realisations",
-        "2",
-        "--tolerance",
-        "3",
-        "--out",
-        text(&out),
-        "--quiet",
-    ];
-    done(&args);
+    let asked = words(
+        "--target standing_height_mm.mean_surface=9 --unknown grains.total_mass_g \
+         --between 20..90 --realisations 2 --tolerance 3 --quiet --out",
+    );
+    done(&[&["calibrate", text(&scenario)][..], &asked, &[text(&out)]].concat());
     let page = address(&out.join("report.html"));
     // The page says nothing of the scenario; its folder has the name.
     assert_shown(&mut browser, &page, "a calibration", &["Calibration"]);
@@ -252,27 +228,12 @@ fn a_comparison_and_the_report_show_names_as_they_are() {
     let out = home.join("report");
     copy(reproduce::programme(), &out);
     // What another engine is said to have made of it.
-    let column = fs::read(out.join("beside/claims.json")).expect("a column");
-    let mut column: Value = serde_json::from_slice(&column).expect("JSON");
+    let mut column = read(&out.join("beside/claims.json"));
     column["label"] = json!(hostile());
-    let fields = column.as_object_mut().expect("fields");
-    fields.shift_remove("content_sha256");
-    let own = pluvia::record::hash_json(&fields);
-    fields.insert("content_sha256".to_owned(), json!(own));
-    fs::write(out.join("beside/claims-other.json"), column.to_string()).expect("written");
-    done(&[
-        "reproduce",
-        "--quick",
-        "--configurations",
-        "1",
-        "--quiet",
-        "--out",
-        text(&out),
-        "--set",
-        "grains.total_mass_g=30",
-        "--set",
-        "rest_test_s=0.2",
-    ]);
+    seal(&mut column, "content_sha256");
+    write(&out.join("beside"), "claims-other.json", &column);
+    let asked = words(reproduce::PROGRAMME);
+    done(&[&asked[..], &["--quiet", "--out", text(&out)]].concat());
     let page = address(&out.join("report.html"));
     assert_shown(&mut browser, &page, "the report", &[TAG, TURN_SHOWN]);
 }
@@ -283,13 +244,11 @@ fn the_viewer_shows_names_as_they_are() {
     let folder = tempfile::tempdir().expect("a folder");
     let run = home(folder.path()).join("run");
     copy(small_run(), &run);
-    let path = run.join("manifest.json");
-    let mut manifest: Value =
-        serde_json::from_slice(&fs::read(&path).expect("a manifest")).expect("JSON");
+    let mut manifest = read(&run.join("manifest.json"));
     manifest["scenario"]["name"] = json!(TAG);
     manifest["scenario"]["description"] = json!(hostile());
     manifest["stages"][0]["stage"] = json!(hostile());
-    fs::write(&path, manifest.to_string()).expect("written");
+    write(&run, "manifest.json", &manifest);
     let saved = folder.path().join("saved.html");
     done(&["view", text(&run), "--save", text(&saved)]);
     browser.open(&address(&saved));

@@ -3,7 +3,6 @@
 use std::{
     fs,
     os::unix::process::ExitStatusExt,
-    path::{Path, PathBuf},
     process::{Child, Command, ExitStatus, Stdio},
     thread::sleep,
     time::{Duration, Instant},
@@ -12,7 +11,8 @@ use std::{
 use serde_json::{Value, json};
 
 use super::{
-    interruption::{copy, finished, pluvia, stages, write_scenario},
+    interruption::{copy, finished, pluvia, prepared, stages},
+    program::{self, ended, send, words, write},
     same::assert_whole_files,
     small,
 };
@@ -26,11 +26,6 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// As shells have it: 128 + SIGINT.
 const STOPPED: Option<i32> = Some(130);
 
-fn send(signal: &str, child: &Child) {
-    let sent = Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status();
-    assert!(sent.is_ok_and(|s| s.success()), "SIG{signal} is sent");
-}
-
 /// Waits until a command is where it is meant to be.
 fn reach(child: &mut Child, what: &str, reached: &dyn Fn() -> bool) {
     let begun = Instant::now();
@@ -42,20 +37,9 @@ fn reach(child: &mut Child, what: &str, reached: &dyn Fn() -> bool) {
     }
 }
 
-/// How a process ends that was asked to; it is killed where it does not.
-fn ends(child: &mut Child, what: &str) -> ExitStatus {
-    let asked = Instant::now();
-    loop {
-        if let Some(status) = child.try_wait().expect("its state") {
-            return status;
-        }
-        if asked.elapsed() > WITHIN {
-            let _ = child.kill();
-            let _ = child.wait();
-            panic!("law: {what}: it ends within {WITHIN:?}, got nothing");
-        }
-        sleep(Duration::from_millis(10));
-    }
+/// How a process ends that was asked to.
+fn ends(child: Child, what: &str) -> ExitStatus {
+    ended(child, WITHIN, what).status
 }
 
 /// Law: a command that is somewhere ends when it is asked to, and says that it was stopped.
@@ -63,25 +47,16 @@ fn stops(mut command: Command, signal: &str, what: &str, reached: &dyn Fn() -> b
     let what = format!("{what}, SIG{signal}");
     let mut child = command.spawn().expect("it starts");
     reach(&mut child, &what, reached);
-    send(signal, &child);
-    let status = ends(&mut child, &what);
+    send(&child, signal);
+    let status = ends(child, &what);
     assert_eq!(status.code(), STOPPED, "law: {what}: it says that it was stopped, got {status:?}");
-}
-
-fn write(folder: &Path, name: &str, scenario: &Value) -> PathBuf {
-    let path = folder.join(name);
-    fs::write(&path, scenario.to_string()).expect("a scenario");
-    path
 }
 
 /// Half a tonne of gravel: cutting and sieving so many grains takes minutes.
 fn many() -> Value {
     json!({
         "name": "many",
-        "grains": {
-            "total_mass_g": 500_000, "density_kg_per_m3": 2673.9,
-            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-        },
+        "grains": small::gravel(5e5),
         "apparatus": {
             "cylinder": { "inner_diameter_mm": 1500, "height_mm": 1500 },
             "funnel": { "opening_diameter_mm": 900, "top_diameter_mm": 1400 }
@@ -122,35 +97,28 @@ fn in_a_pour() {
 fn in_every_command_that_computes() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = write(folder.path(), "long.json", &small::scenario(200.0, 20.0, 0.2));
-    let scenario = scenario.to_str().expect("UTF-8");
-    let commands: [&[&str]; 6] = [
-        &["sweep", scenario, "--over", "seed=1,2", "--jobs", "2"],
-        &["compare", scenario],
-        &[
-            "calibrate",
-            scenario,
-            "--target",
-            "void_ratio=0.8",
-            "--unknown",
-            "contact.grain_grain_friction",
-            "--between",
-            "0.2..0.9",
-        ],
-        &["reproduce", "--quick"],
-        &["interpretations", "--quick"],
-        &["verify"],
+    let friction =
+        "--target void_ratio=0.8 --unknown contact.grain_grain_friction --between 0.2..0.9";
+    let commands = [
+        ("sweep", true, "--over seed=1,2 --jobs 2"),
+        ("compare", true, ""),
+        ("calibrate", true, friction),
+        ("reproduce", false, "--quick"),
+        ("interpretations", false, "--quick"),
+        ("verify", false, ""),
     ];
-    for (n, args) in commands.iter().enumerate() {
-        let out = folder.path().join(args[0]);
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-        command.args(*args).arg("--quiet").arg("--out").arg(&out);
+    for (n, (name, of_scenario, more)) in commands.into_iter().enumerate() {
+        let out = folder.path().join(name);
+        let mut command = program::pluvia();
+        command.arg(name).args(of_scenario.then_some(&scenario)).args(words(more));
+        command.arg("--quiet").arg("--out").arg(&out);
         command.stdout(Stdio::null()).stderr(Stdio::null());
         let reached = || {
-            let there = out.join("stages/.lock").exists() || args[0] == "verify" && out.exists();
+            let there = out.join("stages/.lock").exists() || name == "verify" && out.exists();
             sleep(Duration::from_millis(if there { 300 } else { 0 }));
             there
         };
-        stops(command, ["TERM", "INT"][n % 2], args[0], &reached);
+        stops(command, ["TERM", "INT"][n % 2], name, &reached);
     }
 }
 
@@ -158,8 +126,7 @@ fn in_every_command_that_computes() {
 #[test]
 #[ignore = "slow: make test-all"]
 fn while_figures_and_report_are_written() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
+    let (folder, scenario) = prepared();
     let mut stopped = 0;
     for (n, signal) in ["TERM", "INT", "TERM", "INT"].into_iter().enumerate() {
         let out = folder.path().join(n.to_string());
@@ -168,8 +135,8 @@ fn while_figures_and_report_are_written() {
         let what = format!("figures, SIG{signal} number {n}");
         reach(&mut child, &what, &|| out.join("figures").exists());
         sleep(Duration::from_millis(60 * n as u64));
-        send(signal, &child);
-        let status = ends(&mut child, &what);
+        send(&child, signal);
+        let status = ends(child, &what);
         // It may have had little left to do.
         let is_stopped = status.code() == STOPPED;
         assert!(is_stopped || status.success(), "law: {what}: stopped or done, got {status:?}");
@@ -187,8 +154,7 @@ fn while_figures_and_report_are_written() {
 /// Law: who waits for a store that somebody else is clearing ends, too.
 #[test]
 fn while_it_waits_for_a_lock() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
+    let (folder, scenario) = prepared();
     for signal in ["TERM", "INT"] {
         let out = folder.path().join(signal);
         fs::create_dir_all(out.join("stages")).expect("a folder");
@@ -215,11 +181,11 @@ fn after_it_was_suspended() {
         let out = folder.path().join(order.join("-"));
         let mut child = pluvia(&scenario, &out).spawn().expect("it starts");
         reach(&mut child, &what, &|| stages(&out) == 1);
-        send("STOP", &child);
+        send(&child, "STOP");
         sleep(Duration::from_secs(1));
         assert!(child.try_wait().expect("its state").is_none(), "law: {what}: it is suspended");
-        order.iter().for_each(|signal| send(signal, &child));
-        let status = ends(&mut child, &what);
+        order.iter().for_each(|signal| send(&child, signal));
+        let status = ends(child, &what);
         assert_eq!(status.code(), STOPPED, "law: {what}: it was stopped, got {status:?}");
     }
 }
@@ -229,14 +195,14 @@ fn after_it_was_suspended() {
 fn while_it_serves() {
     use std::io::{BufRead, BufReader};
     for (signal, number) in [("TERM", 15), ("INT", 2)] {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+        let mut command = program::pluvia();
         command.arg("view").arg(super::export::small_run()).arg("--no-browser");
         let mut child = command.stdout(Stdio::piped()).spawn().expect("it starts");
         let lines = BufReader::new(child.stdout.take().expect("a pipe")).lines();
         let served = lines.map_while(Result::ok).any(|line| line.starts_with("http://"));
         assert!(served, "law: it serves");
-        send(signal, &child);
-        let status = ends(&mut child, signal);
+        send(&child, signal);
+        let status = ends(child, signal);
         assert_eq!(status.code(), Some(0), "law: SIG{signal} is the way to end it: {status:?}");
         assert_ne!(status.signal(), Some(number), "law: it ends by itself");
     }

@@ -2,14 +2,35 @@
 
 use serde_json::{Value, json};
 
+/// Gravel of 10 to 12.5 mm, of a mass in g.
+pub fn gravel(mass_g: f64) -> Value {
+    json!({
+        "total_mass_g": mass_g, "density_kg_per_m3": 2673.9,
+        "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
+    })
+}
+
+/// Grains of 8 to 10 mm, of a mass in g.
+pub fn fine(mass_g: f64) -> Value {
+    json!({
+        "total_mass_g": mass_g, "density_kg_per_m3": 2650,
+        "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
+    })
+}
+
+/// Puts fields into an object; null takes one away.
+pub fn put(object: &mut Value, fields: &Value) {
+    for (name, field) in fields.as_object().expect("fields") {
+        object[name] = field.clone();
+    }
+    object.as_object_mut().expect("an object").retain(|_, field| !field.is_null());
+}
+
 /// Gravel of a mass in g, shaken for whole cycles of 0.25 s, then left alone.
 pub fn scenario(mass_g: f64, shaken_s: f64, rest_test_s: f64) -> Value {
     json!({
         "name": "small",
-        "grains": {
-            "total_mass_g": mass_g, "density_kg_per_m3": 2673.9,
-            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-        },
+        "grains": gravel(mass_g),
         "stages": [
             { "stage": "fill_funnel" },
             { "stage": "pour", "falling_height_mm": 0 },
@@ -25,10 +46,7 @@ pub fn scenario(mass_g: f64, shaken_s: f64, rest_test_s: f64) -> Value {
 pub fn layer(mass_g: f64) -> Value {
     json!({
         "name": "small",
-        "grains": {
-            "total_mass_g": mass_g, "density_kg_per_m3": 2673.9,
-            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-        },
+        "grains": gravel(mass_g),
         "apparatus": {
             "cylinder": { "inner_diameter_mm": 75, "height_mm": 120 },
             "funnel": { "opening_diameter_mm": 72, "top_diameter_mm": 140 }

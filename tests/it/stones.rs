@@ -1,35 +1,33 @@
 //! Grains from meshes as a user meets them: the example, and faulty files.
 
-use std::{fs, path::Path};
+use std::fs;
 
 use serde_json::{Value, json};
 
-use crate::program::run;
+use crate::{
+    near::near,
+    program::{Folder, assert_holds, done, refused},
+};
 
 const EXAMPLE: &str = "scenarios/meshes/stones.json";
 
 #[test]
 fn the_example_of_stones_makes_grains_and_runs() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let out = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
-    let made = out("grains");
-    let (code, text, err) =
-        run(&["grains", EXAMPLE, "--format", "obj", "--json", "--quiet", "--out", &made]);
-    assert_eq!(code, Some(0), "{err}");
-    let made_json: Value = serde_json::from_str(&text).expect("JSON");
-    let mass = made_json["mass_g"].as_f64().expect("a number");
-    assert!((mass - 120.0).abs() < 1e-9, "total mass: expected 120 g, got {mass} ± 1e-9");
-    let read = |folder: &str, name: &str| {
-        fs::read_to_string(Path::new(folder).join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    let folder = Folder::new();
+    let grains = |args: &[&str], name: &str| -> Value {
+        let out = folder.out(name);
+        let args = [&["grains", "--json", "--quiet", "--out", &out][..], args].concat();
+        serde_json::from_str(&done(&args)).expect("JSON")
     };
-    assert_eq!(read(&made, "stones.csv").lines().count(), 7, "a head and six meshes");
-    let sieve = read(&made, "sieve.csv");
+    let made_json = grains(&[EXAMPLE, "--format", "obj"], "grains");
+    let mass = made_json["mass_g"].as_f64().expect("a number");
+    near("total mass, g", mass, 120.0, 1e-9);
+    let stones = folder.text("grains/stones.csv");
+    assert_eq!(stones.lines().count(), 7, "a head and six meshes");
+    let sieve = folder.text("grains/sieve.csv");
     for (row, expected) in sieve.lines().skip(1).zip([48.0, 72.0]) {
         let mass: f64 = row.split(',').nth(7).and_then(|m| m.parse().ok()).expect("a mass");
-        assert!(
-            (mass - expected).abs() < 1e-4,
-            "mass on a sieve: expected {expected} g, got {row}"
-        );
+        near("mass on a sieve, g", mass, expected, 1e-4);
     }
 
     // What was written as meshes are the same grains as meshes.
@@ -38,71 +36,54 @@ fn the_example_of_stones_makes_grains_and_runs() {
         "grains": { "meshes": ["grains/*.obj"], "mesh_unit": "m", "density_kg_per_m3": 2650 },
         "stages": [{ "stage": "fill_funnel" }],
     });
-    fs::write(folder.path().join("again.json"), again.to_string()).expect("a file");
-    let twice = out("twice");
-    let (code, text, err) =
-        run(&["grains", &out("again.json"), "--json", "--quiet", "--out", &twice]);
-    assert_eq!(code, Some(0), "{err}");
-    let back: Value = serde_json::from_str(&text).expect("JSON");
+    let back = grains(&[&folder.scenario("again.json", &again)], "twice");
     assert_eq!(back["grains"], made_json["grains"], "as many grains as were written");
     let mass = back["mass_g"].as_f64().expect("a number");
-    assert!((mass - 120.0).abs() < 1e-9, "mass read back: expected 120 g, got {mass} ± 1e-9");
+    near("mass read back, g", mass, 120.0, 1e-9);
     assert_eq!(back["notes"], json!([]), "convex as they are");
 
-    let ran = out("run");
-    let (code, _, err) = run(&["run", EXAMPLE, "--quiet", "--no-figures", "--out", &ran]);
-    assert_eq!(code, Some(0), "{err}");
-    let summary: Value = serde_json::from_str(&read(&ran, "summary.json")).expect("JSON");
+    done(&["run", EXAMPLE, "--quiet", "--no-figures", "--out", &folder.out("run")]);
+    let summary = folder.json("run/summary.json");
     assert_eq!(summary["grains"]["count"], made_json["grains"], "the same grains are poured");
     assert_eq!(summary["grains"]["escaped"], 0, "none through a wall");
     let inside = summary["grains"]["in_cylinder"].as_u64().expect("a number");
     assert!(inside >= 30, "most of some forty lie in the cylinder, got {inside}");
-    assert_eq!(read(&ran, "stones.csv"), read(&made, "stones.csv"), "the same meshes");
+    assert_eq!(folder.text("run/stones.csv"), stones, "the same meshes");
 }
 
 #[test]
 fn faulty_meshes_end_with_2_and_missing_ones_with_4() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = Folder::new();
     let scenario = |meshes: &[&str]| {
-        let path = folder.path().join("s.json");
-        let text = json!({
+        let scenario = json!({
             "name": "faulty",
             "grains": { "meshes": meshes, "mesh_unit": "mm", "density_kg_per_m3": 2650 },
             "stages": [{ "stage": "fill_funnel" }],
         });
-        fs::write(&path, text.to_string()).expect("a file");
-        path.to_str().expect("UTF-8").to_owned()
+        folder.scenario("s.json", &scenario)
     };
-    fs::write(folder.path().join("a.stl"), "").expect("a file");
-    fs::write(folder.path().join("b.obj"), "v 0 0 0\nf 1 2 3\n").expect("a file");
-    let out = folder.path().join("out");
-    let out = out.to_str().expect("UTF-8");
+    fs::write(folder.path("a.stl"), "").expect("a file");
+    fs::write(folder.path("b.obj"), "v 0 0 0\nf 1 2 3\n").expect("a file");
+    let out = folder.out("out");
     for command in ["grains", "run"] {
         let path = scenario(&["a.stl", "b.obj", "c.ply"]);
-        let (code, _, err) = run(&[command, &path, "--quiet", "--out", out]);
-        assert_eq!(code, Some(2), "{command}: {err}");
-        for words in ["a.stl", "the file is empty", "b.obj", "line 2", "c.ply", "cannot be read"] {
-            assert!(err.contains(words), "{command}: `{words}` is missing in: {err}");
-        }
+        let words = ["a.stl", "the file is empty", "b.obj", "line 2", "c.ply", "cannot be read"];
+        let err = refused(&[command, &path, "--quiet", "--out", &out], 2, &words);
         assert!(!err.contains("panicked"), "{command}: {err}");
     }
-    let (code, _, err) = run(&["grains", &scenario(&["c.ply"]), "--quiet", "--out", out]);
-    assert_eq!(code, Some(4), "a file that is not there: {err}");
-    assert!(err.contains("c.ply"), "{err}");
+    // A file that is not there.
+    refused(&["grains", &scenario(&["c.ply"]), "--quiet", "--out", &out], 4, &["c.ply"]);
 }
 
 #[test]
 fn fields_that_do_not_go_together_are_told() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = Folder::new();
     let faults = |grains: Value| {
-        let path = folder.path().join("s.json");
         let stages = json!([{ "stage": "fill_funnel" }]);
-        let text = json!({ "name": "s", "grains": grains, "stages": stages });
-        fs::write(&path, text.to_string()).expect("a file");
-        match pluvia::grains::load_scenario(&path, &[]) {
-            Ok(_) => String::new(),
-            Err(error) => error.to_string(),
-        }
+        let scenario = json!({ "name": "s", "grains": grains, "stages": stages });
+        let path = folder.scenario("s.json", &scenario);
+        let loaded = pluvia::grains::load_scenario(path.as_ref(), &[]);
+        loaded.err().map_or_else(String::new, |error| error.to_string())
     };
     let table = json!([{ "passing_mm": 16, "retained_mm": 8, "mass_percent": 100 }]);
     let base = json!({ "meshes": ["a.stl"], "mesh_unit": "mm", "density_kg_per_m3": 2650 });
@@ -136,8 +117,6 @@ fn fields_that_do_not_go_together_are_told() {
     let cells = json!({ "total_mass_g": 500, "density_kg_per_m3": 2650,
         "sieve_table": [{ "passing_mm": 16, "retained_mm": 8, "mass_percent": 100 }],
         "cells": { "elongation": 0.5, "relaxation": 3 } });
-    let said = faults(cells);
-    for words in ["grains.cells.elongation", "at least 1", "`relaxation_steps`"] {
-        assert!(said.contains(words), "`{words}` is missing in: {said}");
-    }
+    let words = ["grains.cells.elongation", "at least 1", "`relaxation_steps`"];
+    assert_holds(&faults(cells), &words);
 }

@@ -4,61 +4,37 @@
 use std::{
     fs::{self, File},
     path::{Path, PathBuf},
-    process::{Command, Output},
 };
 
 use serde_json::Value;
 
 use super::{
-    interruption::{copy, finished, write_scenario},
+    interruption::{copy, finished, stored_as, with_results},
+    program::{assert_holds, done, refused, run, text, write},
     same::assert_same_files,
+    small,
 };
 
-fn pluvia(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_pluvia")).args(args).output().expect("it starts")
-}
-
 fn check(folder: &Path) -> (Option<i32>, Value, String) {
-    let folder = folder.to_str().expect("UTF-8");
-    let output = pluvia(&["store", "check", folder, "--json"]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    (output.status.code(), serde_json::from_slice(&output.stdout).unwrap_or_default(), said)
-}
-
-/// Folders of the stored stages, by the name of the stage.
-fn folder_of(out: &Path, stage: &str) -> PathBuf {
-    let entries = fs::read_dir(out.join("stages")).expect("stages").flatten();
-    let is_named = |path: &PathBuf| {
-        let record: Value = fs::read(path.join("stage.json"))
-            .map(|text| serde_json::from_slice(&text).expect("JSON"))
-            .unwrap_or_default();
-        record["stage"] == stage
-    };
-    entries.map(|e| e.path()).find(is_named).expect("law: it is stored and says its name")
+    let (code, printed, said) = run(&["store", "check", text(folder), "--json"]);
+    (code, serde_json::from_str(&printed).unwrap_or_default(), said)
 }
 
 #[test]
 fn a_check_says_what_is_whole_and_what_is_damaged() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().join("out");
-    copy(finished(), &out);
+    let (folder, _, out) = with_results();
     for place in [out.clone(), out.join("stages")] {
         let (code, report, said) = check(&place);
         assert_eq!((code, &report["damaged"]), (Some(0), &0.into()), "law: whole, got {said}");
         assert_eq!(report["stages"].as_array().map(Vec::len), Some(5), "law: with the rest test");
     }
-    let text = pluvia(&["store", "check", out.to_str().expect("UTF-8")]).stdout;
-    let text = String::from_utf8_lossy(&text).into_owned();
-    for word in ["fill_funnel", "vibrate", "whole", "5 of 5 stages whole, nothing is damaged"] {
-        assert!(text.contains(word), "law: `{word}` is printed, got {text}");
-    }
-    let pour = folder_of(&out, "pour");
+    let words = ["fill_funnel", "vibrate", "whole", "5 of 5 stages whole, nothing is damaged"];
+    assert_holds(&done(&["store", "check", text(&out)]), &words);
+    let pour = stored_as(&out, "pour");
     fs::write(pour.join("specimen.json"), "{}").expect("damaged");
     let (code, report, _) = check(&out);
     assert_eq!((code, &report["damaged"]), (Some(1), &1.into()), "law: exit code 1 for damage");
-    let text = pluvia(&["store", "check", out.to_str().expect("UTF-8")]).stdout;
-    let text = String::from_utf8_lossy(&text).into_owned();
-    assert!(text.contains("DAMAGED") && text.contains("specimen.json"), "law: named, got {text}");
+    assert_holds(&run(&["store", "check", text(&out)]).1, &["DAMAGED", "specimen.json"]);
     let (code, _, said) = check(folder.path());
     assert_eq!(code, Some(2), "law: exit code 2 where there is no store, got {said}");
     let (code, _, said) = check(&folder.path().join("nowhere"));
@@ -67,26 +43,17 @@ fn a_check_says_what_is_whole_and_what_is_damaged() {
 
 #[test]
 fn a_stage_in_the_place_of_another_is_reported_and_done_again() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
-    let out = folder.path().join("out");
-    copy(finished(), &out);
-    let (pour, shaken) = (folder_of(&out, "pour"), folder_of(&out, "vibrate"));
+    let (folder, scenario, out) = with_results();
+    let (pour, shaken) = (stored_as(&out, "pour"), stored_as(&out, "vibrate"));
     fs::remove_dir_all(&pour).expect("removed");
     copy(&shaken, &pour);
     let (code, report, _) = check(&out);
     assert_eq!((code, &report["damaged"]), (Some(1), &1.into()), "law: a check finds it");
-    let [scenario, out_text] = [&scenario, &out].map(|path| path.to_str().expect("UTF-8"));
     let exported = folder.path().join("exported");
-    let exported = exported.to_str().expect("UTF-8");
-    let args = ["export", out_text, "--stage", "pour", "--format", "csv", "--out", exported];
-    let refused = pluvia(&args);
-    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert_eq!(refused.status.code(), Some(2), "law: it is not exported, got {said}");
-    assert!(said.contains("another stage"), "law: and reported, got {said}");
-    let output = pluvia(&["run", scenario, "--out", out_text, "--no-figures"]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "law: it does not end a run, got {said}");
+    let export = ["export", text(&out), "--stage", "pour", "--format", "csv"];
+    refused(&[&export[..], &["--out", text(&exported)]].concat(), 2, &["another stage"]);
+    let (code, _, said) = run(&["run", text(&scenario), "--out", text(&out), "--no-figures"]);
+    assert_eq!(code, Some(0), "law: it does not end a run, got {said}");
     assert_eq!(said.matches("damaged and done again").count(), 1, "law: reported once, got {said}");
     assert!(said.contains("another stage"), "law: and reported what it is, got {said}");
     assert_same_files(finished(), &out, "a stage in the place of another");
@@ -95,10 +62,7 @@ fn a_stage_in_the_place_of_another_is_reported_and_done_again() {
 
 #[test]
 fn the_next_command_removes_what_a_killed_one_left_and_nothing_else() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
-    let out = folder.path().join("out");
-    copy(finished(), &out);
+    let (_folder, scenario, out) = with_results();
     let folders = ["", "figures", "runs/a", "runs/a/figures", "stages"];
     let mut left = Vec::new();
     for place in folders.map(|name| out.join(name)) {
@@ -114,25 +78,23 @@ fn the_next_command_removes_what_a_killed_one_left_and_nothing_else() {
     let held = out.join("figures/.pluvia-living.part");
     let writer = File::create(&held).expect("a file");
     writer.lock().expect("held");
-    let [scenario, out_text] = [&scenario, &out].map(|path| path.to_str().expect("UTF-8"));
-    let output = pluvia(&["run", scenario, "--out", out_text, "--quiet"]);
-    assert!(output.status.success(), "law: it is not in the way");
+    // They are not in the way.
+    let again = ["run", text(&scenario), "--out", text(&out), "--quiet"];
+    done(&again);
     let there: Vec<&PathBuf> = left.iter().filter(|path| path.exists()).collect();
     assert!(there.is_empty(), "law: leftovers of the dead go, got {there:?}");
     assert!(held.exists(), "law: what somebody is writing stays");
     drop(writer);
-    let again = pluvia(&["run", scenario, "--out", out_text, "--quiet"]);
-    assert!(again.status.success(), "{}", String::from_utf8_lossy(&again.stderr));
+    done(&again);
     assert!(!held.exists(), "law: the next command removes it when its writer is gone");
-    let grains = pluvia(&["grains", scenario, "--out", out_text, "--quiet"]);
-    assert_eq!(grains.status.code(), Some(2), "law: a run's folder holds the run alone");
+    // A run's folder holds the run alone.
+    refused(&["grains", text(&scenario), "--out", text(&out), "--quiet"], 2, &[]);
 }
 
 /// Law: `view --save` and `stage` remove what the dead left where they write, too.
 #[test]
 fn a_saved_page_and_a_stage_remove_what_killed_ones_left() {
     let folder = tempfile::tempdir().expect("a folder");
-    let text = |path: &Path| path.to_str().expect("UTF-8").to_owned();
     let leftover = |name: &str| {
         let path = folder.path().join(name);
         fs::create_dir_all(path.parent().expect("a folder")).expect("made");
@@ -144,18 +106,14 @@ fn a_saved_page_and_a_stage_remove_what_killed_ones_left() {
     let writer = File::options().write(true).open(&held).expect("a file");
     writer.lock().expect("held");
     let file = folder.path().join("saved/run.html");
-    let output = pluvia(&["view", &text(finished()), "--save", &text(&file)]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    done(&["view", text(finished()), "--save", text(&file)]);
     assert!(!left.exists() && held.exists(), "law: leftovers of the dead alone go");
 
-    let scenario = folder.path().join("layer.json");
-    fs::write(&scenario, super::small::layer(30.0).to_string()).expect("a scenario");
-    let out = text(&folder.path().join("sweep"));
-    let sweep = ["sweep", &text(&scenario), "--over", "seed=1,2", "--plan-only", "--out", &out];
-    let planned = pluvia(&sweep);
-    assert!(planned.status.success(), "{}", String::from_utf8_lossy(&planned.stderr));
+    let scenario = write(folder.path(), "layer.json", &small::layer(30.0));
+    let out = folder.path().join("sweep");
+    let over = ["--over", "seed=1,2", "--plan-only", "--out", text(&out)];
+    done(&[&["sweep", text(&scenario)][..], &over].concat());
     let left = ["sweep/.pluvia-Ab12cd.part", "sweep/stages/.pluvia-Ab12cd.part"].map(leftover);
-    let listed = pluvia(&["stage", &out, "--list"]);
-    assert!(listed.status.success(), "{}", String::from_utf8_lossy(&listed.stderr));
+    done(&["stage", text(&out), "--list"]);
     assert!(!left.iter().any(|path| path.exists()), "law: nothing of the dead stays");
 }

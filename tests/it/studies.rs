@@ -1,32 +1,24 @@
 //! Convergence and sensitivity on a few grains, by designs of their own.
 
-use std::{fs, path::Path, process::Command};
+use std::{fs, path::Path};
 
 use serde_json::{Value, json};
 
-use super::small;
+use super::{
+    program::{self, assert_holds, text},
+    small,
+};
 
 /// Runs a study; gives its exit code, standard output and standard error.
 fn study(command: &str, design: &Path, out: &Path) -> (Option<i32>, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_pluvia"))
-        .args([command, "--quiet", "--json", "--design"])
-        .arg(design)
-        .arg("--out")
-        .arg(out)
-        .output()
-        .expect("the program starts");
-    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
-    (output.status.code(), text(output.stdout), text(output.stderr))
+    program::run(&[command, "--quiet", "--json", "--design", text(design), "--out", text(out)])
 }
 
 /// Writes a design beside a scenario of thirty grams.
 fn write(folder: &Path, design: &Value) -> std::path::PathBuf {
     // Long enough for what was shaken to come to rest: shorter, some runs are not valid.
-    let scenario = small::scenario(30.0, 0.25, 1.0);
-    fs::write(folder.join("small.json"), scenario.to_string()).expect("a scenario file");
-    let path = folder.join("design.json");
-    fs::write(&path, design.to_string()).expect("a design");
-    path
+    program::write(folder, "small.json", &small::scenario(30.0, 0.25, 1.0));
+    program::write(folder, "design.json", design)
 }
 
 fn convergence() -> Value {
@@ -63,8 +55,7 @@ fn sensitivity() -> Value {
 }
 
 fn read(out: &Path, file: &str) -> Value {
-    let text = fs::read(out.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
-    serde_json::from_slice(&text).expect("JSON")
+    program::json(&out.join(file))
 }
 
 #[test]
@@ -192,26 +183,20 @@ fn by_sweeps(design: &Path, study: &Path, found: &Value) {
     let folder = design.parent().expect("a folder");
     let stages = || fs::read_dir(study.join("stages")).expect("stages").count();
     let stored = stages();
-    let sweep = |name: &str, arguments: &[&std::ffi::OsStr]| -> Value {
+    let sweep = |name: &str, arguments: &[&str]| -> Value {
         let out = folder.join(name);
         fs::create_dir_all(&out).expect("a folder");
         fs::rename(study.join("stages"), out.join("stages")).expect("moved");
-        let output = Command::new(env!("CARGO_BIN_EXE_pluvia"))
-            .args(["sweep", "--quiet", "--json", "--out"])
-            .arg(&out)
-            .args(arguments)
-            .output()
-            .expect("the program starts");
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(0), "{name}: {said}");
+        let args = ["sweep", "--quiet", "--json", "--out", text(&out)];
+        let printed = program::done(&[&args[..], arguments].concat());
         fs::rename(out.join("stages"), study.join("stages")).expect("moved");
         assert_eq!(stages(), stored, "law: {name} plans the very stages of the study");
-        let swept: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let swept: Value = serde_json::from_str(&printed).expect("JSON");
         let table = read(&out, "sensitivity.json");
         hold_slopes(name, &table, &swept);
         table
     };
-    let by_design = sweep("by-design", &["--design".as_ref(), design.as_os_str()]);
+    let by_design = sweep("by-design", &["--design", text(design)]);
     assert_eq!(by_design["parameters"], found["parameters"], "law: the same table to the last bit");
     let [same, other] = [study, &folder.join("by-design")].map(|out| {
         let table = fs::read(out.join("sensitivity.csv")).expect("a table");
@@ -220,17 +205,14 @@ fn by_sweeps(design: &Path, study: &Path, found: &Value) {
     assert_eq!(same, other, "law: and as bytes");
 
     let scenario = folder.join("small.json");
-    let by_fields: Vec<&std::ffi::OsStr> = [
+    let by_fields = [
         "--one-at-a-time",
         "--configurations=2",
         "--over=contact.restitution=0.25,0.4",
         "--over=grains.total_mass_g=60",
         "--over=stages.3.amplitude_mm=5",
-    ]
-    .iter()
-    .map(AsRef::as_ref)
-    .chain([scenario.as_os_str()])
-    .collect();
+        text(&scenario),
+    ];
     let by_fields = sweep("by-fields", &by_fields);
     for n in 0..3 {
         for what in ["low", "default", "high", "height", "plate", "surface"] {
@@ -275,9 +257,7 @@ fn refused(command: &str, design: &Value, count: usize, words: &[&str]) {
     if count > 1 {
         assert!(said.contains(&format!("{count} faults")), "expected {count} faults: {said}");
     }
-    for word in words {
-        assert!(said.contains(word), "`{word}` is missing in: {said}");
-    }
+    assert_holds(&said, words);
     assert!(printed.is_empty() && !out.exists(), "nothing is printed or written: {said}");
 }
 
@@ -321,20 +301,13 @@ fn a_design_without_a_smaller_specimen_is_refused_with_quick() {
     let folder = tempfile::tempdir().expect("a folder");
     let design = write(folder.path(), &convergence());
     for (command, arguments, code) in [
-        ("converge", vec!["--quick", "--design", design.to_str().expect("UTF-8")], 2),
+        ("converge", vec!["--quick", "--design", text(&design)], 2),
         ("converge", vec!["--design", "nowhere.json"], 4),
         ("sensitivity", vec!["--configurations", "0"], 2),
     ] {
         let out = folder.path().join("out");
-        let output = Command::new(env!("CARGO_BIN_EXE_pluvia"))
-            .arg(command)
-            .args(&arguments)
-            .arg("--out")
-            .arg(&out)
-            .output()
-            .expect("the program starts");
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(code), "{command} {arguments:?}: {said}");
+        let args = [&[command, "--out", text(&out)][..], &arguments].concat();
+        program::refused(&args, code, &[]);
         assert!(!out.exists(), "nothing is written");
     }
 }

@@ -1,35 +1,33 @@
 //! `pluvia sweep` on a few grains: what it plans, what it finds, what it
 //! refuses, and that it goes on from where it was.
 
-use std::{
-    collections::BTreeSet,
-    fs,
-    path::{Path, PathBuf},
-    process::Command,
+use std::{collections::BTreeSet, fs, path::Path};
+
+use serde_json::{Value, json};
+
+use super::{
+    program::{self, Folder, assert_holds, text, words},
+    small,
 };
 
-use serde_json::Value;
-
-use super::small;
-
-fn write(folder: &Path) -> PathBuf {
-    let path = folder.join("small.json");
-    fs::write(&path, small::layer(30.0).to_string()).expect("a scenario file");
-    path
+/// A folder with `small.json`.
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.scenario("small.json", &small::layer(30.0));
+    folder
 }
 
 /// Runs the command; gives its exit code, standard output and standard error.
 pub fn sweep(scenario: &Path, out: &Path, more: &[&str]) -> (Option<i32>, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_pluvia"))
-        .args(["sweep", "--quiet", "--json"])
-        .arg(scenario)
-        .arg("--out")
-        .arg(out)
-        .args(more)
-        .output()
-        .expect("the program starts");
-    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
-    (output.status.code(), text(output.stdout), text(output.stderr))
+    let args = ["sweep", "--quiet", "--json", text(scenario), "--out", text(out)];
+    program::run(&[&args[..], more].concat())
+}
+
+/// The same to a good end; gives what it found.
+pub fn swept(scenario: &Path, out: &Path, more: &[&str]) -> Value {
+    let (code, printed, said) = sweep(scenario, out, more);
+    assert_eq!(code, Some(0), "{}: {said}", out.display());
+    serde_json::from_str(&printed).expect("JSON")
 }
 
 const GRID: [&str; 4] =
@@ -44,10 +42,9 @@ fn rows(out: &Path) -> Vec<Vec<String>> {
 
 #[test]
 fn a_grid_gives_one_row_a_run_and_goes_on_where_it_was() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (scenario, out) = (write(folder.path()), folder.path().join("out"));
-    let (code, _, said) = sweep(&scenario, &out, &GRID);
-    assert_eq!(code, Some(0), "{said}");
+    let folder = folder();
+    let (scenario, out) = (folder.path("small.json"), folder.path("out"));
+    swept(&scenario, &out, &GRID);
     let first = rows(&out);
     assert_eq!(first.len(), 5, "law: a header and 2 × 2 points in one configuration");
     let column = |name: &str| {
@@ -61,15 +58,10 @@ fn a_grid_gives_one_row_a_run_and_goes_on_where_it_was() {
 
     assert_eq!(column("valid"), column("meets_standard") + 1, "law: one beside the other");
     for row in &first[1..] {
-        let path = out.join("runs").join(&row[column("run")]).join("summary.json");
-        let summary: Value =
-            serde_json::from_str(&fs::read_to_string(path).expect("a summary")).expect("JSON");
+        let summary = folder.json(&format!("out/runs/{}/summary.json", row[column("run")]));
         for name in ["meets_standard", "valid"] {
-            assert_eq!(
-                row[column(name)],
-                summary[name].to_string(),
-                "law: {name} as the run has it"
-            );
+            let got = &row[column(name)];
+            assert_eq!(*got, summary[name].to_string(), "law: {name} as the run has it");
         }
     }
 
@@ -80,13 +72,11 @@ fn a_grid_gives_one_row_a_run_and_goes_on_where_it_was() {
     };
     let before = stages();
     let more = [&GRID[..], &["--configurations", "3"]].concat();
-    let (code, printed, said) = sweep(&scenario, &out, &more);
-    assert_eq!(code, Some(0), "{said}");
+    let found = swept(&scenario, &out, &more);
     assert!(before.is_subset(&stages()), "law: stored stages are taken as they are");
     let second = rows(&out);
     assert_eq!(second.len(), 13, "law: three configurations");
     assert_eq!(first[..5], second[..5], "law: the first configuration is what it was");
-    let found: Value = serde_json::from_str(&printed).expect("JSON");
     let effects = found["effects"].as_array().expect("effects");
     let of_mass = effects.iter().find(|e| e["factor"] == "grains.total_mass_g").expect("mass");
     assert!(of_mass["slope"].as_f64().is_some_and(|s| s > 0.0), "law: height grows, {of_mass}");
@@ -98,9 +88,7 @@ fn a_grid_gives_one_row_a_run_and_goes_on_where_it_was() {
     let drawn = fs::read_dir(out.join("figures")).expect("figures").count();
     assert_eq!(drawn, 9, "law: two factors and a pair, in three formats each");
 
-    let plan: Value =
-        serde_json::from_str(&fs::read_to_string(out.join("plan.json")).expect("plan.json"))
-            .expect("JSON");
+    let plan = folder.json("out/plan.json");
     let runs = plan["runs"].as_array().expect("runs");
     assert_eq!(runs.len(), 12, "law: the plan has every run");
     for run in runs {
@@ -111,9 +99,8 @@ fn a_grid_gives_one_row_a_run_and_goes_on_where_it_was() {
 
     let (code, _, said) = sweep(&scenario, &out, &GRID);
     assert_eq!(code, Some(2), "law: fewer configurations would take rows out: {said}");
-    for words in ["plan.json", "`configurations` is 3 there and 1 now", "at least 3", "--out"] {
-        assert!(said.contains(words), "`{words}` is missing in: {said}");
-    }
+    let words = ["plan.json", "`configurations` is 3 there and 1 now", "at least 3", "--out"];
+    assert_holds(&said, &words);
     assert_eq!(rows(&out), second, "law: no row is lost");
 
     let other = ["--over", "seed=1,2"];
@@ -127,15 +114,13 @@ fn a_grid_gives_one_row_a_run_and_goes_on_where_it_was() {
 /// line, and makes no mean of such runs.
 #[test]
 fn where_no_run_is_valid_there_is_no_mean() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (scenario, out) = (write(folder.path()), folder.path().join("out"));
+    let folder = folder();
+    let (scenario, out) = (folder.path("small.json"), folder.path("out"));
     let over = ["--over", "grains.total_mass_g=30,60", "--set", "rest_test_s=0"];
-    let (code, printed, said) = sweep(&scenario, &out, &over);
-    assert_eq!(code, Some(0), "{said}");
-    let found: Value = serde_json::from_str(&printed).expect("JSON");
+    let found = swept(&scenario, &out, &over);
     for point in found["points"].as_array().expect("points") {
         assert_eq!(point["left_out"], 1, "law: counted: {point}");
-        assert_eq!(point["outcomes"], serde_json::json!({}), "law: no mean: {point}");
+        assert_eq!(point["outcomes"], json!({}), "law: no mean: {point}");
     }
     for effect in found["effects"].as_array().expect("effects") {
         assert_eq!((&effect["slope"], &effect["left_out"]), (&Value::Null, &2.into()), "{effect}");
@@ -146,82 +131,57 @@ fn where_no_run_is_valid_there_is_no_mean() {
         assert!(row[column].contains("accuracy standard"), "law: the row says why: {row:?}");
     }
     for file in ["sweep.md", "report.html"] {
-        let page = fs::read_to_string(out.join(file)).expect(file);
-        for said in ["no valid run", "2 of 2 runs with a result are left out of means"] {
-            assert!(page.contains(said), "law: {file} says `{said}`");
-        }
+        let words = ["no valid run", "2 of 2 runs with a result are left out of means"];
+        assert_holds(&fs::read_to_string(out.join(file)).expect(file), &words);
     }
-    let output = Command::new(env!("CARGO_BIN_EXE_pluvia"))
-        .args(["sweep", "--collect", "--quiet", "--out"])
-        .arg(&out)
-        .output()
-        .expect("the program starts");
-    let text = String::from_utf8_lossy(&output.stderr);
-    let last = text.lines().last().unwrap_or_default();
+    let (_, _, said) = program::run(&["sweep", "--collect", "--quiet", "--out", text(&out)]);
+    let last = said.lines().last().unwrap_or_default();
     assert!(last.contains("NOT VALID") && last.contains("2 of 2"), "law: got `{last}`");
 }
 
 #[test]
 fn values_can_be_drawn_and_varied_one_at_a_time() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write(folder.path());
-    let drawn = [
-        "--samples",
-        "latin-hypercube:3",
-        "--range",
-        "contact.grain_grain_friction=0.2..0.9",
-        "--plan-only",
-    ];
-    let out = folder.path().join("drawn");
-    let (code, printed, said) = sweep(&scenario, &out, &drawn);
-    assert_eq!(code, Some(0), "{said}");
-    assert_eq!(serde_json::from_str::<Value>(&printed).expect("JSON")["runs"], 3);
-    assert!(!out.join("stages").exists(), "law: only the plan is written");
+    let folder = folder();
+    let scenario = folder.path("small.json");
+    let range = ["--range", "contact.grain_grain_friction=0.2..0.9", "--plan-only"];
+    let drawn = [&["--samples", "latin-hypercube:3"][..], &range].concat();
+    assert_eq!(swept(&scenario, &folder.path("drawn"), &drawn)["runs"], 3);
+    assert!(!folder.path("drawn/stages").exists(), "law: only the plan is written");
 
-    let out = folder.path().join("single");
     let one = ["--one-at-a-time", "--over", "contact.grain_grain_friction=0.3,0.793"];
-    let (code, printed, said) = sweep(&scenario, &out, &one);
-    assert_eq!(code, Some(0), "{said}");
-    let found: Value = serde_json::from_str(&printed).expect("JSON");
+    let found = swept(&scenario, &folder.path("single"), &one);
     let points = found["points"].as_array().expect("points").len();
     assert_eq!(points, 2, "law: the scenario and what differs from it");
 }
 
 #[test]
 fn what_cannot_be_swept_is_told_before_anything_runs() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (scenario, out) = (write(folder.path()), folder.path().join("out"));
-    for (more, words) in [
-        (&["--over", "contact.grain_friction=1,2"][..], ["grain_friction", "point-0001"]),
-        (&["--over", "contact.restitution=0.3,7"][..], ["restitution", "7"]),
-        (&["--over", "seed=1", "--over", "seed=2"][..], ["seed", "twice"]),
+    let folder = folder();
+    let (scenario, out) = (folder.path("small.json"), folder.path("out"));
+    for (more, told) in [
+        ("--over contact.grain_friction=1,2", ["grain_friction", "point-0001"]),
+        ("--over contact.restitution=0.3,7", ["restitution", "7"]),
+        ("--over seed=1 --over seed=2", ["seed", "twice"]),
         (
-            &[
-                "--over",
-                "stages[1].falling_height_mm=1,200",
-                "--over",
-                "stages.1.falling_height_mm=3",
-            ][..],
+            "--over stages[1].falling_height_mm=1,200 --over stages.1.falling_height_mm=3",
             ["stages[1].falling_height_mm", "varied twice"],
         ),
         (
-            &["--over", "contact={\"restitution\":0.1}", "--over", "contact.restitution=0.2,0.3"][..],
+            "--over contact={\"restitution\":0.1} --over contact.restitution=0.2,0.3",
             ["`contact.restitution` is part of `contact`", "both are varied"],
         ),
         (
-            &["--over", "contact={\"restitution\":0.1}", "--set", "contact.restitution=0.2"][..],
+            "--over contact={\"restitution\":0.1} --set contact.restitution=0.2",
             ["--set contact.restitution=0.2", "`contact` is varied"],
         ),
-        (&["--over", "seed"][..], ["path=value", "seed"]),
-        (&["--samples", "sobol:4", "--range", "seed=1..9"][..], ["latin-hypercube:N", "sobol"]),
-        (&[][..], ["--over", "required"]),
+        ("--over seed", ["path=value", "seed"]),
+        ("--samples sobol:4 --range seed=1..9", ["latin-hypercube:N", "sobol"]),
+        ("", ["--over", "required"]),
     ] {
-        let (code, printed, said) = sweep(&scenario, &out, more);
+        let (code, printed, said) = sweep(&scenario, &out, &words(more));
         assert_eq!(code, Some(2), "{more:?}: {said}");
         assert!(printed.is_empty(), "nothing is printed as a result: {printed}");
-        for word in words {
-            assert!(said.contains(word), "{more:?}: `{word}` is missing in: {said}");
-        }
+        assert_holds(&said, &told);
     }
     assert!(!out.exists(), "law: nothing was made");
 }

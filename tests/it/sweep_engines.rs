@@ -2,20 +2,18 @@
 
 use std::{
     fs,
-    os::unix::fs::PermissionsExt,
     path::{Path, PathBuf},
     process::Command,
 };
 
 use serde_json::{Value, json};
 
-use super::{small, sweep::sweep};
-
-fn write(folder: &Path, scenario: &Value) -> PathBuf {
-    let path = folder.join("small.json");
-    fs::write(&path, scenario.to_string()).expect("a scenario file");
-    path
-}
+use super::{
+    interruption::{stored, stored_as},
+    program::{assert_holds, done, json as read, pluvia, refused, said, script, text, write},
+    small,
+    sweep::{sweep, swept},
+};
 
 /// Every file of a folder and those below it, with its content.
 fn content(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
@@ -39,7 +37,7 @@ fn contact_solvers_and_engines_are_factors_like_any_other() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut layer = small::layer(30.0);
     layer["engine"]["rate_hz"] = json!(480);
-    let scenario = write(folder.path(), &layer);
+    let scenario = write(folder.path(), "small.json", &layer);
     for (name, factor, values) in [
         ("paths", "engine.contact_solver", ["native", "stock"]),
         ("engines", "engine.backend", ["rapier", "bullet"]),
@@ -50,9 +48,7 @@ fn contact_solvers_and_engines_are_factors_like_any_other() {
         let out = folder.path().join(name);
         let over = format!("{factor}={},{}", values[0], values[1]);
         let arguments = ["--over", &over, "--over", "contact.restitution=0.2,0.3"];
-        let (code, printed, said) = sweep(&scenario, &out, &arguments);
-        assert_eq!(code, Some(0), "{name}: {said}");
-        let found: Value = serde_json::from_str(&printed).expect("JSON");
+        let found = swept(&scenario, &out, &arguments);
         let runs = found["runs"].as_array().expect("runs");
         assert_eq!(runs.len(), 4, "{name}");
         for run in runs {
@@ -74,12 +70,7 @@ fn contact_solvers_and_engines_are_factors_like_any_other() {
         assert_eq!(words["left_out"], left_out, "law: counted");
 
         let table = fs::read(out.join("sweep.csv")).expect("a table");
-        let collected = Command::new(env!("CARGO_BIN_EXE_pluvia"))
-            .args(["sweep", "--collect", "--quiet", "--out"])
-            .arg(&out)
-            .output()
-            .expect("the program starts");
-        assert!(collected.status.success(), "{}", String::from_utf8_lossy(&collected.stderr));
+        done(&["sweep", "--collect", "--quiet", "--out", text(&out)]);
         let again = fs::read(out.join("sweep.csv")).expect("a table");
         assert_eq!(table, again, "law: collected, the same bytes in the same order");
     }
@@ -89,7 +80,7 @@ fn contact_solvers_and_engines_are_factors_like_any_other() {
 fn a_scenario_edited_between_two_commands_is_told_and_nothing_overwritten() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut layer = small::layer(30.0);
-    let (scenario, out) = (write(folder.path(), &layer), folder.path().join("out"));
+    let (scenario, out) = (write(folder.path(), "small.json", &layer), folder.path().join("out"));
     let arguments = ["--over", "contact.restitution=0.2,0.3", "--plan-only"];
     let plan = |more: &[&str]| sweep(&scenario, &out, &[&arguments[..], more].concat());
     assert_eq!(plan(&[]).0, Some(0));
@@ -97,48 +88,33 @@ fn a_scenario_edited_between_two_commands_is_told_and_nothing_overwritten() {
 
     layer["stages"][1]["falling_height_mm"] = json!(20);
     layer["engine"]["rate_hz"] = json!(480);
-    write(folder.path(), &layer);
+    write(folder.path(), "small.json", &layer);
     for more in [&[][..], &["--configurations", "3"], &["--snakemake"]] {
         let (code, printed, said) = plan(more);
         assert_eq!(code, Some(2), "law: {more:?} is refused: {said}");
         assert!(printed.is_empty(), "{printed}");
-        for word in [
-            "small.json",
-            "plan.json",
-            "stages[1].falling_height_mm was 0.0, is 20.0",
-            "engine.rate_hz was 240.0, is 480.0",
-            "--out",
-        ] {
-            assert!(said.contains(word), "`{word}` is missing in: {said}");
-        }
+        let fields =
+            ["stages[1].falling_height_mm was 0.0, is 20.0", "engine.rate_hz was 240.0, is 480.0"];
+        assert_holds(&said, &fields);
+        assert_holds(&said, &["small.json", "plan.json", "--out"]);
         assert_eq!(content(&out), before, "law: nothing is written over");
     }
     // The folder has what it needs: what was planned is run, also now.
-    let listed = || {
-        let list = Command::new(env!("CARGO_BIN_EXE_pluvia"))
-            .args(["stage", "--list", "--json"])
-            .arg(&out)
-            .output()
-            .expect("the program starts");
-        (list.status.code(), String::from_utf8_lossy(&list.stderr).into_owned())
-    };
-    assert_eq!(listed().0, Some(0), "{}", listed().1);
+    let listed = ["stage", "--list", "--json", text(&out)];
+    done(&listed);
 
     // Words are no change, nor is another order of fields.
     let mut words = small::layer(30.0);
     words["description"] = json!("other words");
-    write(folder.path(), &words);
+    write(folder.path(), "small.json", &words);
     let (code, _, said) = plan(&["--configurations", "2"]);
     assert_eq!(code, Some(0), "law: words change no result: {said}");
 
     // What lies in the folder is not edited unnoticed either.
-    let kept = out.join("scenario.json");
-    let mut edited: Value = serde_json::from_slice(&fs::read(&kept).expect("it")).expect("JSON");
+    let mut edited = read(&out.join("scenario.json"));
     edited["stages"][1]["falling_height_mm"] = json!(20);
-    fs::write(&kept, edited.to_string()).expect("written");
-    let (code, said) = listed();
-    assert_eq!(code, Some(2), "{said}");
-    assert!(said.contains("scenario.json was edited"), "{said}");
+    write(&out, "scenario.json", &edited);
+    refused(&listed, 2, &["scenario.json was edited"]);
 }
 
 /// A stand-in for sbatch, which numbers what it is given.
@@ -150,9 +126,26 @@ cd \"$(dirname \"$0\")\" && echo x >> submitted && wc -l < submitted | tr -d ' '
 fn path_with_sbatch(folder: &Path) -> String {
     let bin = folder.join("bin");
     fs::create_dir(&bin).expect("a folder");
-    fs::write(bin.join("sbatch"), SBATCH).expect("written");
-    fs::set_permissions(bin.join("sbatch"), fs::Permissions::from_mode(0o755)).expect("set");
+    script(&bin.join("sbatch"), SBATCH);
     format!("{}:{}", bin.display(), std::env::var("PATH").unwrap_or_default())
+}
+
+/// Hands a sweep of one point to that sbatch.
+fn submit(scenario: &Path, out: &Path) {
+    let mut command = pluvia();
+    command.args(["sweep", "--quiet", "--slurm", "--over", "contact.restitution=0.2", "--out"]);
+    let folder = scenario.parent().expect("a folder");
+    command.arg(out).arg(scenario).env("PATH", path_with_sbatch(folder));
+    let submitted = command.output().expect("the program starts");
+    assert!(submitted.status.success(), "{}", said(&submitted));
+}
+
+/// Runs a script as Slurm does: in a shell, from some other folder.
+fn run_job(script: &Path) {
+    let mut command = Command::new("sh");
+    command.arg(script).env("SLURM_ARRAY_TASK_ID", "0").current_dir("/");
+    let job = command.output().expect("a shell");
+    assert!(job.status.success(), "{}: {}", script.display(), said(&job));
 }
 
 /// Law: jobs ask for as many CPUs as a stage has threads, as its world is read back.
@@ -165,16 +158,9 @@ fn clusters_are_asked_for_the_threads_that_are_used() {
         if let Some(threads) = typed {
             layer["engine"]["native"] = json!({ "threads": threads });
         }
-        let scenario = write(folder.path(), &layer);
+        let scenario = write(folder.path(), "small.json", &layer);
         let out = folder.path().join("out");
-        let submitted = Command::new(env!("CARGO_BIN_EXE_pluvia"))
-            .args(["sweep", "--quiet", "--slurm", "--over", "contact.restitution=0.2", "--out"])
-            .arg(&out)
-            .arg(&scenario)
-            .env("PATH", path_with_sbatch(folder.path()))
-            .output()
-            .expect("the program starts");
-        assert!(submitted.status.success(), "{}", String::from_utf8_lossy(&submitted.stderr));
+        submit(&scenario, &out);
         for (script, asked) in [
             ("level-0-0.sh", asked),
             ("level-1-0.sh", asked),
@@ -185,28 +171,18 @@ fn clusters_are_asked_for_the_threads_that_are_used() {
             let text = fs::read_to_string(&script).expect("a script");
             let line = format!("#SBATCH --cpus-per-task={asked}");
             assert!(text.lines().any(|l| l == line), "law: {typed:?} has a line {line}:\n{text}");
-            let job = Command::new("sh")
-                .arg(&script)
-                .env("SLURM_ARRAY_TASK_ID", "0")
-                .output()
-                .expect("a shell");
-            assert!(job.status.success(), "{}", String::from_utf8_lossy(&job.stderr));
+            run_job(&script);
         }
-        let stages = fs::read_dir(out.join("stages")).expect("stages").flatten();
-        let mut used = Vec::new();
-        for stage in stages.map(|e| e.path().join("stage.json")).filter(|path| path.exists()) {
-            let stage: Value =
-                serde_json::from_slice(&fs::read(stage).expect("a stage")).expect("JSON");
-            used.push(threads_of(&stage).expect("law: the threads of a world are read back"));
-        }
+        let threads = |stage: PathBuf| threads_of(&read(&stage.join("stage.json")));
+        let used: Option<Vec<f64>> = stored(&out).into_iter().map(threads).collect();
+        let used = used.expect("law: the threads of a world are read back");
         // A machine with fewer cores gives no more threads than it has.
         let expected = asked.min(there) as f64;
         assert_eq!(used, [expected; 3], "law: with {typed:?} typed a stage uses what is asked for");
 
         let flow = folder.path().join("flow");
         let arguments = ["--over", "contact.restitution=0.2", "--snakemake"];
-        let (code, _, said) = sweep(&scenario, &flow, &arguments);
-        assert_eq!(code, Some(0), "{said}");
+        swept(&scenario, &flow, &arguments);
         let text = fs::read_to_string(flow.join("Snakefile")).expect("a Snakefile");
         let lines = text.lines().filter(|l| *l == format!("    threads: {asked}")).count();
         assert_eq!(lines, 3, "law: all levels ask for {asked}:\n{text}");
@@ -230,43 +206,27 @@ fn folders_with_blanks_and_quotes_come_through_slurm_and_snakemake() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut layer = small::layer(30.0);
     layer["rest_test_s"] = json!(0);
-    let scenario = write(folder.path(), &layer);
+    let scenario = write(folder.path(), "small.json", &layer);
     let out = folder.path().join("it's a \"sweep\" of 100 %");
-    let path = path_with_sbatch(folder.path());
-    let submitted = Command::new(env!("CARGO_BIN_EXE_pluvia"))
-        .args(["sweep", "--quiet", "--slurm", "--over", "contact.restitution=0.2", "--out"])
-        .arg(&out)
-        .arg(&scenario)
-        .env("PATH", path)
-        .output()
-        .expect("the program starts");
-    assert!(submitted.status.success(), "{}", String::from_utf8_lossy(&submitted.stderr));
+    submit(&scenario, &out);
     let log = format!(
         "#SBATCH --output=\"{}/it's a \\\"sweep\\\" of 100 %%/slurm/%x-%A_%a.log\"",
         folder.path().display()
     );
-    // As Slurm does: a shell for each script, from some other folder.
     for script in ["level-0-0.sh", "level-1-0.sh", "collect.sh"] {
         let script = out.join("slurm").join(script);
         let text = fs::read_to_string(&script).expect("a script");
         if !script.ends_with("collect.sh") {
             assert!(text.lines().any(|l| l == log), "law: there is a line {log}, got\n{text}");
         }
-        let job = Command::new("sh")
-            .arg(&script)
-            .env("SLURM_ARRAY_TASK_ID", "0")
-            .current_dir("/")
-            .output()
-            .expect("a shell");
-        assert!(job.status.success(), "{text}: {}", String::from_utf8_lossy(&job.stderr));
+        run_job(&script);
     }
     let by_slurm = fs::read(out.join("sweep.csv")).expect("a table");
 
     // Another folder, run stage by stage from within, as a Snakefile has it.
     let other = folder.path().join("it's a \"flow\"");
     let arguments = ["--over", "contact.restitution=0.2", "--snakemake"];
-    let (code, _, said) = sweep(&scenario, &other, &arguments);
-    assert_eq!(code, Some(0), "{said}");
+    swept(&scenario, &other, &arguments);
     let moved = folder.path().join("another place");
     fs::rename(&other, &moved).expect("moved");
     fs::remove_file(&scenario).expect("removed");
@@ -280,23 +240,14 @@ fn folders_with_blanks_and_quotes_come_through_slurm_and_snakemake() {
         vec!["stage", ".", "--key", keys[1]],
         vec!["sweep", "--collect", "--out", "."],
     ] {
-        let step = Command::new(env!("CARGO_BIN_EXE_pluvia"))
-            .args(&arguments)
-            .arg("--quiet")
-            .current_dir(&moved)
-            .output()
-            .expect("the program starts");
-        let said = String::from_utf8_lossy(&step.stderr);
-        assert!(step.status.success(), "{arguments:?}: {said}");
+        let step = pluvia().args(&arguments).arg("--quiet").current_dir(&moved).output();
+        let step = step.expect("the program starts");
+        assert!(step.status.success(), "{arguments:?}: {}", said(&step));
     }
     let by_flow = fs::read(moved.join("sweep.csv")).expect("a table");
     assert_eq!(by_slurm, by_flow, "law: the same table");
-    let unknown = Command::new(env!("CARGO_BIN_EXE_pluvia"))
-        .args(["stage", "--key", "0000", "--quiet"])
-        .arg(&moved)
-        .output()
-        .expect("the program starts");
-    assert_eq!(unknown.status.code(), Some(2), "law: a stage that there is not is refused");
+    // A stage that there is not is refused.
+    refused(&["stage", "--key", "0000", "--quiet", super::program::text(&moved)], 2, &[]);
 }
 
 /// Law: collecting runs nothing. A stage whose files were changed counts as not stored, there and in
@@ -304,35 +255,23 @@ fn folders_with_blanks_and_quotes_come_through_slurm_and_snakemake() {
 #[test]
 fn collecting_and_listing_believe_no_damaged_stage() {
     let folder = tempfile::tempdir().expect("a folder");
-    let (scenario, out) = (write(folder.path(), &small::layer(30.0)), folder.path().join("out"));
+    let scenario = write(folder.path(), "small.json", &small::layer(30.0));
+    let out = folder.path().join("out");
     let over = ["--over", "contact.restitution=0.2,0.3"];
-    let (code, _, said) = sweep(&scenario, &out, &over);
-    assert_eq!(code, Some(0), "{said}");
+    swept(&scenario, &out, &over);
     let table = fs::read(out.join("sweep.csv")).expect("a table");
-    let stored = fs::read_dir(out.join("stages")).expect("stages").flatten().map(|e| e.path());
-    let is_pour = |path: &PathBuf| {
-        let record = fs::read_to_string(path.join("stage.json")).unwrap_or_default();
-        record.contains("\"stage\": \"pour\"")
-    };
-    let pour = stored.filter(is_pour).min().expect("a pour").join("specimen.json");
+    let pour = stored_as(&out, "pour").join("specimen.json");
     let content = fs::read_to_string(&pour).expect("a specimen");
     let changed = content.replacen("0.0", "0.1", 1);
     assert_ne!(changed, content, "a number is changed");
     fs::write(&pour, &changed).expect("changed");
-    let pluvia = |args: &[&str]| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-        let output = command.args(args).arg("--json").output().expect("the program starts");
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.success(), "{args:?}: {said}");
-        serde_json::from_slice::<Value>(&output.stdout).expect("JSON")
-    };
-    let out_text = out.to_str().expect("UTF-8");
-    let listed = pluvia(&["stage", out_text, "--list"]);
+    let found = |args: &[&str]| serde_json::from_str::<Value>(&done(args)).expect("JSON");
+    let listed = found(&["stage", text(&out), "--list", "--json"]);
     let missing = listed["missing"].as_array().expect("levels").iter();
     let missing: usize = missing.map(|level| level.as_array().map_or(0, Vec::len)).sum();
     // The pour, and the rest that goes on from it.
     assert_eq!(missing, 2, "law: the changed stage is to be done again, got {listed}");
-    let found = pluvia(&["sweep", "--collect", "--out", out_text]);
+    let found = found(&["sweep", "--collect", "--out", text(&out), "--json"]);
     let failures: Vec<&str> = found["runs"]
         .as_array()
         .expect("runs")
@@ -341,7 +280,6 @@ fn collecting_and_listing_believe_no_damaged_stage() {
         .collect();
     assert!(failures.len() == 1 && failures[0].contains("is not stored"), "law: got {failures:?}");
     assert_eq!(fs::read_to_string(&pour).expect("a file"), changed, "law: nothing was run");
-    let (code, _, said) = sweep(&scenario, &out, &over);
-    assert_eq!(code, Some(0), "{said}");
+    swept(&scenario, &out, &over);
     assert!(fs::read(out.join("sweep.csv")).expect("a table") == table, "law: made anew, the same");
 }

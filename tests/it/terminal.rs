@@ -6,10 +6,13 @@ use std::{
     process::{Command, Output},
 };
 
-use super::small;
+use super::{
+    program::{self, Folder, assert_holds},
+    small,
+};
 
 fn pluvia(args: &[&str], variables: &[(&str, &str)]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+    let mut command = program::pluvia();
     for variable in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE"] {
         command.env_remove(variable);
     }
@@ -25,21 +28,16 @@ const ESCAPE: char = '\x1b';
 #[test]
 #[ignore = "slow: make test-all"]
 fn pipes_get_plain_lines_and_no_colours() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = folder.path().join("small.json");
-    fs::write(&scenario, small::scenario(20.0, 0.25, 0.0).to_string()).expect("a scenario");
-    let out = folder.path().join("run");
-    let paths = [scenario.to_str().expect("UTF-8"), out.to_str().expect("UTF-8")];
-    let args = ["run", paths[0], "--out", paths[1]];
+    let folder = Folder::new();
+    let scenario = folder.scenario("small.json", &small::scenario(20.0, 0.25, 0.0));
+    let args = ["run", &scenario, "--out", &folder.out("run")];
 
     let output = pluvia(&args, &[]);
     let (said, printed) = (text(&output.stderr), text(&output.stdout));
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(!said.contains(ESCAPE) && !said.contains('\r'), "law: plain lines, got {said:?}");
     assert!(!printed.contains(ESCAPE), "law: no colours in a pipe, got {printed:?}");
-    for words in ["pour", "begins, about", "ended after", "; in all", "s simulated"] {
-        assert!(said.contains(words), "`{words}` is missing in: {said}");
-    }
+    assert_holds(&said, &["pour", "begins, about", "ended after", "; in all", "s simulated"]);
     assert!(printed.contains("accuracy standard"), "{printed}");
 
     // The same run again is read from its folder: no stage begins.
@@ -49,7 +47,7 @@ fn pipes_get_plain_lines_and_no_colours() {
     assert!(coloured.contains(ESCAPE), "law: colours where they are asked for, got {coloured:?}");
     let refused = pluvia(&args, &[("NO_COLOR", "1")]);
     assert!(!text(&refused.stdout).contains(ESCAPE), "law: NO_COLOR is respected");
-    let error = pluvia(&["run", "none.json", "--out", paths[1]], &[]);
+    let error = pluvia(&["run", "none.json", "--out", args[3]], &[]);
     assert!(text(&error.stderr).starts_with("error: "), "{}", text(&error.stderr));
 }
 

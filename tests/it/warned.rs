@@ -3,8 +3,7 @@
 
 use std::{
     fs,
-    path::{Path, PathBuf},
-    process::Command,
+    path::Path,
     sync::{Arc, Mutex, atomic::AtomicBool},
 };
 
@@ -20,7 +19,10 @@ use pluvia::{
 };
 use serde_json::{Value, json};
 
-use super::small;
+use super::{
+    program::{self, Folder, write},
+    small,
+};
 
 /// What is said, in order.
 #[derive(Default)]
@@ -57,10 +59,12 @@ fn warned(heard: &Heard) -> Vec<String> {
 /// A tenth of the sub-steps that these grains ask for.
 const COARSE: &str = "engine.native.substep_rate_hz=100";
 
-fn write(folder: &Path, name: &str, value: &Value) -> PathBuf {
-    let path = folder.join(name);
-    fs::write(&path, value.to_string()).expect("written");
-    path
+/// What is reported of a scenario's file.
+fn reported(scenario: &Value) -> Vec<String> {
+    let folder = Folder::new();
+    let loaded = load_scenario(folder.scenario("s.json", scenario).as_ref(), &[]);
+    let loaded = loaded.unwrap_or_else(|e| panic!("{scenario}: {e}"));
+    warnings(&loaded.scenario).iter().map(ToString::to_string).collect()
 }
 
 #[test]
@@ -133,28 +137,23 @@ fn every_command_warns_once_before_it_runs() {
         ("converge", &|run| converge(&of_design(&ladders))?.carry_out(&run).map(|_| ())),
         ("sensitivity", &|run| sensitivity(&of_design(&ranges))?.carry_out(&run).map(|_| ())),
         ("reproduce", &|run| {
-            let (changes, interpretation) = (coarse(), None);
-            let (quick, configurations) = (true, 2);
-            reproduce(ReproduceOptions {
-                changes,
-                interpretation,
-                quick,
-                configurations,
+            let options = ReproduceOptions {
+                changes: coarse(),
+                interpretation: None,
+                quick: true,
+                configurations: 2,
                 placements: 1,
-            })?
-            .carry_out(&run)
-            .map(|_| ())
+            };
+            reproduce(options)?.carry_out(&run).map(|_| ())
         }),
         ("interpretations", &|run| {
-            let (changes, quick, configurations) = (coarse(), true, 1);
-            interpretations(InterpretationsOptions {
-                changes,
-                quick,
-                configurations,
+            let options = InterpretationsOptions {
+                changes: coarse(),
+                quick: true,
+                configurations: 1,
                 interpretations: two(),
-            })?
-            .carry_out(&run)
-            .map(|_| ())
+            };
+            interpretations(options)?.carry_out(&run).map(|_| ())
         }),
     ];
     for (name, command) in commands {
@@ -172,22 +171,15 @@ fn every_command_warns_once_before_it_runs() {
 
 #[test]
 fn the_program_prints_them_and_a_plan_has_them_too() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = Folder::new();
     let mut layer = small::layer(30.0);
     layer["settle"] = json!({ "largest_speed_mm_per_s": 100 });
-    let scenario = write(folder.path(), "small.json", &layer);
-    let out = folder.path().join("out");
+    let scenario = folder.scenario("small.json", &layer);
     let (run, over) = (vec!["run"], "contact.restitution=0.2,0.3");
     for command in [run, vec!["sweep", "--over", over, "--plan-only"]] {
-        let output = Command::new(env!("CARGO_BIN_EXE_pluvia"))
-            .args(&command)
-            .arg(&scenario)
-            .arg("--out")
-            .arg(out.join(command[0]))
-            .output()
-            .expect("the program starts");
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{command:?}: {said}");
+        let out = folder.out(command[0]);
+        let (code, _, said) = program::run(&[&command[..], &["--out", &out, &scenario]].concat());
+        assert_eq!(code, Some(0), "{command:?}: {said}");
         let count = said.matches("warning: settle.largest_speed_mm_per_s: ").count();
         assert_eq!(count, 1, "law: {command:?} says it once: {said}");
     }
@@ -201,10 +193,7 @@ fn said_of(engine: &Value, settle: &Value) -> Vec<String> {
     for stage in scenario["stages"].as_array_mut().expect("stages") {
         stage["time_limit_s"] = json!(20);
     }
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = write(folder.path(), "s.json", &scenario);
-    let loaded = load_scenario(&path, &[]).unwrap_or_else(|e| panic!("{engine}: {e}"));
-    warnings(&loaded.scenario).iter().map(ToString::to_string).collect()
+    reported(&scenario)
 }
 
 /// Automatic values for grains of 10 to 12.5 mm, with what goes wrong below and above.
@@ -273,10 +262,7 @@ fn automatic_values_are_usual_under_any_gravity() {
         for stage in scenario["stages"].as_array_mut().expect("stages") {
             stage["time_limit_s"] = json!(20);
         }
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = write(folder.path(), "s.json", &scenario);
-        let loaded = load_scenario(&path, &[]).unwrap_or_else(|e| panic!("{gravity}: {e}"));
-        let said = warnings(&loaded.scenario);
+        let said = reported(&scenario);
         assert!(said.is_empty(), "law: what nobody typed is usual, {gravity} m/s²: {said:?}");
     }
 }
@@ -300,14 +286,11 @@ fn fields_that_nothing_reads_are_not_warned_of() {
 /// Law: openings of less than five grain diameters are warned of before the run.
 #[test]
 fn openings_that_are_narrow_for_the_grains_are_warned_of() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let said = |cylinder: f64, opening: f64| -> Vec<String> {
+    let said = |cylinder: f64, opening: f64| {
         let mut scenario = small::layer(30.0);
         scenario["apparatus"]["cylinder"]["inner_diameter_mm"] = json!(cylinder);
         scenario["apparatus"]["funnel"]["opening_diameter_mm"] = json!(opening);
-        let path = write(folder.path(), "s.json", &scenario);
-        let loaded = load_scenario(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
-        warnings(&loaded.scenario).iter().map(ToString::to_string).collect()
+        reported(&scenario)
     };
     // Grains of 10 to 12.5 mm.
     assert!(said(75.0, 72.0).is_empty(), "law: six grains are wide enough");

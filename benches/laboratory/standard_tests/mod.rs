@@ -15,9 +15,7 @@ mod triaxial;
 
 pub use beverloo::{BeverlooFit, Discharge, Held, Outflow, fit_beverloo, steady_outflow};
 pub use judge::{Verdict, judge, judge_value};
-pub use oedometer::{
-    Compressed, Rebound, compression_index, given_back_by_springs, rebound, void_ratio_of_height,
-};
+pub use oedometer::{Compressed, Rebound, compression_index, rebound, void_ratio_of_height};
 pub use run_out::{deposit_edge, run_out_of_lube, run_out_of_slope};
 pub use shear::{ShearStrength, Sheared, friction_angle, inertial_number, shear_strength};
 pub use tilt::{Tilted, sliding_tilt};

@@ -22,7 +22,7 @@ pub fn void_ratio_of_height(height: f64, area: f64, solids: f64) -> f64 {
 /// as the energy that they give up lifts the lid, against its mean force on the way. Exact for
 /// springs whose network stays as it is; where grains slide on the way, friction takes a part of
 /// that energy, and less comes back.
-pub fn given_back_by_springs(from: &Compressed, to: &Compressed) -> f64 {
+fn given_back_by_springs(from: &Compressed, to: &Compressed) -> f64 {
     2.0 * (from.stored - to.stored) / (from.force + to.force)
 }
 

@@ -1,6 +1,8 @@
 //! Triaxial compression: deviator and mean stress, and the state in which grains go on to be
 //! sheared as they are.
 
+use pluvia::measure::statistics::least_squares_slope;
+
 use super::mean_of;
 
 /// A moment of a triaxial test.
@@ -50,14 +52,11 @@ pub fn critical_state(moments: &[Triaxial], from: f64) -> Option<CriticalState> 
     if end.len() < 3 {
         return None;
     }
-    let strain = mean_of(end.iter().map(|m| m.strain));
-    let void_ratio = mean_of(end.iter().map(|m| m.void_ratio));
-    let spread: f64 = end.iter().map(|m| (m.strain - strain).powi(2)).sum();
-    let with: f64 = end.iter().map(|m| (m.strain - strain) * (m.void_ratio - void_ratio)).sum();
+    let points: Vec<(f64, f64)> = end.iter().map(|m| (m.strain, m.void_ratio)).collect();
     Some(CriticalState {
         ratio: mean_of(end.iter().map(|m| m.ratio())),
-        void_ratio,
-        dilation: if spread > 0.0 { with / spread } else { 0.0 },
+        void_ratio: mean_of(end.iter().map(|m| m.void_ratio)),
+        dilation: least_squares_slope(&points).unwrap_or(0.0),
     })
 }
 

@@ -3,9 +3,9 @@
 
 use pluvia::geometry::{ConvexPolyhedron, Vector};
 use pluvia::measure::{WorldHull, separation};
-use pluvia::world::bullet::probe::{HullPair, ProbeSettings};
 
-use super::{REACH, ROUNDING, pairs::Cases};
+use super::{REACH, ROUNDING, hulls, pairs::Cases};
+use crate::near::near;
 
 #[test]
 fn gaps_of_spheres_are_exact() {
@@ -22,9 +22,7 @@ fn gaps_of_spheres_are_exact() {
         let push = REACH * (f64::from(n % 11) - 8.0) - first.gap;
         place.translation.vector += first.axis * push;
         let exact = separation(&hull, &WorldHull::new(&ball, &place));
-        let settings = ProbeSettings { speculative_margin: REACH, ..Default::default() };
-        let mut pair = HullPair::new(&case.a, &ball, settings).expect("a pair");
-        let points = pair.step(&case.pose_a, &place);
+        let points = hulls(&case.a, &ball, false).step(&case.pose_a, &place);
         let tolerance = ROUNDING * (case.a.radius_about_origin() + radius);
         let case = format!("case {n}, {}", case.name);
         let [point] = &points[..] else {
@@ -53,10 +51,7 @@ fn gaps_of_spheres_are_exact() {
             );
         }
         let between = (point.on_a - point.on_b).dot(&point.normal);
-        assert!(
-            (between - point.gap).abs() < tolerance,
-            "{case}, law: the points are the gap apart"
-        );
+        near(&format!("{case}: the points are the gap apart"), between, point.gap, tolerance);
     }
     assert!(contacts > 2000 && inside > 20, "law: spheres touch, {contacts}, {inside} inside");
 }

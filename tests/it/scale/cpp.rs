@@ -1,5 +1,7 @@
 //! No number of the C++ side has a unit: what has one comes from `src/scale.rs`.
 
+use super::files;
+
 /// Floating-point constants of `cpp/`, each with what it is instead of a length, a speed or a time
 /// of the laboratory: those come through the bridge, from `src/scale.rs`.
 const OF_CPP: [(&str, &str); 28] = [
@@ -50,15 +52,10 @@ fn constants_of_cpp(source: &str) -> Vec<String> {
 /// Law: no number of the C++ side is a length, a speed or a time of the laboratory.
 #[test]
 fn numbers_of_cpp_have_no_unit() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/cpp");
     let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
-        let path = entry.path();
-        let file = entry.file_name().to_string_lossy().into_owned();
-        if path.extension().is_some_and(|e| e == "h" || e == "cpp") {
-            let source = std::fs::read_to_string(&path).expect("a source");
-            found.extend(constants_of_cpp(&source).iter().map(|name| format!("{file} {name}")));
-        }
+    for (path, source) in files(&["cpp"], &["h", "cpp"]) {
+        let file = path.trim_start_matches("cpp/");
+        found.extend(constants_of_cpp(&source).iter().map(|name| format!("{file} {name}")));
     }
     found.sort();
     let known: Vec<&str> = OF_CPP.iter().map(|(name, _)| *name).collect();

@@ -12,7 +12,7 @@ use std::{
 use pluvia::grains::load_scenario;
 use serde_json::{Value, json};
 
-use super::sound;
+use super::{place, sound};
 
 /// A file as bytes, with the name it is told by.
 struct Hostile {
@@ -30,49 +30,12 @@ fn with_raw(path: &str, raw: &str) -> Vec<u8> {
     stages.push(json!({
         "stage": "vibrate", "frequency_hz": 3, "amplitude_mm": 10, "duration_s": 2
     }));
-    let mut at = &mut value;
-    for step in path.split('.') {
-        at = match step.parse::<usize>() {
-            Ok(index) => &mut at[index],
-            Err(_) => &mut at[step],
-        };
-    }
-    *at = json!(HERE);
+    *place(&mut value, path) = json!(HERE);
     value.to_string().replace(&format!("\"{HERE}\""), raw).into_bytes()
 }
 
 /// Every number that a person types, with every kind of bad one.
 fn bad_numbers(all: &mut Vec<Hostile>) {
-    const FIELDS: [&str; 28] = [
-        "gravity_m_per_s2",
-        "seed",
-        "configuration",
-        "rest_test_s",
-        "grains.total_mass_g",
-        "grains.density_kg_per_m3",
-        "grains.sieve_table.0.passing_mm",
-        "grains.sieve_table.0.mass_percent",
-        "apparatus.cylinder.inner_diameter_mm",
-        "apparatus.cylinder.height_mm",
-        "apparatus.funnel.opening_diameter_mm",
-        "apparatus.top_plate.mass_g",
-        "contact.restitution",
-        "contact.grain_grain_friction",
-        "engine.rate_hz",
-        "engine.iterations",
-        "engine.length_scale",
-        "engine.native.checkpoint_every_s",
-        "settle.hold_s",
-        "stages.1.falling_height_mm",
-        "stages.3.frequency_hz",
-        "stages.3.duration_s",
-        "stages.3.settle_limit_s",
-        "stages.3.crank_to_rod",
-        "stages.3.vertical.amplitude_mm",
-        "stages.3.video_frames.frames_per_s",
-        "stages.2.placement",
-        "stages.2.seating_load_n",
-    ];
     const VALUES: [&str; 12] = [
         "1e300",
         "-1e300",
@@ -87,7 +50,17 @@ fn bad_numbers(all: &mut Vec<Hostile>) {
         "[1]",
         "{\"value\": 1}",
     ];
-    for field in FIELDS {
+    let fields = "gravity_m_per_s2 seed configuration rest_test_s grains.total_mass_g \
+                  grains.density_kg_per_m3 grains.sieve_table.0.passing_mm \
+                  grains.sieve_table.0.mass_percent apparatus.cylinder.inner_diameter_mm \
+                  apparatus.cylinder.height_mm apparatus.funnel.opening_diameter_mm \
+                  apparatus.top_plate.mass_g contact.restitution contact.grain_grain_friction \
+                  engine.rate_hz engine.iterations engine.length_scale \
+                  engine.native.checkpoint_every_s settle.hold_s stages.1.falling_height_mm \
+                  stages.3.frequency_hz stages.3.duration_s stages.3.settle_limit_s \
+                  stages.3.crank_to_rod stages.3.vertical.amplitude_mm \
+                  stages.3.video_frames.frames_per_s stages.2.placement stages.2.seating_load_n";
+    for field in fields.split_whitespace() {
         for value in VALUES {
             all.push(Hostile { name: format!("{field} = {value}"), text: with_raw(field, value) });
         }

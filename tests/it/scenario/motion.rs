@@ -9,6 +9,7 @@ use pluvia::scenario::{Fault, Override, ScenarioErrors};
 use serde_json::{Value, json};
 
 use super::{expect_one, faults, sound};
+use crate::small;
 
 /// The sound scenario, shaken: fields of the stage replaced, those that are null left out.
 fn shaken(fields: Value) -> Value {
@@ -16,14 +17,7 @@ fn shaken(fields: Value) -> Value {
     let mut stage = json!({
         "stage": "vibrate", "frequency_hz": 3, "amplitude_mm": 10, "duration_s": 2
     });
-    for (name, field) in fields.as_object().expect("fields") {
-        match field {
-            Value::Null => {
-                stage.as_object_mut().expect("a stage").remove(name);
-            }
-            field => stage[name] = field.clone(),
-        }
-    }
+    small::put(&mut stage, &fields);
     value["stages"].as_array_mut().expect("stages").push(stage);
     value
 }

@@ -2,7 +2,16 @@
 
 use serde_json::{Value, json};
 
-use super::{expect_one, faults, sound};
+use super::{expect_at, expect_one, faults, sound};
+use crate::small;
+
+/// A vibration after the pour, with some fields of its own.
+fn vibrated(fields: Value) -> impl FnOnce(&mut Value) {
+    move |s| {
+        with_stages(&["fill_funnel", "pour", "vibrate"])(s);
+        small::put(&mut s["stages"][2], &fields);
+    }
+}
 
 fn with_stages(stages: &[&str]) -> impl FnOnce(&mut Value) {
     let stages: Vec<Value> = stages
@@ -41,7 +50,7 @@ fn stages_have_their_order() {
     for (stages, path, words) in cases {
         expect_one(with_stages(stages), path, &[words]);
     }
-    expect_one(|s| s["stages"] = json!([]), "stages", &["too short"]);
+    expect_at("stages", json!([]), &["too short"]);
 }
 
 /// Law: limits of a placement are refused where none is drawn, and judged where one is.
@@ -88,40 +97,29 @@ fn a_time_step_that_cannot_resolve_the_motion_is_refused() {
     enough["engine"] = json!({ "contact_solver": "stock", "rate_hz": 277 });
     assert_eq!(faults(&enough), [], "277 Hz resolve the fall");
     // What foresees contacts may take steps of twice the size.
-    expect_one(
-        |s| s["engine"] = json!({ "rate_hz": 138 }),
-        "engine.rate_hz",
-        &["cannot resolve the motion", "twice", "at least 139 Hz"],
-    );
+    let words = ["cannot resolve the motion", "twice", "at least 139 Hz"];
+    expect_at("engine.rate_hz", json!(138), &words);
     enough["engine"] = json!({ "rate_hz": 139 });
     assert_eq!(faults(&enough), [], "139 Hz are enough where contacts are foreseen");
     expect_one(
         |s| {
-            with_stages(&["fill_funnel", "pour", "vibrate"])(s);
+            vibrated(json!({ "frequency_hz": 15, "amplitude_mm": 1 }))(s);
             s["engine"] = json!({ "rate_hz": 480 });
-            s["stages"][2]["frequency_hz"] = json!(15);
-            s["stages"][2]["amplitude_mm"] = json!(1);
         },
         "engine.rate_hz",
         &["15 Hz has 32 steps a cycle", "at least 600 Hz"],
     );
     // Where no step rate would do, the motion is at fault: 0.5 m at 1000 Hz, 100 000 steps a second.
     expect_one(
-        |s| {
-            with_stages(&["fill_funnel", "pour", "vibrate"])(s);
-            s["stages"][2]["frequency_hz"] = json!(1000);
-            s["stages"][2]["amplitude_mm"] = json!(500);
-        },
+        vibrated(json!({ "frequency_hz": 1000, "amplitude_mm": 500 })),
         "stages[2]",
         &["no step rate resolves", "moves 31.42 mm in a step", "100000 Hz can resolve"],
     );
     // 6 Hz and 200 mm: 7.54 m/s, faster than the fall.
     expect_one(
         |s| {
-            with_stages(&["fill_funnel", "pour", "vibrate"])(s);
+            vibrated(json!({ "frequency_hz": 6, "amplitude_mm": 200 }))(s);
             s["engine"] = json!({ "contact_solver": "stock", "rate_hz": 480 });
-            s["stages"][2]["frequency_hz"] = json!(6);
-            s["stages"][2]["amplitude_mm"] = json!(200);
         },
         "engine.rate_hz",
         &["the shaking table", "15.71 mm"],
@@ -134,11 +132,7 @@ fn a_time_step_that_cannot_resolve_the_motion_is_refused() {
         "apparatus.cylinder.wall_thickness_mm",
         &["through which grains can pass", "at least 9.228 mm"],
     );
-    expect_one(
-        |s| s["engine"] = json!({ "contact_threshold_mm": 8 }),
-        "engine.contact_threshold_mm",
-        &["longer than a grain", "8 mm"],
-    );
+    expect_at("engine.contact_threshold_mm", json!(8), &["longer than a grain", "8 mm"]);
 }
 
 #[test]
@@ -151,11 +145,8 @@ fn times_are_bounded() {
         "stages",
         &["too long", "3600 s"],
     );
-    expect_one(
-        |s| s["stages"][0]["time_limit_s"] = json!(0.2),
-        "stages[0].time_limit_s",
-        &["before anything can count as settled", "0.25"],
-    );
+    let words = ["before anything can count as settled", "0.25"];
+    expect_at("stages[0].time_limit_s", json!(0.2), &words);
 }
 
 #[test]
@@ -166,11 +157,7 @@ fn a_ramp_is_a_cycle_at_least_and_half_a_period_at_most() {
         (0.4, 0.333_333_333, "too short for a ramp"),
     ] {
         expect_one(
-            |s| {
-                with_stages(&["fill_funnel", "pour", "vibrate"])(s);
-                s["stages"][2]["duration_s"] = json!(duration_s);
-                s["stages"][2]["ramp_s"] = json!(ramp_s);
-            },
+            vibrated(json!({ "duration_s": duration_s, "ramp_s": ramp_s })),
             "stages[2].ramp_s",
             &["the amplitude can neither grow", allowed],
         );

@@ -4,7 +4,6 @@
 use std::{
     fs,
     path::{Path, PathBuf},
-    process::Stdio,
     sync::OnceLock,
 };
 
@@ -15,13 +14,14 @@ use pluvia::record::{
 };
 use pluvia::specimen::{Base, Fate, FixedGrain};
 use rand::RngExt;
-use serde_json::json;
 use tempfile::TempDir;
 
 use super::{
-    super::{interruption::copy, small},
+    super::interruption::{
+        copy, pluvia, stored as all_stored, stored_as, write_scenario_in_segments,
+    },
     Ground,
-    trials::{PATIENCE, Trial, ended, message, program, segments, spawned, sweep},
+    trials::{PATIENCE, Trial, ended, said, segments, spawned, sweep},
 };
 
 #[path = "../../../src/study/crafts_tests.rs"]
@@ -40,28 +40,15 @@ fn stored(folder: &Path) -> StoredStage {
     }
 }
 
-/// Folder of the stage of a name.
-fn folder_of(out: &Path, name: &str) -> PathBuf {
-    let stages = fs::read_dir(out.join("stages")).expect("stages").flatten().map(|e| e.path());
-    let mut named = stages.filter(|folder| {
-        read_json::<StageRecord>(&folder.join("stage.json")).is_ok_and(|r| r.stage == name)
-    });
-    named.next().unwrap_or_else(|| panic!("law: {name} is stored"))
-}
-
 /// The same run with another friction.
 fn slippery() -> &'static Path {
     static MADE: OnceLock<(TempDir, PathBuf)> = OnceLock::new();
     let (_, out) = MADE.get_or_init(|| {
         let folder = tempfile::tempdir().expect("a folder");
-        let mut scenario = small::scenario(40.0, 0.5, 0.2);
-        scenario["engine"] = json!({ "native": { "checkpoint_every_s": 0.1 } });
-        scenario["contact"] = json!({ "grain_grain_friction": 0.2 });
-        let (path, out) = (folder.path().join("segments.json"), folder.path().join("out"));
-        fs::write(&path, scenario.to_string()).expect("a scenario");
-        let mut command = std::process::Command::new(program());
-        command.arg("run").arg(&path).arg("--out").arg(&out).arg("--quiet");
-        let done = command.stdout(Stdio::null()).status().expect("started");
+        let path = write_scenario_in_segments(folder.path());
+        let out = folder.path().join("out");
+        let slippery = ["--set", "contact.grain_grain_friction=0.2"];
+        let done = pluvia(&path, &out).args(slippery).status().expect("started");
         assert!(done.success(), "law: it can be run");
         (folder, out)
     });
@@ -71,7 +58,7 @@ fn slippery() -> &'static Path {
 /// Runs once more what was crafted.
 fn made_anew(trial: &Trial, out: &Path, crafted: usize, what: &str) {
     let output = ended(spawned(trial.command(out)), PATIENCE, what);
-    let said = message(&output);
+    let said = said(&output);
     assert!(output.status.success(), "law: {what} does not end a run: {said}");
     let reported = said.matches("damaged and done again").count();
     assert_eq!(reported, crafted, "law: {what} is reported once for each, got {said}");
@@ -82,10 +69,10 @@ fn made_anew(trial: &Trial, out: &Path, crafted: usize, what: &str) {
 fn crafted_pour(trial: &Trial, which: Option<usize>, ground: &mut Ground) {
     let out = ground.place();
     copy(&trial.whole, &out);
-    let place = folder_of(&out, "pour");
-    let mut all = crafts::crafts(&stored(&place), &stored(&folder_of(&out, "fill_funnel")));
+    let place = stored_as(&out, "pour");
+    let mut all = crafts::crafts(&stored(&place), &stored(&stored_as(&out, "fill_funnel")));
     if which.is_none() {
-        all.push(("another friction's pour", stored(&folder_of(slippery(), "pour"))));
+        all.push(("another friction's pour", stored(&stored_as(slippery(), "pour"))));
     }
     let which = which.unwrap_or_else(|| ground.rng.random_range(0..all.len()));
     let (what, stage) = &all[which];
@@ -98,9 +85,7 @@ fn crafted_pour(trial: &Trial, which: Option<usize>, ground: &mut Ground) {
 fn swapped(trial: &Trial, ground: &mut Ground) {
     let out = ground.place();
     copy(&trial.whole, &out);
-    let stages = fs::read_dir(out.join("stages")).expect("stages").flatten().map(|e| e.path());
-    let mut stages: Vec<PathBuf> = stages.filter(|path| path.is_dir()).collect();
-    stages.sort();
+    let mut stages = all_stored(&out);
     let a = stages.swap_remove(ground.rng.random_range(0..stages.len()));
     let b = stages.swap_remove(ground.rng.random_range(0..stages.len()));
     let aside = out.join("aside");

@@ -13,22 +13,17 @@ use super::{
     Ground,
     durable::strace,
     image::Mounted,
-    log::SKIPPED,
     trials::{PATIENCE, Trial, ended, segments, spawned, sweep, verdict},
 };
 
 const CLASS: &str = "disk";
-
-fn skipped(ground: &mut Ground, what: &str, why: &str) {
-    ground.log.case(CLASS, what, &format!("{SKIPPED}{why}"));
-}
 
 /// Disks of a size at which some files do not fit; with room again it goes on.
 fn full(kib: u64, ground: &mut Ground) {
     let (trial, place) = (sweep(), ground.place());
     let phase = format!("{}, full", trial.name);
     let Some(disk) = Mounted::tmpfs(&place, kib) else {
-        return skipped(ground, &phase, "no file system can be mounted");
+        return ground.skip(CLASS, &phase, "no file system can be mounted");
     };
     let out = place.join("out");
     let what = format!("a disk of {kib} KiB");
@@ -45,7 +40,7 @@ fn read_only(after: f64, ground: &mut Ground) {
     let (trial, place) = (segments(), ground.place());
     let phase = format!("{}, read-only", trial.name);
     let Some(disk) = Mounted::ext4(&place, "errors=remount-ro") else {
-        return skipped(ground, &phase, "no ext4 can be mounted");
+        return ground.skip(CLASS, &phase, "no ext4 can be mounted");
     };
     let out = place.join("out");
     let run = spawned(trial.command(&out));
@@ -54,7 +49,7 @@ fn read_only(after: f64, ground: &mut Ground) {
     let what = "a disk that breaks down";
     let output = ended(run, PATIENCE, what);
     if !broken {
-        return skipped(ground, &phase, "the kernel has no trigger_fs_error");
+        return ground.skip(CLASS, &phase, "the kernel has no trigger_fs_error");
     }
     let outcome = verdict(&output, &[4]).unwrap_or_else(|got| panic!("law: {what}: {got}"));
     disk.again(true, "defaults");
@@ -94,7 +89,7 @@ fn renamed_away(trial: &Trial, after: f64, ground: &mut Ground) {
 fn refused(trial: &Trial, call: &str, error: &str, when: &str, ground: &mut Ground) {
     let phase = format!("{}, {call} fails with {error}", trial.name);
     if !strace() {
-        return skipped(ground, &phase, "no strace");
+        return ground.skip(CLASS, &phase, "no strace");
     }
     let out = ground.place();
     let trace = format!("trace={call}");

@@ -13,8 +13,8 @@ use rand::RngExt;
 use super::{
     super::same::assert_whole_files,
     Ground,
-    log::{KILLED, SKIPPED},
-    trials::{PATIENCE, Trial, assert_whole_store, ended, message, segments, spawned, sweep},
+    log::KILLED,
+    trials::{PATIENCE, Trial, assert_whole_store, ended, said, segments, spawned, sweep},
 };
 
 const CLASS: &str = "durable points";
@@ -39,7 +39,7 @@ fn killed_at(trial: &Trial, call: &str, n: u32, out: &Path) -> Option<String> {
         return None;
     }
     let killed = output.status.signal() == Some(9) || output.status.code() == Some(137);
-    assert!(killed, "law: it is killed, got {}: {}", output.status, message(&output));
+    assert!(killed, "law: it is killed, got {}: {}", output.status, said(&output));
     Some(trial.phase(out))
 }
 
@@ -65,8 +65,7 @@ static NEXT: Mutex<(usize, usize, u32)> = Mutex::new((0, 0, 1));
 /// then random ones.
 pub fn round(ground: &mut Ground) {
     if !strace() {
-        ground.log.case(CLASS, "-", &format!("{SKIPPED}no strace"));
-        return;
+        return ground.skip(CLASS, "-", "no strace");
     }
     let trials = [sweep(), segments()];
     for _ in 0..8 {
@@ -92,8 +91,7 @@ pub fn round(ground: &mut Ground) {
 fn killed_before_something_is_durable_it_ends_the_same() {
     let mut ground = Ground::quick(3);
     if !strace() {
-        ground.log.case(CLASS, "-", &format!("{SKIPPED}no strace"));
-        return;
+        return ground.skip(CLASS, "-", "no strace");
     }
     for (call, n) in [("fsync", 9), ("rename", 2)] {
         assert!(point(sweep(), call, n, &mut ground), "law: {call} {n} is met");

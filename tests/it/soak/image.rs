@@ -9,6 +9,8 @@ use std::{
     time::Duration,
 };
 
+use super::super::program::{root, text};
+
 /// A mounted file system, which is unmounted when it is dropped.
 #[derive(Debug)]
 pub struct Mounted {
@@ -20,10 +22,6 @@ fn done(program: &str, args: &[&str]) -> bool {
     let mut command = Command::new(program);
     command.args(args).stdout(Stdio::null()).stderr(Stdio::null());
     command.status().is_ok_and(|status| status.success())
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().expect("UTF-8")
 }
 
 impl Mounted {
@@ -96,7 +94,7 @@ impl Mounted {
 
     /// Cuts its power; whether that can be done.
     pub fn cut(&self) -> bool {
-        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/power-cut.py");
+        let script = root().join("scripts/power-cut.py");
         done("python3", &[text(&script), text(&self.at)])
     }
 }

@@ -9,7 +9,7 @@ use super::{
     Ground,
     log::KILLED,
     trials::{
-        PATIENCE, Trial, assert_whole_store, ended, message, reproduce, segments, spawned, sweep,
+        PATIENCE, Trial, assert_whole_store, ended, reproduce, said, segments, spawned, sweep,
     },
 };
 
@@ -32,7 +32,7 @@ pub fn survives(trial: &Trial, kills: usize, ground: &mut Ground) {
         let phase = trial.phase(&out);
         let what = format!("kill {tried} after {after:?} in {phase}");
         let output = ended(run, PATIENCE, &what);
-        let (done, said) = (output.status.success(), message(&output));
+        let (done, said) = (output.status.success(), said(&output));
         if done {
             trial.assert_same(&out, &what);
             fs::remove_dir_all(&out).expect("removed");

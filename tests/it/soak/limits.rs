@@ -14,8 +14,8 @@ use rand::RngExt;
 use super::{
     super::same::assert_whole_files,
     Ground,
-    log::{KILLED, SKIPPED},
-    trials::{PATIENCE, Trial, ended, message, segments, spawned, sweep, verdict},
+    log::KILLED,
+    trials::{PATIENCE, Trial, ended, said, segments, spawned, sweep, verdict},
 };
 
 const CLASS: &str = "limits";
@@ -58,7 +58,7 @@ impl Drop for Group {
 
 /// The verdict, where memory may be short: the allocators of Rust and C++ end a process.
 fn of_memory(output: &Output) -> Result<String, String> {
-    let said = message(output);
+    let said = said(output);
     let short = ["memory allocation of", "bad_alloc", "memory allocation failed", "out of memory"];
     let is_short = short.iter().any(|words| said.contains(words));
     let loader = said.contains("error while loading shared libraries")
@@ -73,16 +73,10 @@ fn of_memory(output: &Output) -> Result<String, String> {
 }
 
 /// After a limit without it.
-fn concluded(
-    trial: &Trial,
-    out: &Path,
-    what: &str,
-    phase: &str,
-    outcome: &str,
-    ground: &mut Ground,
-) {
+fn concluded(trial: &Trial, out: &Path, what: &str, got: (&str, &str), ground: &mut Ground) {
     assert_whole_files(out, &trial.whole, what);
     trial.finish(out, what);
+    let (phase, outcome) = got;
     ground.log.case(CLASS, phase, outcome);
 }
 
@@ -91,12 +85,12 @@ fn threads(trial: &Trial, most: u64, ground: &mut Ground) {
     let phase = format!("{}, threads", trial.name);
     let out = ground.place();
     let Some(group) = Group::new("pids", "pids.max", most) else {
-        return ground.log.case(CLASS, &phase, &format!("{SKIPPED}no cgroup of pids can be made"));
+        return ground.skip(CLASS, &phase, "no cgroup of pids can be made");
     };
     let what = format!("{} with {most} threads", trial.name);
     let output = ended(spawned(group.command(trial, &out)), PATIENCE, &what);
     let outcome = verdict(&output, &[3, 4]).unwrap_or_else(|got| panic!("law: {what}: {got}"));
-    concluded(trial, &out, &what, &phase, &outcome, ground);
+    concluded(trial, &out, &what, (&phase, &outcome), ground);
 }
 
 /// So many MiB of addresses.
@@ -105,14 +99,14 @@ fn addresses(trial: &Trial, mib: u64, ground: &mut Ground) {
     let mut tried = Command::new("prlimit");
     tried.args(["--version"]).stdout(Stdio::null()).stderr(Stdio::null());
     if !tried.status().is_ok_and(|status| status.success()) {
-        return ground.log.case(CLASS, &phase, &format!("{SKIPPED}no prlimit"));
+        return ground.skip(CLASS, &phase, "no prlimit");
     }
     let out = ground.place();
     let limit = format!("--as={}", mib << 20);
     let what = format!("{} in {mib} MiB", trial.name);
     let output = ended(spawned(trial.under(&["prlimit", &limit], &out)), PATIENCE, &what);
     let outcome = of_memory(&output).unwrap_or_else(|got| panic!("law: {what}: {got}"));
-    concluded(trial, &out, &what, &phase, &outcome, ground);
+    concluded(trial, &out, &what, (&phase, &outcome), ground);
 }
 
 /// So many MiB of memory, beyond which the system kills.
@@ -120,11 +114,7 @@ fn memory(trial: &Trial, mib: u64, ground: &mut Ground) {
     let phase = format!("{}, memory of a cgroup", trial.name);
     let out = ground.place();
     let Some(group) = Group::new("memory", "memory.limit_in_bytes", mib << 20) else {
-        return ground.log.case(
-            CLASS,
-            &phase,
-            &format!("{SKIPPED}no cgroup of memory can be made"),
-        );
+        return ground.skip(CLASS, &phase, "no cgroup of memory can be made");
     };
     let what = format!("{} in a cgroup of {mib} MiB", trial.name);
     let output = ended(spawned(group.command(trial, &out)), PATIENCE, &what);
@@ -132,7 +122,7 @@ fn memory(trial: &Trial, mib: u64, ground: &mut Ground) {
         Some(9) => KILLED.to_owned(),
         _ => of_memory(&output).unwrap_or_else(|got| panic!("law: {what}: {got}")),
     };
-    concluded(trial, &out, &what, &phase, &outcome, ground);
+    concluded(trial, &out, &what, (&phase, &outcome), ground);
 }
 
 /// `make soak`: one of each.

@@ -13,7 +13,7 @@ use rand::RngExt;
 use super::{
     Ground,
     log::{ENDED, KILLED},
-    trials::{PATIENCE, ended, message, program, segments, spawned},
+    trials::{PATIENCE, ended, program, said, segments, spawned},
 };
 
 const CLASS: &str = "determinism";
@@ -70,7 +70,7 @@ impl With {
             killed = ended(run, PATIENCE, &what).status.signal() == Some(9);
         }
         let output = ended(spawned(self.command(&out)), PATIENCE, &what);
-        assert!(output.status.success(), "law: {what} is run: {}", message(&output));
+        assert!(output.status.success(), "law: {what} is run: {}", said(&output));
         let differs = self.differs(&out);
         assert!(differs.is_empty(), "law: {what}: the same bytes, got others in {differs:?}");
         let Self { jobs, threads, portable, .. } = self;

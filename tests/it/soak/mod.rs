@@ -9,7 +9,7 @@
 mod crafted;
 mod disk;
 mod durable;
-mod image;
+pub mod image;
 mod kills;
 mod limits;
 mod log;
@@ -32,7 +32,7 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use tempfile::TempDir;
 
-use log::{ENDED, FAULT, KILLED, Log};
+use log::{ENDED, FAULT, KILLED, Log, SKIPPED};
 
 /// What a class needs: a place, random numbers, and where to note what happened.
 pub struct Ground {
@@ -51,6 +51,11 @@ impl Ground {
     fn with(log: Log, seed: u64) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         Self { folder, places: 0, log, rng: Pcg64::seed_from_u64(seed) }
+    }
+
+    /// Notes what could not be tried, and why.
+    pub fn skip(&mut self, class: &str, phase: &str, why: &str) {
+        self.log.case(class, phase, &format!("{SKIPPED}{why}"));
     }
 
     /// A place where nothing is.

@@ -3,12 +3,15 @@
 //! `scripts/robustness.sh` has the log made into `docs/results/robustness.json`, and that into
 //! the table.
 
-use std::{collections::BTreeMap, fmt::Write, fs, path::Path};
+use std::{collections::BTreeMap, fmt::Write, fs};
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::log::{Count, FAULT, SKIPPED};
+use super::{
+    super::program::{page as read, root},
+    log::{Count, FAULT, SKIPPED},
+};
 
 const PAGE: &str = "docs/robustness.md";
 const COUNTS: &str = "docs/results/robustness.json";
@@ -69,13 +72,8 @@ impl Soaked {
     }
 }
 
-fn read(path: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
-    fs::read_to_string(&path).unwrap_or_else(|e| panic!("{} cannot be read: {e}", path.display()))
-}
-
 fn write(path: &str, content: &str) {
-    fs::write(Path::new(env!("CARGO_MANIFEST_DIR")).join(path), content).expect("written");
+    fs::write(root().join(path), content).expect("written");
 }
 
 /// The page with another table.

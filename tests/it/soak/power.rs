@@ -16,8 +16,7 @@ use super::{
     Ground,
     durable::strace,
     image::Mounted,
-    log::SKIPPED,
-    trials::{PATIENCE, Trial, assert_whole_store, ended, message, segments, spawned, sweep},
+    trials::{PATIENCE, Trial, assert_whole_store, ended, said, segments, spawned, sweep},
 };
 
 const CLASS: &str = "power cut";
@@ -33,7 +32,7 @@ fn dark(disk: &Mounted, mut run: Child) -> Option<(bool, String)> {
     let _ = run.kill();
     let output = ended(run, PATIENCE, "a process without power");
     disk.again(false, OPTIONS);
-    cut.then(|| (done, message(&output)))
+    cut.then(|| (done, said(&output)))
 }
 
 /// How many stages it had said to have ended.
@@ -44,14 +43,14 @@ fn announced(said: &str) -> usize {
 fn cut_after(trial: &Trial, after: Duration, ground: &mut Ground) {
     let place = ground.place();
     let Some(disk) = Mounted::ext4(&place, OPTIONS) else {
-        return ground.log.case(CLASS, trial.name, &format!("{SKIPPED}no ext4 can be mounted"));
+        return ground.skip(CLASS, trial.name, "no ext4 can be mounted");
     };
     let out = place.join("out");
     let run = spawned(trial.command(&out));
     sleep(after);
     let phase = trial.phase(&out);
     let Some((done, said)) = dark(&disk, run) else {
-        return ground.log.case(CLASS, trial.name, &format!("{SKIPPED}ext4 is not shut down"));
+        return ground.skip(CLASS, trial.name, "ext4 is not shut down");
     };
     let what = format!("the power gone after {after:?} in {phase}");
     assert_whole_files(&out, &trial.whole, &what);
@@ -88,25 +87,22 @@ fn whole_files(part: &Path, whole: &Path) -> usize {
 /// not, the class would prove nothing.
 fn nothing_brought_to_the_disk(ground: &mut Ground) {
     let (trial, place) = (sweep(), ground.place());
-    let skipped = |ground: &mut Ground, why: &str| {
-        ground.log.case(WITHOUT, trial.name, &format!("{SKIPPED}{why}"));
-    };
     if !strace() {
-        return skipped(ground, "no strace");
+        return ground.skip(WITHOUT, trial.name, "no strace");
     }
     let Some(disk) = Mounted::ext4(&place, OPTIONS) else {
-        return skipped(ground, "no ext4 can be mounted");
+        return ground.skip(WITHOUT, trial.name, "no ext4 can be mounted");
     };
     let out = place.join("out");
     let outer = ["strace", "-f", "--seccomp-bpf", "-qq", "-o", "/dev/null"];
     let how = ["-e", "trace=fsync,fdatasync", "-e", "inject=fsync,fdatasync:retval=0"];
     let run = spawned(trial.under(&[&outer[..], &how[..]].concat(), &out));
     let output = ended(run, PATIENCE, "a run without fsync");
-    assert!(output.status.success(), "law: it notices nothing: {}", message(&output));
+    assert!(output.status.success(), "law: it notices nothing: {}", said(&output));
     let all = FILES.len();
     assert_eq!(whole_files(&out, &trial.whole), all, "law: with power all is there");
     if !disk.cut() {
-        return skipped(ground, "ext4 is not shut down");
+        return ground.skip(WITHOUT, trial.name, "ext4 is not shut down");
     }
     disk.again(false, OPTIONS);
     let left = whole_files(&out, &trial.whole);

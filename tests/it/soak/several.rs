@@ -14,7 +14,7 @@ use serde_json::Value;
 use super::{
     Ground,
     log::{ENDED, KILLED},
-    trials::{PATIENCE, Trial, ended, message, program, reproduce, segments, spawned, sweep},
+    trials::{PATIENCE, Trial, ended, program, reproduce, said, segments, spawned, sweep},
 };
 
 const CLASS: &str = "several processes";
@@ -23,7 +23,7 @@ const CLASS: &str = "several processes";
 fn all_end(children: Vec<(Child, bool)>, what: &str) {
     for (child, killed) in children {
         let output = ended(child, PATIENCE, what);
-        let said = message(&output);
+        let said = said(&output);
         assert!(killed || output.status.success(), "law: {what}: each ends with 0, got {said}");
     }
 }
@@ -98,7 +98,7 @@ fn stage_by_stage(kill: bool, ground: &mut Ground) {
     }
     all_end(beside, "a sweep beside its stages");
     let collected = pluvia(&["sweep", "--collect"], &out).output().expect("started");
-    assert!(collected.status.success(), "law: it is collected: {}", message(&collected));
+    assert!(collected.status.success(), "law: it is collected: {}", said(&collected));
     trial.finish(&out, "a sweep stage by stage");
     let outcome = if kill { KILLED } else { ENDED };
     ground.log.case(CLASS, &format!("stage and sweep, {count} processes"), outcome);

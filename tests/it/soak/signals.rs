@@ -8,7 +8,7 @@ use super::{
     super::same::assert_whole_files,
     Ground,
     log::ENDED,
-    trials::{STOPS_WITHIN, Trial, ended, message, reproduce, segments, send, spawned, sweep},
+    trials::{STOPS_WITHIN, Trial, ended, reproduce, said, segments, send, spawned, sweep},
 };
 
 const CLASS: &str = "signals";
@@ -27,7 +27,7 @@ fn asked_to_stop(trial: &Trial, signal: &str, jobs: u32, after: Duration, ground
     send(&run, signal);
     let what = format!("SIG{signal} after {after:?} in {phase}, {jobs} jobs");
     let output = ended(run, STOPS_WITHIN, &what);
-    let said = message(&output);
+    let said = said(&output);
     assert!(!said.contains("panicked"), "law: {what}: no panic, got {said}");
     let early = output.status.signal().is_some_and(|got| got == 15 || got == 2);
     let outcome = match output.status.code() {

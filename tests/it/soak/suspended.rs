@@ -11,7 +11,7 @@ use rand::RngExt;
 use super::{
     Ground,
     log::ENDED,
-    trials::{PATIENCE, STOPS_WITHIN, Trial, code, ended, message, segments, send, spawned, sweep},
+    trials::{PATIENCE, STOPS_WITHIN, Trial, code, ended, said, segments, send, spawned, sweep},
 };
 
 const CLASS: &str = "suspended";
@@ -30,7 +30,7 @@ fn beside_another(trial: &Trial, after: Duration, ground: &mut Ground) {
     send(&first, "CONT");
     for (who, child) in [("first", first), ("second", second)] {
         let output = ended(child, PATIENCE, &what);
-        let said = message(&output);
+        let said = said(&output);
         assert!(output.status.success(), "law: {what}: the {who} ends with 0, got {said}");
     }
     trial.assert_same(&out, &what);
@@ -52,7 +52,7 @@ fn held_up(signal: &str, ground: &mut Ground) {
     let what = format!("SIG{signal} to one that waits for the store");
     let output = ended(run, STOPS_WITHIN, &what);
     let got = code(output.status);
-    assert_eq!(got, "exit code 130", "law: {what}, got {}", message(&output));
+    assert_eq!(got, "exit code 130", "law: {what}, got {}", said(&output));
     drop(lock);
     trial.finish(&out, &what);
     let outcome = "waits, exit code 130 within 10 s, then finished with the same bytes";

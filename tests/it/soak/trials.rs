@@ -5,16 +5,18 @@ use std::{
     ffi::OsString,
     fs,
     path::{Path, PathBuf},
-    process::{Child, Command, ExitStatus, Output, Stdio},
+    process::{Command, ExitStatus, Output, Stdio},
     sync::OnceLock,
-    thread::sleep,
     time::{Duration, Instant},
 };
 
 use tempfile::TempDir;
 
+pub use super::super::program::{ended, said, send, spawned};
 use super::super::{
     interruption::stages,
+    program::{words, write},
+    reproduce::PROGRAMME,
     same::{assert_same_files, half_written},
     segments::in_segments_timed,
     small,
@@ -81,7 +83,7 @@ impl Trial {
     /// Once more, undisturbed: all is as if nothing had happened, and the store is whole.
     pub fn finish(&self, out: &Path, what: &str) {
         let output = ended(spawned(self.command(out)), PATIENCE, what);
-        let said = message(&output);
+        let said = said(&output);
         assert!(output.status.success(), "law: {what}: {} can be finished: {said}", self.name);
         self.assert_same(out, what);
     }
@@ -132,38 +134,8 @@ pub fn assert_whole_store(out: &Path, what: &str) {
         Some(0),
         "law: {what}: the store is whole, got {}{}",
         String::from_utf8_lossy(&output.stdout),
-        message(&output)
+        said(&output)
     );
-}
-
-pub fn spawned(mut command: Command) -> Child {
-    command.spawn().unwrap_or_else(|e| panic!("{command:?} cannot be started: {e}"))
-}
-
-/// Waits for a process, which is given so long, and reads what it said.
-pub fn ended(mut child: Child, within: Duration, what: &str) -> Output {
-    let begun = Instant::now();
-    while child.try_wait().expect("its state").is_none() {
-        if begun.elapsed() > within {
-            let _ = child.kill();
-            let output = child.wait_with_output().expect("its output");
-            panic!("law: {what}: it ends within {within:?}; it said: {}", message(&output));
-        }
-        sleep(Duration::from_millis(3));
-    }
-    child.wait_with_output().expect("its output")
-}
-
-/// What a process said.
-pub fn message(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-/// Sends a signal by its name; one to a process that has ended goes nowhere.
-pub fn send(child: &Child, signal: &str) {
-    let mut kill = Command::new("kill");
-    kill.args(["-s", signal, &child.id().to_string()]);
-    let _ = kill.stdout(Stdio::null()).stderr(Stdio::null()).status();
 }
 
 /// How a process ended, in words.
@@ -179,7 +151,7 @@ pub fn code(status: ExitStatus) -> String {
 /// The verdict on a process for which something was not to be had: it ended well, or with one of
 /// the exit codes and one message.
 pub fn verdict(output: &Output, codes: &[i32]) -> Result<String, String> {
-    let said = message(output);
+    let said = said(output);
     let errors = said.lines().filter(|line| line.starts_with("error: ")).count();
     let refused = output.status.code().filter(|code| codes.contains(code));
     match refused {
@@ -208,8 +180,7 @@ pub fn sweep() -> &'static Trial {
     static MADE: OnceLock<Trial> = OnceLock::new();
     MADE.get_or_init(|| {
         Trial::new("sweep", |folder| {
-            let path = folder.join("small.json");
-            fs::write(&path, small::layer(30.0).to_string()).expect("a scenario file");
+            let path = write(folder, "small.json", &small::layer(30.0));
             let mut args = vec!["sweep".into(), path.into_os_string()];
             args.extend(["--over", "seed=1,2", "--jobs", "2"].map(OsString::from));
             args
@@ -222,19 +193,8 @@ pub fn reproduce() -> &'static Trial {
     static MADE: OnceLock<Trial> = OnceLock::new();
     MADE.get_or_init(|| {
         Trial::new("reproduce", |_| {
-            let args = [
-                "reproduce",
-                "--quick",
-                "--configurations",
-                "1",
-                "--jobs",
-                "2",
-                "--set",
-                "grains.total_mass_g=30",
-                "--set",
-                "rest_test_s=0.2",
-            ];
-            args.map(OsString::from).to_vec()
+            let args = words(PROGRAMME).into_iter().chain(["--jobs", "2"]);
+            args.map(OsString::from).collect()
         })
     })
 }

@@ -6,7 +6,7 @@
 
 use std::{
     env, fs,
-    io::{self, BufRead, BufReader, Write},
+    io::{BufRead, BufReader, Write},
     path::{Path, PathBuf},
     process::{Child, ChildStdin, Command, Stdio},
     sync::mpsc::{Receiver, channel},
@@ -17,6 +17,8 @@ use std::{
 use base64::{Engine, engine::general_purpose::STANDARD};
 use serde_json::{Value, json};
 use tempfile::TempDir;
+
+use super::super::program::skipped;
 
 /// How long a browser that draws without a graphics card may take for anything.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -52,12 +54,7 @@ impl Browser {
                 Ok("required"),
                 "{SWITCH}=required, but no Chromium is installed"
             );
-            // Not with a macro: those are captured, and nobody would see it.
-            let said = format!(
-                "\n*** SKIPPED {test}: no Chromium here, the page of `pluvia view` is NOT tested. \
-                 Try: apt-get install chromium ***\n"
-            );
-            let _ = io::stderr().write_all(said.as_bytes());
+            skipped(test, "no Chromium here; try: apt-get install chromium");
             return None;
         };
         let profile = tempfile::tempdir().expect("a folder for the profile");

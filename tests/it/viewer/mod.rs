@@ -12,14 +12,17 @@ use std::{
     io::{BufRead, BufReader, ErrorKind, Read, Write},
     net::{Ipv4Addr, Shutdown, SocketAddr, TcpStream, UdpSocket},
     path::Path,
-    process::{Command, Stdio},
+    process::Stdio,
     thread,
     time::{Duration, Instant},
 };
 
 use pluvia::viewer::{Server, Site, read_run_data};
 
-use super::export::small_run;
+use super::{
+    export::small_run,
+    program::{pluvia, refused, said, send, text},
+};
 
 /// The page of the small run on a free port.
 fn serve(run: &Path) -> Server {
@@ -55,12 +58,14 @@ fn status(answer: &[u8]) -> String {
     String::from_utf8_lossy(answer).lines().next().unwrap_or_default().to_owned()
 }
 
+/// Whether a status has one of these codes.
+fn is_one_of(status: &str, codes: &[u16]) -> bool {
+    codes.iter().any(|code| status.starts_with(&format!("HTTP/1.1 {code} ")))
+}
+
 fn assert_status(answer: &[u8], expected: u16, law: &str) {
     let got = status(answer);
-    assert!(
-        got.starts_with(&format!("HTTP/1.1 {expected} ")),
-        "law: {law}, expected {expected}, got `{got}`"
-    );
+    assert!(is_one_of(&got, &[expected]), "law: {law}, expected {expected}, got `{got}`");
 }
 
 #[test]
@@ -152,10 +157,6 @@ fn it_ends_when_it_is_dropped() {
     assert!(refused, "law: nobody listens any more, got {got:?}");
 }
 
-fn pluvia() -> Command {
-    Command::new(env!("CARGO_BIN_EXE_pluvia"))
-}
-
 #[test]
 fn the_command_serves_until_ctrl_c() {
     let mut command = pluvia();
@@ -183,11 +184,10 @@ fn the_command_serves_until_ctrl_c() {
     let second =
         pluvia().arg("view").arg(small_run()).args(["--no-browser", "--port", &port]).output();
     let second = second.expect("it starts");
-    let said = String::from_utf8_lossy(&second.stderr).into_owned();
+    let said = said(&second);
     assert!(second.status.code() == Some(2) && said.contains(&port), "law: port taken: {said}");
 
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(sent.is_ok_and(|s| s.success()), "the signal is sent");
+    send(&child, "INT");
     let ended = child.wait().expect("it ends");
     assert_eq!(ended.code(), Some(0), "law: Ctrl-C is the way to end it");
 }
@@ -201,24 +201,21 @@ fn a_file_is_saved_once() {
         pluvia().arg("view").arg(small_run()).arg("--save").arg(&file).args(more).output()
     };
     let first = save(&[]).expect("it starts");
-    assert_eq!(first.status.code(), Some(0), "{}", String::from_utf8_lossy(&first.stderr));
+    assert_eq!(first.status.code(), Some(0), "{}", said(&first));
     let content = fs::read(&file).expect("the file");
     fs::write(&file, "another").expect("written");
     let second = save(&[]).expect("it starts");
-    let said = String::from_utf8_lossy(&second.stderr);
-    assert_eq!(second.status.code(), Some(2), "law: nothing is written over: {said}");
-    assert!(said.contains("exists already") && said.contains("--force"), "{said}");
+    let told = said(&second);
+    assert_eq!(second.status.code(), Some(2), "law: nothing is written over: {told}");
+    assert!(told.contains("exists already") && told.contains("--force"), "{told}");
     assert!(fs::read(&file).expect("the file") == b"another", "law: it is as it was");
     let third = save(&["--force"]).expect("it starts");
-    assert_eq!(third.status.code(), Some(0), "{}", String::from_utf8_lossy(&third.stderr));
+    assert_eq!(third.status.code(), Some(0), "{}", said(&third));
     assert!(fs::read(&file).expect("the file") == content, "law: the page is there again");
 }
 
 #[test]
 fn a_folder_that_is_no_run_is_told_as_such() {
     let folder = tempfile::tempdir().expect("a folder");
-    let output = pluvia().arg("view").arg(folder.path()).output().expect("it starts");
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(4), "{said}");
-    assert!(said.contains("manifest.json"), "law: the missing file is named: {said}");
+    refused(&["view", text(folder.path())], 4, &["manifest.json"]);
 }

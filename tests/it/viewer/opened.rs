@@ -4,14 +4,16 @@
 use std::{
     fs,
     io::{BufRead, BufReader},
-    os::unix::fs::PermissionsExt,
     path::Path,
-    process::{Child, Command, Stdio},
+    process::{Child, Stdio},
     thread::sleep,
     time::{Duration, Instant},
 };
 
-use super::super::export::small_run;
+use super::super::{
+    export::small_run,
+    program::{self, pluvia, send},
+};
 use super::{assert_status, exchange};
 
 /// A launcher of browsers that notes what it is started with, and takes a copy of the page.
@@ -22,9 +24,7 @@ fn launcher(folder: &Path) {
                   stat -c %a \"$(dirname \"$1\")\" >> \"$NOTES/mode\"\n\
                   cp \"$1\" \"$NOTES/page.html\"\n\
                   : > \"$NOTES/done\"\n";
-    let path = folder.join("xdg-open");
-    fs::write(&path, script).expect("written");
-    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).expect("made a program");
+    program::script(&folder.join("xdg-open"), script);
 }
 
 /// A command that serves; it is ended also where a test fails.
@@ -40,7 +40,7 @@ impl Drop for Served {
 /// Starts the command with that launcher; gives it, its address and the page that was opened.
 fn opened(notes: &Path) -> (Served, String, String) {
     launcher(notes);
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+    let mut command = pluvia();
     let path = format!("{}:/usr/bin:/bin", notes.display());
     command.arg("view").arg(small_run()).env("PATH", path).env("NOTES", notes);
     let mut child = Served(command.stdout(Stdio::piped()).spawn().expect("it starts"));
@@ -65,13 +65,9 @@ fn wait_for(what: &str, is_so: impl Fn() -> bool) {
 }
 
 fn end(mut child: Served) {
-    let sent = Command::new("kill").args(["-TERM", &child.0.id().to_string()]).status();
-    assert!(sent.is_ok_and(|s| s.success()), "the signal is sent");
-    assert_eq!(
-        child.0.wait().expect("it ends").code(),
-        Some(0),
-        "law: it ends when it is asked to"
-    );
+    send(&child.0, "TERM");
+    let ended = child.0.wait().expect("it ends");
+    assert_eq!(ended.code(), Some(0), "law: it ends when it is asked to");
 }
 
 #[test]

@@ -8,7 +8,12 @@ use pluvia::grains::grain_name;
 use pluvia::specimen::{Other, Party};
 use serde_json::json;
 
-use super::super::export::small_run;
+use super::super::{
+    export::small_run,
+    interruption::{copy, stored},
+    near::near,
+    program,
+};
 use super::browser::Browser;
 use super::serve;
 
@@ -25,15 +30,6 @@ const COLUMNS: [(&str, f64); 7] = [
     ("z_mm", 0.01),
     ("speed_mm_per_s", 0.1),
 ];
-
-/// A number of a grain in `grains.csv`.
-fn in_table(run: &Path, grain: usize, column: &str) -> f64 {
-    let mut table = csv::Reader::from_path(run.join("grains.csv")).expect("grains.csv");
-    let place = table.headers().expect("a header").iter().position(|name| name == column);
-    let place = place.unwrap_or_else(|| panic!("grains.csv has no column {column}"));
-    let row = table.records().nth(grain).expect("a row a grain").expect("a row");
-    row[place].parse().unwrap_or_else(|_| panic!("{column} of grain {grain}: {}", &row[place]))
-}
 
 /// A grain that is seen where no panel is, and the pixel at which to click it.
 fn clickable(browser: &mut Browser) -> (usize, f64, f64) {
@@ -127,14 +123,11 @@ fn tells_of_a_grain(browser: &mut Browser) {
             "document.querySelector('#picked-data [data-field={column}]').dataset.value"
         ));
         let got: f64 = shown.as_str().and_then(|s| s.parse().ok()).unwrap_or(f64::NAN);
-        let expected = in_table(small_run(), grain, column);
+        let expected = program::column(&small_run().join("grains.csv"), column)[grain];
         // Half the last digit shown, and the rounding of 32-bit numbers.
         let tolerance = 0.5 * digit + 1e-6 * expected.abs() + 1e-9;
-        assert!(
-            (got - expected).abs() <= tolerance,
-            "law: {column} of grain {grain} is that of grains.csv, expected {expected}, got {got}, \
-             tolerance {tolerance}"
-        );
+        let law = format!("{column} of grain {grain} is that of grains.csv");
+        near(&law, got, expected, tolerance);
     }
     browser.keep_picture("picked-1200.png");
     browser.key("Escape");
@@ -279,14 +272,8 @@ fn what_cannot_be_shown_is_said() {
 }
 
 pub(super) fn copy_without_frames(from: &Path, to: &Path) {
-    fs::create_dir_all(to).expect("a folder");
-    for entry in fs::read_dir(from).expect("a folder") {
-        let entry = entry.expect("an entry");
-        let target = to.join(entry.file_name());
-        if entry.path().is_dir() {
-            copy_without_frames(&entry.path(), &target);
-        } else if entry.file_name() != "frames.bin" {
-            fs::copy(entry.path(), target).expect("a copy");
-        }
+    copy(from, to);
+    for stage in stored(to) {
+        let _ = fs::remove_file(stage.join("frames.bin"));
     }
 }
