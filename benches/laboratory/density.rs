@@ -118,8 +118,8 @@ const STANDARD: Vibration = Vibration {
     most: 1,
 };
 
-/// A fall of the void ratio in the second half of a vibration from which on it is not at its end:
-/// one twice as long would make grains denser by about as much.
+/// A fall of the void ratio in the second half of a vibration, in motion, from which on it is not
+/// at its end.
 const ENDED: f64 = 0.1 * VOID_RATIO;
 
 /// Runs the test: of the paper's grains, and of those that are published.
@@ -292,20 +292,25 @@ fn made(found: &IndexDensities, state: &IndexState) -> String {
     note
 }
 
-/// By how much the void ratio fell in the second half of the vibration.
+/// By how much the void ratio fell in the second half of the vibration; `None` where no realisation
+/// says so.
 fn second_half(found: &IndexDensities) -> Option<f64> {
     pluvia::measure::statistics::mean(&found.second_half)
 }
 
-/// What is said beside a state whose vibration has not come to an end.
+/// What is said beside a state whose vibration has not come to an end, or where that is not known.
 fn sinking(found: &IndexDensities) -> &'static str {
-    if second_half(found).is_some_and(|fall| fall > ENDED) { ", still sinking" } else { "" }
+    match second_half(found) {
+        Some(fall) if fall > ENDED => ", still sinking",
+        Some(_) => "",
+        None => ", end not known",
+    }
 }
 
 /// Whether the vibration has come to an end.
 fn still_falls(found: &IndexDensities) -> String {
     second_half(found).map_or_else(String::new, |fall| {
-        format!("; it fell by {fall:.3} in the second half of that time")
+        format!("; in motion it changed by {:+.3} in the second half of that time", -fall)
     })
 }
 
@@ -363,7 +368,8 @@ fn settling(bench: &Bench, paper: &str) -> Result<Chart, String> {
 }
 
 /// Index densities after the shortest vibration that has come to its end, and its duration in s:
-/// one that has not is done anew, twice as long, up to the longest.
+/// one that has not is done anew, twice as long, up to the longest. Where no realisation says
+/// whether it has, a longer one is not tried.
 fn states(
     bench: &Bench,
     scenario: &str,
@@ -376,7 +382,8 @@ fn states(
         let alike = (Vec::new(), vibration.most, &out[..]);
         let found = vibrated(bench, scenario, vibration, duration_s, alike)?;
         let longer = 2.0 * duration_s;
-        if sinking(&found).is_empty() || longer > vibration.longest_s[design] {
+        let sinks_on = second_half(&found).is_some_and(|fall| fall > ENDED);
+        if !sinks_on || longer > vibration.longest_s[design] {
             return Ok((found, duration_s));
         }
         duration_s = longer;
