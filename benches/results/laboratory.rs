@@ -27,9 +27,7 @@ fn published(quote: Cells, of: &Value) -> Result<String, String> {
     let at = |path: &str| number(quote, of, path);
     let published = &of["published"];
     Ok(if published["value"].is_number() {
-        let widest = of["widest_half_width"].is_number().then(|| at("widest_half_width"));
-        let widest = widest.transpose()?.map_or_else(String::new, |w| format!(" (± {w} at most)"));
-        at("published/value")? + &widest
+        at("published/value")?
     } else if published["low"].is_number() {
         format!("{} to {}", at("published/low")?, at("published/high")?)
     } else {
