@@ -1,6 +1,6 @@
 //! A row of the table: a published number, where it was seen, and ours beside it.
 
-use pluvia::measure::inference::MeanTest;
+use pluvia::{measure::inference::MeanTest, study::STAGE_FORMAT};
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -38,6 +38,9 @@ pub struct Row {
     pub decimals: usize,
     /// `quick`, `small` or `full`.
     pub design: String,
+    /// `FORMAT` of stages of the build that ran it; `None` of builds that did not write it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub format: Option<u32>,
 }
 
 /// What a test found.
@@ -62,6 +65,7 @@ impl Row {
             note: String::new(),
             decimals: 2,
             design: String::new(),
+            format: Some(STAGE_FORMAT),
         };
         row.judge();
         row
