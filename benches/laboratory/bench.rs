@@ -45,7 +45,7 @@ pub struct Bench {
 pub struct Point {
     pub name: String,
     pub changes: Vec<String>,
-    /// At most so many realisations, of what is only tried.
+    /// Largest number of realisations, of what is only tried.
     pub most: Option<u32>,
 }
 

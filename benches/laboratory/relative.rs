@@ -27,6 +27,7 @@ pub fn derive(rows: &mut Vec<Row>) {
         let quantity = format!("relative density, {what}");
         let mut row = Row::of("density", &format!("{BEGIN}{id}"), &quantity, &values);
         of.design.clone_into(&mut row.design);
+        row.format = of.format;
         Some(row.noted(
             "By the means of the loosest and the densest state of these grains; walls make the \
              void ratio of a small specimen larger",

@@ -1,11 +1,11 @@
 //! A row of the table: a published number, where it was seen, and ours beside it.
 
-use pluvia::measure::inference::MeanTest;
+use pluvia::{measure::inference::MeanTest, study::STAGE_FORMAT};
 use serde::{Deserialize, Serialize};
 
 use super::{
     references::{self, Published, Stated},
-    standard_tests::{Verdict, judge, judge_value},
+    standard_tests::{Verdict, judge},
 };
 
 /// An interval.
@@ -29,9 +29,6 @@ pub struct Row {
     pub ours: Option<f64>,
     /// Its 95 % confidence interval by Student's t.
     pub interval: Option<Interval>,
-    /// Half the width that it may have for the row to be *within* a single published value.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub widest_half_width: Option<f64>,
     /// Each realisation.
     pub values: Vec<f64>,
     pub verdict: Verdict,
@@ -41,6 +38,9 @@ pub struct Row {
     pub decimals: usize,
     /// `quick`, `small` or `full`.
     pub design: String,
+    /// `FORMAT` of stages of the build that ran it; `None` of builds that did not write it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub format: Option<u32>,
 }
 
 /// What a test found.
@@ -60,12 +60,12 @@ impl Row {
             source: String::new(),
             ours: None,
             interval: None,
-            widest_half_width: None,
             values: values.to_vec(),
             verdict: Verdict::NotRun,
             note: String::new(),
             decimals: 2,
             design: String::new(),
+            format: Some(STAGE_FORMAT),
         };
         row.judge();
         row
@@ -92,16 +92,13 @@ impl Row {
             Interval { low: mean - t.half_width, high: mean + t.half_width }
         });
         let ends = self.interval.map(|i| (i.low, i.high));
-        self.verdict = match self.published.filter(|_| reference.is_judged) {
-            None => Verdict::NotJudged,
-            Some(Published::Range { low, high }) => judge((low, high), self.ours, ends),
-            Some(Published::Value { value }) => {
-                let widest = reference.widest.expect("what is judged by a value declares a width");
-                judge_value(value, widest, self.ours, ends)
+        self.verdict = match self.published {
+            Some(Published::Range { low, high }) if reference.is_judged => {
+                judge((low, high), self.ours, ends)
             }
+            _ => Verdict::NotJudged,
         };
         self.source = reference.source;
-        self.widest_half_width = reference.widest;
     }
 
     /// The same with what a reader must know.

@@ -60,7 +60,7 @@ const SMALL: ShearBox = ShearBox { side_mm: 90.0, speed_mm_per_s: 15.0, travel_m
 const FULL: ShearBox = ShearBox { side_mm: 180.0, speed_mm_per_s: 5.0, travel_mm: 27.0 };
 
 impl ShearBox {
-    /// The same box with thicker walls, whose halves go further.
+    /// The same box, whose halves go further; walls are as thick as that asks for.
     fn far(&self) -> Self {
         Self { travel_mm: FURTHER * self.travel_mm, ..*self }
     }
@@ -75,7 +75,8 @@ impl ShearBox {
         let apart = (END + 1.0) / 2.0 * self.travel_mm / self.side_mm;
         format!(
             "mean over the last third of the displacement, in which {:.0} % of the plane are \
-             grains on the smooth walls of the other half, with friction 0.5",
+             where grains touch the smooth walls of the other half: friction 0.5 on the lower \
+             walls, 0.1 under the upper",
             100.0 * apart
         )
     }

@@ -15,8 +15,8 @@ pub struct Build {
     /// When its files were made.
     pub day: String,
     /// `FORMAT` of `src/study/stage_key.rs` then, which rises whenever results change; several, as
-    /// in `14 and 15`, where its parts are of several builds, and `before 5` where that is all
-    /// that is known.
+    /// in `14 and 15`, where its parts are of several builds, or `14 and 15, oedometer 19` where
+    /// one of them is known by its name, and `before 5` where that is all that is known.
     pub format: String,
 }
 

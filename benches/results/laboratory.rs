@@ -27,9 +27,7 @@ fn published(quote: Cells, of: &Value) -> Result<String, String> {
     let at = |path: &str| number(quote, of, path);
     let published = &of["published"];
     Ok(if published["value"].is_number() {
-        let widest = of["widest_half_width"].is_number().then(|| at("widest_half_width"));
-        let widest = widest.transpose()?.map_or_else(String::new, |w| format!(" (± {w} at most)"));
-        at("published/value")? + &widest
+        at("published/value")?
     } else if published["low"].is_number() {
         format!("{} to {}", at("published/low")?, at("published/high")?)
     } else {
@@ -79,17 +77,97 @@ pub fn sources(all: &Value) -> String {
     text
 }
 
+/// What may explain a miss of a column, as notes call it where it was tried.
+const OF_COLUMN: [&str; 4] = [
+    "friction 0.2 in place of 0.5",
+    "spheres",
+    "a column twice as wide",
+    "where a tenth of a ring is covered",
+];
+/// The same of crushed basalt.
+const OF_BASALT: [&str; 2] = ["longer and flatter grains", "friction between grains of 1.0"];
+
+/// With which rows of the small design that is tried.
+const TRIED: [(&str, &[&str]); 4] = [
+    ("column-run-out-0.6", &["a column twice as wide"]),
+    ("column-run-out-1.2", &["friction 0.2 in place of 0.5", "spheres", "a column twice as wide"]),
+    ("density-basalt-e-max", &OF_BASALT),
+    ("density-basalt-e-min", &OF_BASALT),
+];
+
+/// The note of a row without what was left out of its test.
+fn own_note(of: &Value) -> String {
+    let note = typed(of, "note");
+    note.split("; left out of this test: ").next().unwrap_or_default().to_owned()
+}
+
+/// Those names that no note says anything of.
+fn not_run<'a>(names: &[&'a str], notes: &[String]) -> Vec<&'a str> {
+    let is_left = |name: &&str| !notes.iter().any(|note| note.contains(*name));
+    names.iter().copied().filter(is_left).collect()
+}
+
+/// What rows say of what was tried, a line each, and what of it was not run yet.
+fn tries(all: &Value, begin: &str, names: &[&str]) -> String {
+    let rows: Vec<&Value> = rows(all).filter(|row| typed(row, "id").starts_with(begin)).collect();
+    let notes: Vec<String> = rows.iter().map(|row| own_note(row)).collect();
+    let mut text = String::new();
+    for (row, note) in rows.iter().zip(&notes) {
+        let is_of_one = |sentence: &&str| names.iter().any(|name| sentence.contains(name));
+        let told: Vec<&str> = note.split(". ").filter(is_of_one).collect();
+        if !told.is_empty() {
+            text += &format!("- {}: {}.\n", typed(row, "quantity"), told.join(". "));
+        }
+    }
+    let left = not_run(names, &notes);
+    if !left.is_empty() {
+        text += &format!("- not run yet: {}.\n", left.join(", "));
+    }
+    text
+}
+
+/// What was tried with columns.
+pub fn column_tried(all: &Value) -> String {
+    tries(all, "column-run-out-", &OF_COLUMN)
+}
+
+/// What was tried with crushed basalt.
+pub fn density_tried(all: &Value) -> String {
+    // Rows of both states say what it changes of both.
+    tries(all, "density-basalt-e-max", &OF_BASALT)
+}
+
+/// What must be known of rows by which a vibration has not ended.
+pub fn vibration(all: &Value) -> String {
+    if !rows(all).any(|row| typed(row, "note").contains("; it fell by ")) {
+        return String::new();
+    }
+    "Rows whose notes say \"it fell by\" are of an earlier build of the test. It compared the \
+     moving bed at half time with the bed\nat rest, which lies lower: \"still sinking\" may be \
+     wrong there, and no vibration was repeated for longer.\n"
+        .to_owned()
+}
+
 /// Rows that miss, and what was tried with each.
 pub fn missed(quote: Cells, all: &Value) -> Result<String, String> {
     let mut text = String::new();
     for value in rows(all).filter(|value| value["verdict"] == "outside") {
-        let note = typed(value, "note");
-        let tried = note.find("Tried").map_or("nothing with these grains", |at| &note[at..]);
+        let note = own_note(value);
+        let mut tried: Vec<String> =
+            note.find("Tried").map(|at| note[at..].to_owned()).into_iter().collect();
+        let designed = TRIED.iter().find(|(id, _)| value["id"] == *id);
+        let left = not_run(designed.map(|of| of.1).unwrap_or_default(), &[note]);
+        if !left.is_empty() {
+            tried.push(format!("not run yet: {}", left.join(", ")));
+        }
+        if tried.is_empty() {
+            tried.push("nothing".to_owned());
+        }
         let cells = [
             typed(value, "quantity"),
             published(quote, value)?,
             ours(quote, value)?,
-            tried.to_owned(),
+            tried.join("; "),
         ];
         text += &row(&cells);
     }
@@ -121,7 +199,8 @@ pub fn density(quote: Cells, all: &Value) -> Result<String, String> {
     Ok(text)
 }
 
-/// Whether direct shear ends at the critical state, and what a test that goes further says.
+/// Whether direct shear ends at the critical state, as far as its interval tells, and what a test
+/// that goes further says.
 pub fn shear_end(quote: Cells, all: &Value) -> Result<String, String> {
     let find = |id: &str| {
         rows(all).find(|value| value["id"] == id).filter(|value| value["ours"].is_number())
@@ -131,37 +210,160 @@ pub fn shear_end(quote: Cells, all: &Value) -> Result<String, String> {
     let Some((end, peak)) = ends else { return Ok(String::new()) };
     let values = end["values"].as_array().into_iter().flatten().filter_map(Value::as_f64);
     let rises: Vec<f64> = values.collect();
-    let still = rises.iter().filter(|rise| **rise > 0.0).count();
+    let up = rises.iter().filter(|rise| **rise > 0.0).count();
+    let bound = |name: &str| end["interval"][name].as_f64();
+    let (interval, told) = match bound("low").zip(bound("high")) {
+        Some((low, high)) => (
+            format!(
+                " ({} to {}°)",
+                number(quote, end, "interval/low")?,
+                number(quote, end, "interval/high")?
+            ),
+            match low > 0.0 || high < 0.0 {
+                true => "**the end of such a test is not the critical state**",
+                false => "the interval does not tell whether its end is the critical state",
+            },
+        ),
+        None => (String::new(), "too few to tell whether its end is the critical state"),
+    };
     let mut text = format!(
-        "Over the last third of the displacement the lid rises at {}° on average, against {}° at \
-         the peak (50 kPa).\nIt still rises there in {still} of {} realisations{}.\n",
+        "Over the last third of the displacement the lid rises at {}°{interval} on average, \
+         against {}° at the peak (50 kPa).\nIt rises there in {up} of {} realisations: {told}.\n",
         mean(end)?,
         mean(peak)?,
-        rises.len(),
-        if still > 0 { ": **the end of such a test is not the critical state**" } else { "" }
+        rises.len()
     );
-    if let Some((angle, rise)) =
-        find("direct-shear-far-end").zip(find("direct-shear-far-dilation-end"))
-    {
-        text += &format!(
-            "A test that goes twice as far ends at {}°, with the lid rising at {}°.\n",
+    let far = find("direct-shear-far-end").zip(find("direct-shear-far-dilation-end"));
+    text += &match far {
+        Some((angle, rise)) => format!(
+            "The test that goes twice as far ends at {}°, with the lid rising at {}°; a line in \
+             the figure shows it.\n",
             mean(angle)?,
             mean(rise)?
-        );
-    }
+        ),
+        None => "No row of a test that goes twice as far is here yet.\n".to_owned(),
+    };
     Ok(text)
 }
 
-/// Of which builds the rows are.
-pub fn build(builds: &[Build]) -> String {
-    builds::of(builds, "laboratory").map_or_else(String::new, |build| {
-        let several = match build.format.contains("and") {
-            true => ": rows of different tests may be of different builds",
-            false => "",
-        };
-        format!(
-            "Rows and figures are of {}, [format](README.md#the-files) {}{several}.\n",
-            build.day, build.format
-        )
+/// Tests by their names in rows, and what they are called.
+const TESTS: [(&str, &str); 8] = [
+    ("hopper", "hopper"),
+    ("column", "column"),
+    ("repose", "angle of repose"),
+    ("density", "index densities"),
+    ("direct-shear", "direct shear"),
+    ("beads", "steel beads"),
+    ("oedometer", "oedometer"),
+    ("triaxial", "triaxial compression"),
+];
+
+/// Format from which on sub-steps get shorter under a load, and runs are left out that a check
+/// finds something in.
+const SINCE: u64 = 19;
+/// What must be known of rows of these tests that are of an earlier one.
+const EARLIER: [(&[&str], &str); 2] = [
+    (
+        &["direct-shear", "beads", "triaxial"],
+        "whose sub-steps did not get shorter [under a load](../contacts.md#under-a-load), with \
+         values that may change",
+    ),
+    (&["column", "repose"], "before the rule that leaves runs out"),
+];
+
+/// Columns of the small design.
+const COLUMNS: [&str; 3] = ["column-run-out-0.6", "column-run-out-1.2", "column-run-out-2.4"];
+/// Rows of the small design that a kept file may lack, and what they are of.
+const LATER: [(&str, &str); 4] = [
+    (
+        "density-fraction-e-max",
+        "index densities of the grains of shear box, oedometer and triaxial test",
+    ),
+    ("direct-shear-void-ratio", "void ratios of the shear box"),
+    ("direct-shear-far-end", "direct shear twice as far"),
+    ("triaxial-begin-loose", "void ratios of loose and dense triaxial specimens at the beginning"),
+];
+
+fn of_test<'a>(all: &'a Value, test: &'a str) -> impl Iterator<Item = &'a Value> {
+    rows(all).filter(move |row| row["test"] == test)
+}
+
+/// Whether a part of a build's formats is of a test alone.
+fn is_of(part: &str, test: &str) -> bool {
+    part.strip_prefix(test).is_some_and(|rest| rest.starts_with(' '))
+}
+
+/// Whether a row of a test is of a build before [`SINCE`], as the rows say, or else the build of
+/// all, which may name tests: `14 and 15, oedometer 19`.
+fn is_earlier(build: &Build, all: &Value, test: &str) -> bool {
+    let parts: Vec<&str> = build.format.split(", ").collect();
+    let is_any = |part: &&str| TESTS.iter().any(|(test, _)| is_of(part, test));
+    let mut said: Vec<&str> = parts.iter().copied().filter(|part| is_of(part, test)).collect();
+    if said.is_empty() {
+        said = parts.into_iter().filter(|part| !is_any(part)).collect();
+    }
+    let said = said.join(" ");
+    let numbers: Vec<u64> =
+        said.split(|c: char| !c.is_ascii_digit()).filter_map(|n| n.parse().ok()).collect();
+    of_test(all, test).any(|row| match row["format"].as_u64() {
+        Some(of) => of < SINCE,
+        None => numbers.is_empty() || numbers.iter().any(|of| *of < SINCE),
     })
+}
+
+/// Of which builds the rows are, with how many realisations, and what is not there yet.
+pub fn build(builds: &[Build], all: &Value) -> String {
+    let Some(build) = builds::of(builds, "laboratory") else { return String::new() };
+    let several = match build.format.parse::<u32>() {
+        Ok(_) => "",
+        Err(_) => ": rows of different tests may be of different builds",
+    };
+    let mut text = format!(
+        "- Rows and figures are of {}, [format](README.md#the-files) {}{several}.\n",
+        build.day, build.format
+    );
+    for (tests, why) in EARLIER {
+        let mut named = Vec::new();
+        for (test, name) in TESTS {
+            if tests.contains(&test) && is_earlier(build, all, test) {
+                named.push(name);
+            }
+        }
+        if !named.is_empty() {
+            text += &format!("- Of an earlier build, {why}: {}.\n", named.join(", "));
+        }
+    }
+    let counts = TESTS.iter().filter_map(|(test, name)| {
+        let count = |row: &Value| row["values"].as_array().map(Vec::len).filter(|n| *n > 0);
+        let counts: Vec<usize> = of_test(all, test).filter_map(count).collect();
+        let (least, most) = (counts.iter().min()?, counts.iter().max()?);
+        let range = if least == most { String::new() } else { format!("{least} to ") };
+        Some(format!("{name} {range}{most}"))
+    });
+    let counts: Vec<String> = counts.collect();
+    if !counts.is_empty() {
+        text += &format!("- Realisations in a row, by test: {}.\n", counts.join(", "));
+    }
+    let former = of_test(all, "column")
+        .filter(|row| row["design"] == "small" && !COLUMNS.iter().any(|id| row["id"] == *id));
+    for row in former {
+        let quantity = typed(row, "quantity");
+        text += &format!("- Of an earlier design, which no command runs today: {quantity}.\n");
+    }
+    let notes = |begin: &str| -> Vec<String> {
+        rows(all).filter(|row| typed(row, "id").starts_with(begin)).map(own_note).collect()
+    };
+    let later = LATER.iter().filter(|(id, _)| !rows(all).any(|row| row["id"] == *id));
+    let later = later.map(|(_, name)| (*name).to_owned());
+    let left = [
+        ("column", not_run(&OF_COLUMN, &notes("column-run-out-"))),
+        ("crushed basalt", not_run(&OF_BASALT, &notes("density-basalt-e-"))),
+    ];
+    let left = left.into_iter().filter(|(_, names)| !names.is_empty());
+    let left = left.map(|(of, names)| format!("{of} ({})", names.join(", ")));
+    let left: Vec<String> = later.chain(left).collect();
+    if !left.is_empty() {
+        text += &format!("- Not run yet: {}.\n", left.join("; "));
+    }
+    text
 }

@@ -25,7 +25,17 @@ pub fn named(name: &str, results: &Results) -> Result<String, String> {
         "laboratory-missed" => laboratory::missed(&quote, results.source("laboratory")?.as_ref()),
         "laboratory-density" => laboratory::density(&quote, results.source("laboratory")?.as_ref()),
         "laboratory-shear" => laboratory::shear_end(&quote, results.source("laboratory")?.as_ref()),
-        "laboratory-build" => Ok(laboratory::build(&builds::read(results.root())?)),
+        "laboratory-build" => {
+            let builds = builds::read(results.root())?;
+            Ok(laboratory::build(&builds, results.source("laboratory")?.as_ref()))
+        }
+        "laboratory-column-tried" => {
+            Ok(laboratory::column_tried(results.source("laboratory")?.as_ref()))
+        }
+        "laboratory-density-tried" => {
+            Ok(laboratory::density_tried(results.source("laboratory")?.as_ref()))
+        }
+        "laboratory-vibration" => Ok(laboratory::vibration(results.source("laboratory")?.as_ref())),
         "grain-sieve" => grain_sieve(&quote, results.source("grains")?.as_ref()),
         "grain-sizes" => grain_sizes(&quote),
         "grain-shape" => grain_shape(&quote),

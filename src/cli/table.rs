@@ -55,6 +55,18 @@ fn settlement(of: &Settlement) -> String {
     text
 }
 
+/// How far grains overlap.
+fn overlap(of: &Overlap) -> String {
+    match of.known() {
+        None => "no grain is left".to_owned(),
+        Some(Overlap { pairs: 0, .. }) => "no two grains overlap".to_owned(),
+        Some(Overlap { mean_percent, p99_percent, max_percent, .. }) => format!(
+            "{mean_percent:.2} % mean, {p99_percent:.2} % 99th percentile, {max_percent:.2} % \
+             largest"
+        ),
+    }
+}
+
 /// How many grains touch a grain, and how the contacts are loaded.
 fn coordination(of: &Summary) -> String {
     let sliding = of.contacts.as_ref().and_then(|contacts| contacts.sliding_percent);
@@ -187,15 +199,7 @@ pub(super) fn of_summary(summary: &Summary) -> String {
         let pile = format!("{high:.1} mm high, {toe:.1} mm to its toe; fallen off the base: {off}");
         rows.add("pile", pile);
     }
-    let Overlap { pairs, mean_percent, p99_percent, max_percent, .. } = summary.overlap;
-    let overlap = match pairs {
-        0 => "no two grains overlap".to_owned(),
-        _ => format!(
-            "{mean_percent:.2} % mean, {p99_percent:.2} % 99th percentile, {max_percent:.2} % \
-             largest"
-        ),
-    };
-    rows.add("overlap", overlap);
+    rows.add("overlap", overlap(&summary.overlap));
     rows.add("coordination number", coordination(summary));
     let creep = summary.creep_um_per_s.map(|v| format!("{:.1} µm/s", rounded(v, 1)));
     rows.add("numerical creep at rest", creep);
@@ -367,6 +371,19 @@ mod tests {
             [(0.4, "0 s"), (59.6, "1 min 0 s"), (125.0, "2 min 5 s"), (7384.0, "2 h 3 min")]
         {
             assert_eq!(duration(seconds), expected, "law: {seconds} s in words");
+        }
+    }
+
+    #[test]
+    fn an_overlap_of_no_grains_is_no_overlap_of_none() {
+        let apart = Overlap::default();
+        let touching = Overlap { pairs: 9, mean_percent: 0.2, p99_percent: 1.0, ..apart };
+        for (of, expected) in [
+            (Overlap::of_none(), "no grain is left"),
+            (apart, "no two grains overlap"),
+            (touching, "0.20 % mean, 1.00 % 99th percentile, 0.00 % largest"),
+        ] {
+            assert_eq!(overlap(&of), expected, "law: of {of:?}");
         }
     }
 

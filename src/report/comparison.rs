@@ -187,23 +187,26 @@ fn table(of: &CompareRecord) -> Table {
     table
 }
 
+/// How grains overlap, sink and touch.
+fn packing(of: &Summary) -> String {
+    let Some(overlap) = of.overlap.known() else { return "no grain is left".to_owned() };
+    let creep = of.creep_um_per_s.map_or_else(
+        || "its numerical creep was not measured".to_owned(),
+        |c| format!("it sinks by {} µm/s at rest", number(c, 1)),
+    );
+    format!(
+        "overlap {} % on average, {} % at the 99th percentile; {creep}; {} grains touch a grain",
+        number(overlap.mean_percent, 2),
+        number(overlap.p99_percent, 2),
+        number(of.coordination_number, 2)
+    )
+}
+
 /// What is known of the differences, with this comparison's own numbers.
 fn reasons(of: &CompareRecord) -> Vec<String> {
     let mut reasons = Vec::new();
     for run in &of.runs {
-        let s = &run.summary;
-        let creep = s.creep_um_per_s.map_or_else(
-            || "its numerical creep was not measured".to_owned(),
-            |c| format!("it sinks by {} µm/s at rest", number(c, 1)),
-        );
-        reasons.push(format!(
-            "{}: overlap {} % on average, {} % at the 99th percentile; {creep}; {} grains touch a \
-             grain.",
-            run.name,
-            number(s.overlap.mean_percent, 2),
-            number(s.overlap.p99_percent, 2),
-            number(s.coordination_number, 2)
-        ));
+        reasons.push(format!("{}: {}.", run.name, packing(&run.summary)));
     }
     reasons.push(
         "Overlap makes a packing look denser than it is: grains that share space need less of it. \
@@ -299,4 +302,25 @@ fn overlaid(of: &CompareRecord, shown: &Shown) -> Result<Option<Figure>, ReportE
     let columns = ["run", "time_s", shown.column];
     let figure = || Figure::of_curves(shown.stem, shown.title, shown.caption, &[plot], &columns);
     has_points.then(figure).transpose()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::{Overlap, canned};
+
+    /// Law: a run whose grains have left says so, in the place of numbers that it does not have.
+    #[test]
+    fn a_run_without_grains_says_so() {
+        let summary = canned::valid_runs()[0].summary.clone();
+        let text = packing(&summary);
+        assert!(text.contains(" % on average"), "law: grains overlap by a number, got `{text}`");
+        let left = Summary {
+            overlap: Overlap::of_none(),
+            coordination_number: f64::NAN,
+            creep_um_per_s: None,
+            ..summary
+        };
+        assert_eq!(packing(&left), "no grain is left", "law: left what is said, right expected");
+    }
 }

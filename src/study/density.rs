@@ -86,7 +86,8 @@ pub struct IndexDensities {
     pub intervals: OfStates<Option<[f64; 2]>>,
     /// How each was made, and every configuration.
     pub states: OfStates<IndexState>,
-    /// By how much the vibrated specimens grew denser in the second half of the vibration.
+    /// By how much the vibrated specimens grew denser in the second half of the vibration, in
+    /// motion.
     pub second_half: Vec<f64>,
     /// Where this is not what the standards ask for.
     pub departures: Vec<String>,
@@ -163,7 +164,7 @@ impl Mould {
             means: states.map(|of| of.mean),
             intervals: states.map(interval),
             states,
-            second_half: self.second_half(&rows, options.duration_s, &run.out)?,
+            second_half: self.second_half(&rows, options, &run.out)?,
             departures: self.departures(grains, options),
         };
         write_json(&run.out.join("density.json"), &found)?;
@@ -218,7 +219,7 @@ impl Mould {
     fn second_half(
         &self,
         rows: &[RunRow],
-        duration_s: f64,
+        options: &DensityOptions,
         out: &Path,
     ) -> Result<Vec<f64>, StudyError> {
         let mut found = Vec::new();
@@ -229,11 +230,11 @@ impl Mould {
             let series = series.map_err(|why| FileError::unfit(&file, why))?;
             let last_stage = series.last().map(|r| r.stage);
             let shaken: Vec<_> = series.iter().filter(|r| Some(r.stage) == last_stage).collect();
-            let Some((first, last)) = shaken.first().zip(shaken.last()) else { continue };
-            let half = first.time_s + duration_s / 2.0;
-            let Some(middle) = shaken.iter().find(|r| r.time_s >= half) else { continue };
-            let surfaces = middle.mean_surface_mm.zip(last.mean_surface_mm);
-            found.extend(surfaces.map(|(middle, last)| (1.0 + e) * (middle / last - 1.0)));
+            let Some(first) = shaken.first() else { continue };
+            let surface = |r: &&SeriesRow| Some((r.time_s - first.time_s, r.mean_surface_mm?));
+            let surfaces: Vec<(f64, f64)> = shaken.iter().filter_map(surface).collect();
+            let sunk = sunk_in_motion(&surfaces, options.duration_s, mould::ramp_of(options));
+            found.extend(sunk.map(|share| (1.0 + e) * share));
         }
         Ok(found)
     }
@@ -260,6 +261,20 @@ impl Mould {
             ),
         ]
     }
+}
+
+/// The share by which the surface of a shaken bed sank over half of a vibration: from its mean over
+/// the second quarter to that over the last, before the amplitude dies away; of times in s since
+/// the vibration began, with heights. Shaken beds heave, and fall together as the table stops: a bed
+/// in motion compares with a bed in motion alone.
+fn sunk_in_motion(surfaces: &[(f64, f64)], duration_s: f64, ramp_s: f64) -> Option<f64> {
+    let mean = |from: f64, to: f64| {
+        let within = surfaces.iter().filter(|(time, _)| (from..to).contains(time));
+        statistics::mean(&within.map(|(_, surface)| *surface).collect::<Vec<_>>())
+    };
+    let middle = mean(0.25 * duration_s, 0.5 * duration_s)?;
+    let last = mean(0.75 * duration_s, duration_s - ramp_s)?;
+    Some(middle / last - 1.0)
 }
 
 #[cfg(test)]
@@ -315,5 +330,27 @@ mod tests {
         let is_of_grains = told.contains("few.json: grains: there are too few grains");
         assert!(is_of_grains && !told.contains("--set"), "law: in the user's terms, got `{told}`");
         assert_eq!(told.matches("too few").count(), 1, "law: it is said once, got `{told}`");
+    }
+
+    /// Law: a bed that heaves as much at half time as later on has come to its end, however far it
+    /// falls together as the table stops; one that sinks on has not.
+    #[test]
+    fn a_bed_sinks_on_where_its_surface_falls_in_motion() {
+        let (duration, ramp) = (8.0, 0.1);
+        let bed = |sinks_by: f64| -> Vec<(f64, f64)> {
+            let height = |time: f64| match time < duration {
+                true => 62.0 + 2.0 * (std::f64::consts::TAU * 12.0 * time).sin() - sinks_by * time,
+                false => 50.0,
+            };
+            (0..=104).map(|n| 0.08 * f64::from(n)).map(|time| (time, height(time))).collect()
+        };
+        for (sinks_by, expected) in [(0.0, 0.0), (0.5, 60.52 / 58.54 - 1.0)] {
+            let got = sunk_in_motion(&bed(sinks_by), duration, ramp).expect("it is known");
+            assert!(
+                (got - expected).abs() < 3e-3,
+                "law: {sinks_by} mm/s, expected {expected}, got {got}, tolerance 0.003"
+            );
+        }
+        assert_eq!(sunk_in_motion(&bed(0.0), 0.2, ramp), None, "law: too short to know");
     }
 }

@@ -13,7 +13,8 @@ pub const FORMAT: u32 = 19;
 
 /// Everything that determines a stage's result. The grains are named by the parent of the first
 /// stage; names, notes and the later stages of the scenario do not act on it. Apparatus, contact,
-/// settling, pieces, measures and stage stand in it as a scenario is written: who renames or moves
+/// settling, pieces, measures and stage stand in it as a scenario is written, backend
+/// ([`BackendInfo`]) and scale ([`Scale`], [`GrainSizes`]) as their types are: who renames or moves
 /// one of their fields raises [`FORMAT`].
 #[derive(Serialize)]
 struct StageKey<'a> {
@@ -78,4 +79,26 @@ pub(super) fn grains_hash(grains: &GrainSet) -> String {
     let cells: Vec<_> =
         grains.grains.iter().map(|g| (&g.shape, &g.pose_in_block, g.mass, g.inertia)).collect();
     hash_json(&cells)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Law: stages that are stored are found: the bytes of these parts of a key stay.
+    #[test]
+    fn backend_and_scale_stand_in_a_key_as_they_were_stored() {
+        let [name, version, precision] = ["a", "b", "c"].map(str::to_owned);
+        let backend = BackendInfo { name, version, precision };
+        let got = serde_json::to_string(&backend).expect("it has JSON");
+        let expected = "{\"name\":\"a\",\"version\":\"b\",\"precision\":\"c\"}";
+        assert_eq!(got, expected, "law: left what it is, right what was stored");
+        let sizes = GrainSizes { smallest: 1.0, median: 2.0, largest: 3.0 };
+        let scale = Scale { sizes, density: 4.0, gravity: 5.0 };
+        let got = serde_json::to_string(&(scale, sizes)).expect("it has JSON");
+        let of_sizes = "{\"smallest\":1.0,\"median\":2.0,\"largest\":3.0}";
+        let expected =
+            format!("[{{\"sizes\":{of_sizes},\"density\":4.0,\"gravity\":5.0}},{of_sizes}]");
+        assert_eq!(got, expected, "law: left what it is, right what was stored");
+    }
 }

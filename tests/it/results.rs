@@ -41,6 +41,7 @@ use builds::Build;
 use make::{Asked, Maker};
 use pluvia::study::STAGE_FORMAT;
 use scan::{Allowed, Kind};
+use serde_json::{Value, json};
 use value::Results;
 
 use super::program::root;
@@ -331,44 +332,142 @@ fn builds_have_their_day_and_age() {
     }
 }
 
+/// What a table of the page of the standard tests says of rows.
+fn said(table: &str, rows: &[Value]) -> String {
+    let folder = tempfile::tempdir().expect("a folder");
+    let results = folder.path().join(list::FOLDER);
+    fs::create_dir_all(&results).expect("made");
+    let text = json!(rows).to_string();
+    fs::write(results.join("laboratory.json"), text).expect("written");
+    tables::named(table, &Results::of(folder.path())).expect("a table")
+}
+
 /// Law: what the page of the standard tests says of its rows follows from them, and nothing is said
 /// of rows that are not there.
 #[test]
 fn sentences_of_the_standard_tests_follow_from_their_rows() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let results = folder.path().join(list::FOLDER);
-    fs::create_dir_all(&results).expect("made");
-    let said = |table: &str, rows: &[serde_json::Value]| {
-        let text = serde_json::json!(rows).to_string();
-        fs::write(results.join("laboratory.json"), text).expect("written");
-        tables::named(table, &Results::of(folder.path())).expect("a table")
+    let row = |id: &str, ours: f64, values: &[f64]| json!({ "id": id, "ours": ours, "values": values, "decimals": 1 });
+    let within = |mut row: Value, low: f64, high: f64| {
+        row["interval"] = json!({ "low": low, "high": high });
+        row
     };
-    let row = |id: &str, ours: f64, values: &[f64]| serde_json::json!({ "id": id, "ours": ours, "values": values, "decimals": 1 });
     let peak = row("direct-shear-dilation", 10.5, &[10.5, 10.5]);
-    let rises = row("direct-shear-dilation-end", 7.4, &[3.8, 11.0]);
-    let rests = row("direct-shear-dilation-end", -0.2, &[-0.1, -0.3]);
+    let end = |ours: f64, values: &[f64]| row("direct-shear-dilation-end", ours, values);
     let far = [
         row("direct-shear-far-end", 41.04, &[41.04]),
         row("direct-shear-far-dilation-end", 0.5, &[0.5]),
     ];
-    let text = said("laboratory-shear", &[peak.clone(), rises.clone()]);
-    assert!(text.contains("in 2 of 2 realisations: **the end"), "law: it rises, got {text}");
-    assert!(!text.contains("twice as far"), "law: that was not run, got {text}");
-    let text = said("laboratory-shear", &[peak.clone(), rests]);
-    assert!(text.contains("at −0.2°") && text.contains("in 0 of 2 realisations."), "got {text}");
+    let rises = within(end(7.4, &[7.2, 7.6]), 4.9, 9.9);
+    let sinks = within(end(-0.2, &[-0.21, -0.19]), -0.3, -0.1);
+    // Its interval does not tell it from none.
+    let rises_little = within(end(0.1, &[0.05, 0.15]), -0.5, 0.7);
+    for (end, expected) in [
+        (rises.clone(), "at 7.4° (4.9 to 9.9°) on average, against 10.5° at the peak"),
+        (rises.clone(), "in 2 of 2 realisations: **the end of such a test is not the critical"),
+        (sinks, "in 0 of 2 realisations: **the end of such a test is not the critical"),
+        (rises_little, "in 2 of 2 realisations: the interval does not tell"),
+        (end(7.4, &[7.4]), "in 1 of 1 realisations: too few to tell"),
+    ] {
+        let text = said("laboratory-shear", &[peak.clone(), end]);
+        assert!(text.contains(expected), "law: `{expected}`, got {text}");
+        assert!(text.contains("No row of a test that goes twice as far"), "law: got {text}");
+    }
     let text = said("laboratory-shear", &[vec![peak, rises], far.to_vec()].concat());
-    let expected = "twice as far ends at 41.0°, with the lid rising at 0.5°.";
+    let expected = "twice as far ends at 41.0°, with the lid rising at 0.5°;";
     assert!(text.contains(expected), "law: `{expected}`, got {text}");
     assert_eq!(said("laboratory-shear", &[]), "", "law: no row, no sentence");
+}
 
-    let judged = |verdict: &str| {
-        serde_json::json!({ "id": "a", "quantity": "e", "verdict": verdict, "decimals": 1,
-            "published": { "low": 1.0, "high": 2.0 }, "ours": 0.5, "values": [0.5],
-            "note": "417 grains. Tried: with less friction -0.1" })
+/// Law: a miss stands with what was tried about it, and with what was not run yet; runs that were
+/// left out were not tried.
+#[test]
+fn misses_of_the_standard_tests_stand_with_what_was_tried() {
+    let judged = |id: &str, verdict: &str, note: &str| {
+        json!({ "id": id, "quantity": "e", "verdict": verdict, "decimals": 1,
+            "published": { "low": 1.0, "high": 2.0 }, "ours": 0.5, "values": [0.5], "note": note })
     };
-    assert_eq!(said("laboratory-missed", &[judged("within")]), "No row misses.\n", "law: no miss");
-    let text = said("laboratory-missed", &[judged("within"), judged("outside")]);
-    let expected = "| e | 1.0 to 2.0 | 0.5 | Tried: with less friction -0.1 |";
-    assert_eq!(text.lines().next_back(), Some(expected), "law: a miss stands with what was tried");
-    assert_eq!(text.lines().count(), 3, "law: a row beside the head, got {text}");
+    let within = judged("a", "within", "");
+    assert_eq!(said("laboratory-missed", &[within.clone()]), "No row misses.\n", "law: no miss");
+    let one = "Tried: with longer and flatter grains -0.1";
+    let other = "not run yet: friction between grains of 1.0";
+    let both = "not run yet: longer and flatter grains, friction between grains of 1.0";
+    for (id, note, expected) in [
+        ("a", format!(". {one}"), one.to_owned()),
+        ("a", String::new(), "nothing".to_owned()),
+        ("density-basalt-e-max", format!(". {one}"), format!("{one}; {other}")),
+        ("density-basalt-e-min", String::new(), both.to_owned()),
+    ] {
+        let note = format!("417 grains{note}; left out of this test: a-c1 (checks NOT passed)");
+        let text = said("laboratory-missed", &[within.clone(), judged(id, "outside", &note)]);
+        let expected = format!("| e | 1.0 to 2.0 | 0.5 | {expected} |");
+        assert_eq!(text.lines().next_back(), Some(&expected[..]), "law: of {id}, note `{note}`");
+        assert_eq!(text.lines().count(), 3, "law: a row beside the head, got {text}");
+    }
+    let basalt = judged("density-basalt-e-max", "outside", &format!("417 grains. {one}"));
+    let text = said("laboratory-density-tried", &[basalt]);
+    assert_eq!(text, format!("- e: {one}.\n- {other}.\n"), "law: of what rows say, and do not");
+}
+
+/// Law: void ratios stand beside the published one, or the middle of the range about it; rows of
+/// other grains and those without a number do not.
+#[test]
+fn void_ratios_stand_beside_the_published_ones() {
+    let row = |id: &str, published: Value, ours: Value| {
+        json!({ "id": id, "quantity": format!("void ratio of {id}"), "published": published,
+            "ours": ours, "decimals": 3 })
+    };
+    let range = || json!({ "low": 0.724, "high": 0.824 });
+    let text = said(
+        "laboratory-density",
+        &[
+            row("density-gravel-e-max", range(), json!(0.594)),
+            row("density-gravel-range", json!({ "value": 0.228 }), json!(0.25)),
+            row("density-gravel-e-min", range(), Value::Null),
+            row("density-gravel-frictionless", Value::Null, json!(0.4)),
+            row("density-e-max", range(), json!(0.9)),
+        ],
+    );
+    let rows: Vec<&str> = text.lines().skip(2).collect();
+    let expected = [
+        "| density-gravel-e-max | 0.774 | 0.594 | −0.180 |",
+        "| density-gravel-range | 0.228 | 0.250 | +0.022 |",
+    ];
+    assert_eq!(rows, expected, "law: left what the table has, right what its rows give");
+}
+
+/// Law: which rows are of an earlier build follows from the rows, or else from the build of all,
+/// which may name tests; what has no row was not run yet.
+#[test]
+fn rows_of_earlier_builds_are_named() {
+    let build = |format: &str, rows: &[Value]| {
+        let [name, day] = ["laboratory", "2000-01-01"].map(str::to_owned);
+        let build = Build { name, day, format: format.to_owned() };
+        laboratory::build(&[build], &json!(rows))
+    };
+    let row = |test: &str, format: Value| json!({ "id": format!("{test}-a"), "test": test, "format": format, "values": [1.0] });
+    let (column, shear) = (row("column", Value::Null), row("direct-shear", Value::Null));
+    let today = row("column", json!(STAGE_FORMAT));
+    const OLDER: &str = "before the rule that leaves runs out: column.";
+    const UNDER_LOAD: &str = "with values that may change: direct shear.";
+    const SEVERAL: &str = "may be of different builds";
+    for (format, rows, there) in [
+        ("19", [&column, &shear], [false, false, false]),
+        ("14 and 15", [&column, &shear], [true, true, true]),
+        ("4 to 14", [&column, &shear], [true, true, true]),
+        ("14 and 15, column 19", [&column, &shear], [false, true, true]),
+        ("19, column 14", [&column, &shear], [true, false, true]),
+        ("14 and 15", [&today, &shear], [false, true, true]),
+    ] {
+        let text = build(format, &rows.map(Value::clone));
+        let got = [OLDER, UNDER_LOAD, SEVERAL].map(|words| text.contains(words));
+        assert_eq!(got, there, "law: older, under load, several of `{format}`, got {text}");
+        assert!(text.contains("by test: column 1, direct shear 1."), "law: how many, got {text}");
+    }
+    let far =
+        json!({ "id": "direct-shear-far-end", "test": "direct-shear", "values": [41.0, 42.0] });
+    let text = build("19", &[shear, far]);
+    assert!(text.contains("direct shear 1 to 2."), "law: from the least to the most, got {text}");
+    assert!(!text.contains("twice as far"), "law: that was run, got {text}");
+    let text = build("19", &[column]);
+    assert!(text.contains("Not run yet: ") && text.contains("twice as far"), "law: got {text}");
 }

@@ -31,26 +31,6 @@ pub fn judge(published: (f64, f64), ours: Option<f64>, interval: Option<(f64, f6
     }
 }
 
-/// Judges a mean with its 95 % confidence interval against a single published value: it is within
-/// where the interval holds the value and reaches at most `widest` to either side of the mean. A wider
-/// one would hold nearly any value, and decides nothing.
-pub fn judge_value(
-    published: f64,
-    widest: f64,
-    ours: Option<f64>,
-    interval: Option<(f64, f64)>,
-) -> Verdict {
-    let Some(_) = ours.filter(|v| v.is_finite()) else { return Verdict::NotRun };
-    let Some((low, high)) = interval else { return Verdict::Undecided };
-    if published < low || high < published {
-        Verdict::Outside
-    } else if (high - low) / 2.0 <= widest {
-        Verdict::Within
-    } else {
-        Verdict::Undecided
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -73,24 +53,5 @@ mod tests {
         let one = judge((2.4, 2.6), Some(2.5), None);
         assert_eq!(one, Verdict::Undecided, "law: a single realisation decides nothing");
         assert_eq!(judge((2.4, 2.6), None, None), Verdict::NotRun, "law: nothing measured");
-    }
-
-    #[test]
-    fn an_interval_that_holds_nearly_any_value_is_no_agreement() {
-        for (interval, expected) in [
-            ((-0.05, 0.04), Verdict::Within),
-            ((-0.25, 0.25), Verdict::Within),
-            ((-0.96, 0.70), Verdict::Undecided),
-            ((0.01, 0.05), Verdict::Outside),
-            ((-2.0, -0.5), Verdict::Outside),
-        ] {
-            let mean = (interval.0 + interval.1) / 2.0;
-            let got = judge_value(0.0, 0.25, Some(mean), Some(interval));
-            assert_eq!(got, expected, "law: {interval:?} against 0, at most ± 0.25");
-        }
-        let one = judge_value(0.0, 0.25, Some(0.0), None);
-        assert_eq!(one, Verdict::Undecided, "law: a single realisation decides nothing");
-        let none = judge_value(0.0, 0.25, None, None);
-        assert_eq!(none, Verdict::NotRun, "law: nothing measured");
     }
 }

@@ -166,7 +166,7 @@ impl Mould {
 
 /// How long the amplitude grows and dies away, in s: a cycle at least, and nothing where there is no
 /// time for that.
-fn ramp_of(options: &DensityOptions) -> f64 {
+pub(super) fn ramp_of(options: &DensityOptions) -> f64 {
     let ramp = RAMP.max(1.0 / options.frequency_hz);
     if 2.0 * ramp <= options.duration_s { ramp } else { 0.0 }
 }
