@@ -1,13 +1,13 @@
-//! The scorecard of `pluvia reproduce` on a terminal: the paragraph, which ends with the tally, the
-//! rows, and how they were judged.
+//! The scorecard of `pluvia reproduce` on a terminal: what is reproduced and why not, which ends with
+//! the tally, the rows, and how they were judged.
 
 use super::*;
 use crate::paper::{Scorecard, Verdict};
 
-/// Columns that a line of the paragraph takes at most.
+/// Columns that a line of words takes at most.
 const WIDTH: usize = 96;
 
-/// The paragraph, the rows and their notes.
+/// The words, the rows and their notes.
 pub(super) fn of(card: &Scorecard) -> String {
     let mut rows = vec![["statement", "paper", "ours", "verdict"].map(str::to_owned)];
     for row in &card.rows {
@@ -22,7 +22,8 @@ pub(super) fn of(card: &Scorecard) -> String {
             row.stands().map_or_else(|| paint::notable("not decided"), verdict),
         ]);
     }
-    wrapped(&card.paragraph) + "\n" + &table::columns(&rows) + &notes(card)
+    let words: String = card.paragraph.lines().chain(card.reasons.lines()).map(wrapped).collect();
+    words + "\n" + &table::columns(&rows) + &notes(card)
 }
 
 /// How rows were judged, those together that say the same.
@@ -49,7 +50,7 @@ fn verdict(of: Verdict) -> String {
     }
 }
 
-/// A paragraph in lines; a word longer than a line has one to itself.
+/// A text in lines; a word longer than a line has one to itself.
 fn wrapped(text: &str) -> String {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {
@@ -76,16 +77,16 @@ mod tests {
         paint::colourless(&of(&scorecard(study, &claims(study))))
     }
 
-    /// Law: first the paragraph, which ends with the tally of rows, then the rows, then the notes.
+    /// Law: first the words, which end with the tally of rows, then the rows, then the notes.
     #[test]
-    fn the_terminal_has_paragraph_with_tally_and_scorecard() {
+    fn the_terminal_has_words_with_tally_and_scorecard() {
         let runs = canned::valid_runs();
         let text = shown(&canned::study(&runs));
         let place = |what: &str| text.find(what).unwrap_or_else(|| panic!("no `{what}` in {text}"));
-        assert_eq!(place("Reproduced: "), 0, "law: the paragraph is first");
+        assert_eq!(place("Reproduced: "), 0, "law: the words are first");
         assert!(place("Reproduced: ") < place("statement  "), "law: {text}");
-        let (paragraph, rows) = text.split_at(place("statement  "));
-        let words = paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
+        let (above, rows) = text.split_at(place("statement  "));
+        let words = above.split_whitespace().collect::<Vec<_>>().join(" ");
         let tally = "7 rows: 4 within, 1 outside, 1 not decided, 1 not stated.";
         assert!(words.ends_with(tally), "law: rows are counted, got {words}");
         assert!(!rows.contains("7 rows"), "law: said once, got {rows}");

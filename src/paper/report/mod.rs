@@ -49,7 +49,7 @@ pub struct ReportInput<'a> {
     pub study: StudyView<'a>,
     /// The claims, judged.
     pub claims: &'a [Claim],
-    /// The results that decide, and the paragraph that sums them up.
+    /// The results that decide, and the words that sum them up.
     pub scorecard: &'a Scorecard,
     /// What other engines and settings made of the same programme.
     pub beside: &'a [Column],

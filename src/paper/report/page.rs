@@ -7,7 +7,7 @@ use crate::report::{
     page::{Block, Page},
 };
 
-/// The page: the paragraph, the scorecard and one figure; then everything else.
+/// The page: what is reproduced and why not, the scorecard and one figure; then everything else.
 pub(super) fn page(input: &ReportInput, headline: Figure, figures: Vec<Figure>) -> Page {
     let title = if input.study.quick {
         "Gravel poured and vibrated: quick study"
@@ -20,7 +20,10 @@ pub(super) fn page(input: &ReportInput, headline: Figure, figures: Vec<Figure>) 
     let mut scorecard = sections::scorecard(input.scorecard);
     scorecard.push(Block::Figure(headline));
     let pictures = input.pictures.iter().map(|picture| Block::Html(picture_block(picture)));
-    let head = [Block::Soft(source.to_owned()), Block::Lead(input.scorecard.paragraph.clone())];
+    let lines = |text: &str| text.lines().map(str::to_owned).collect::<Vec<_>>();
+    let mut head = vec![Block::Soft(source.to_owned())];
+    head.extend(lines(&input.scorecard.paragraph).into_iter().map(Block::Lead));
+    head.extend(lines(&input.scorecard.reasons).into_iter().map(Block::Text));
     let said = "What the paper states, and what was found";
     Page::new(title, head)
         .section("scorecard", "Scorecard", scorecard)

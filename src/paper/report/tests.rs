@@ -146,7 +146,7 @@ fn the_page_says_which_runs_do_not_count() {
     }
 }
 
-/// Law: the page opens with the paragraph, then the scorecard, then one figure; the other figures
+/// Law: the page opens with what is reproduced, then the scorecard, then one figure; the other figures
 /// and the table of every statement follow.
 #[test]
 fn the_page_opens_with_what_a_reader_asks_first() {
@@ -184,14 +184,14 @@ fn the_page_says_what_was_not_available() {
 }
 
 /// Law: whatever keeps a run out of means is in the table of runs, among what falls short, with
-/// the statements, the settlements and, for the first, in the opening paragraph.
+/// the statements, the settlements and, for the first, above the scorecard.
 #[test]
 fn the_page_says_why_runs_do_not_count() {
     let mut runs = canned::runs();
     let spoilt = runs.iter_mut().find(|r| r.name == "vibration-continuous-c2").expect("a run");
     spoilt.summary.grains.missing = Some(700);
     let (page, _) = make_report(canned::study(&runs), &[]);
-    let first = page.find("; the first, ").expect("in the opening paragraph");
+    let first = page.find("; the first, ").expect("above the scorecard");
     assert!(first < page.find("<nav").expect("contents"), "law: it opens the page");
     let lacking = runs.iter().find(|r| r.name == "vibration-continuous-c2").expect("a run");
     let why = lacking.summary.why_left_out().join("; ");

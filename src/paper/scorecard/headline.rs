@@ -1,4 +1,4 @@
-//! What is reproduced, what is not and why, in one paragraph made from the rows and the runs.
+//! What is reproduced, what is not, and why, in words made from the rows and the runs.
 
 use super::{RowCounts, ScoreRow};
 use crate::paper::{StudyView, Verdict, constants::GRAIN_COUNT, uncertainty::trend};
@@ -26,12 +26,8 @@ pub(super) const CALIBRATED: &str = "Angular grains interlock: for 38.40° piles
 /// The row of the pile.
 const ANGLE: &str = "angle-of-repose";
 
-pub(super) fn paragraph(
-    study: &StudyView,
-    counting: &StudyView,
-    rows: &[ScoreRow],
-    tally: &RowCounts,
-) -> String {
+/// What is reproduced, what is not and what is not decided, a line each.
+pub(super) fn paragraph(study: &StudyView, rows: &[ScoreRow]) -> String {
     let mut sentences = Vec::new();
     if study.quick {
         sentences.push(format!(
@@ -42,28 +38,42 @@ pub(super) fn paragraph(
     }
     if study.runs.is_empty() {
         sentences.push("No run is finished yet; only what needs no run is shown.".to_owned());
-        return sentences.join(" ");
+        return sentences.join("\n");
     }
     let of = |verdict| rows.iter().filter(move |r| r.stands() == Some(verdict));
     let reproduced: Vec<String> = of(Verdict::Within).map(reproduced).collect();
     sentences.extend(said("Reproduced", &reproduced));
     let missed: Vec<String> = of(Verdict::Outside).map(missed).collect();
     sentences.extend(said("Not reproduced", &missed));
-    let not_decided = || rows.iter().filter(|r| r.stands().is_none());
-    let open: Vec<String> = not_decided().map(undecided).collect();
+    let open: Vec<String> = rows.iter().filter(|r| r.stands().is_none()).map(undecided).collect();
     sentences.extend(said("Not decided (intervals leave it open)", &open));
     if !reproduced.is_empty() && missed.is_empty() && open.is_empty() {
         sentences.push("Nothing that could be compared is missed.".to_owned());
     }
-    sentences.push(creep(study, counting));
-    sentences.extend(why(counting, of(Verdict::Outside).chain(not_decided())));
+    sentences.join("\n")
+}
+
+/// Why, what was not compared, and how far the runs can be believed; a line each.
+pub(super) fn reasons(
+    study: &StudyView,
+    counting: &StudyView,
+    rows: &[ScoreRow],
+    tally: &RowCounts,
+) -> String {
+    if study.runs.is_empty() {
+        return String::new();
+    }
+    let of = |verdict| rows.iter().filter(move |r| r.stands() == Some(verdict));
+    let not_decided = rows.iter().filter(|r| r.stands().is_none());
+    let why = why(counting, of(Verdict::Outside).chain(not_decided));
+    let mut others = Vec::new();
     for (verdict, what) in [(Verdict::NotComparable, "Not compared"), (Verdict::NotRun, "Not run")]
     {
-        sentences.extend(by_reason(what, of(verdict)));
+        others.extend(by_reason(what, of(verdict)));
     }
-    sentences.push(standard(study));
-    sentences.push(format!("{}.", tally.in_words()));
-    sentences.join(" ")
+    let runs = vec![creep(study, counting), standard(study), format!("{}.", tally.in_words())];
+    let lines = [why, others, runs].map(|sentences| sentences.join(" "));
+    lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join("\n")
 }
 
 /// "Reproduced: a; b." where there is something.

@@ -1,5 +1,5 @@
-//! The results that decide whether the paper is reproduced, a row each, and the paragraph that
-//! says so. A row is a mean over the configurations where the paper gives a number, and a count
+//! The results that decide whether the paper is reproduced, a row each, and the words that say
+//! so. A row is a mean over the configurations where the paper gives a number, and a count
 //! where it states what every test shows. Inputs have no row, and no place in the tally.
 
 mod headline;
@@ -15,8 +15,10 @@ use crate::measure::Interval;
 /// `scorecard.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scorecard {
-    /// What is reproduced, what is not and why, in one paragraph.
+    /// What is reproduced, what is not and what is not decided, a line each.
     pub paragraph: String,
+    /// Why, what was not compared, and how far the runs can be believed; a line each.
+    pub reasons: String,
     /// How many rows stand where. A row counts once, however many configurations, and entries of
     /// `claims.json`, are behind it.
     pub tally: RowCounts,
@@ -165,6 +167,7 @@ pub fn scorecard(study: &StudyView, claims: &[Claim]) -> Scorecard {
     let counting = &study.of_runs(&runs, &left_out);
     let rows = rows::rows(study, counting, claims);
     let (tally, results) = (RowCounts::of(&rows), ResultCounts::of(claims));
-    let paragraph = headline::paragraph(study, counting, &rows, &tally);
-    Scorecard { paragraph, tally, results, rows }
+    let paragraph = headline::paragraph(study, &rows);
+    let reasons = headline::reasons(study, counting, &rows, &tally);
+    Scorecard { paragraph, reasons, tally, results, rows }
 }

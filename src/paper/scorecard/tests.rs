@@ -14,6 +14,11 @@ fn card(study: &StudyView) -> Scorecard {
     scorecard(study, &claims(study))
 }
 
+/// All that the card says above its rows, as one line.
+fn words(card: &Scorecard) -> String {
+    format!("{} {}", card.paragraph, card.reasons).replace('\n', " ")
+}
+
 fn row<'a>(card: &'a Scorecard, id: &str) -> &'a ScoreRow {
     card.rows.iter().find(|r| r.id == id).unwrap_or_else(|| panic!("no row `{id}`: {card:#?}"))
 }
@@ -50,7 +55,7 @@ fn rows_are_means_with_intervals() {
     );
     let range = row(&card, "intermittent-in-laboratory-range");
     assert_eq!((range.verdict, range.paper.as_str()), (Verdict::NotStated, "–"), "{range:?}");
-    let text = &card.paragraph;
+    let text = &words(&card);
     let counted = "Reproduced: gravel that falls from higher stands lower (3 of 3 configurations);";
     assert!(text.starts_with(counted), "law: a count without its mean: {text}");
     // The made-up plates move as much in the middle of a period.
@@ -79,9 +84,9 @@ fn the_tally_is_of_rows() {
         RowCounts { within: 4, outside: 1, not_decided: 1, not_stated: 1, ..RowCounts::default() };
     assert_eq!(before.tally, expected, "law: rows");
     assert!(
-        before.paragraph.ends_with("7 rows: 4 within, 1 outside, 1 not decided, 1 not stated."),
+        words(&before).ends_with("7 rows: 4 within, 1 outside, 1 not decided, 1 not stated."),
         "{}",
-        before.paragraph
+        words(&before)
     );
     study.grain_count = 1000;
     study.gradation.uscs = "GW".into();
@@ -89,7 +94,7 @@ fn the_tally_is_of_rows() {
     let two: Vec<RunRecord> = runs.into_iter().filter(|r| r.configuration < 3).collect();
     let of_two = card(&StudyView { configurations: 2, ..canned::study(&two) });
     assert_eq!(of_two.rows.len(), before.rows.len(), "law: as many rows of two as of three");
-    assert!(of_two.paragraph.contains("7 rows: "), "{}", of_two.paragraph);
+    assert!(words(&of_two).contains("7 rows: "), "{}", words(&of_two));
 }
 
 /// Law: with placements of the plate the row is judged by the mean over specimens of their means
@@ -158,10 +163,10 @@ fn the_angle_says_that_scatter_helps_it() {
     assert_eq!((angle.verdict, angle.decided), (Verdict::Within, None), "{angle:?}");
     assert!(angle.note.contains("±2.5°") && angle.note.contains("more easily"), "{angle:?}");
     let said = "our interval of ±2.5° holds the paper's 38.40°";
-    assert!(near.paragraph.contains(said), "{}", near.paragraph);
+    assert!(words(&near).contains(said), "{}", words(&near));
     for missed in [of([43.0, 44.0, 45.0]), of([33.0, 34.0, 35.0])] {
         assert_eq!(row(&missed, "angle-of-repose").verdict, Verdict::Outside);
-        let text = &missed.paragraph;
+        let text = &words(&missed);
         assert!(text.contains(CALIBRATED), "law: why, above and below 38.40°: {text}");
     }
 }
@@ -288,7 +293,7 @@ fn a_wide_interval_decides_nothing() {
         });
         let card = card(&canned::study(&runs));
         let settled = row(&card, "continuous-final-settlement").clone();
-        (settled.verdict, settled.decided, card.paragraph)
+        (settled.verdict, settled.decided, words(&card))
     };
     for (settled, verdict, decided, list) in [
         (&[16.9, 17.0, 17.1][..], Verdict::Within, true, "Reproduced"),
@@ -325,10 +330,10 @@ fn what_is_missed_is_said_with_a_reason() {
         MOVES_QUICK_SETTLEMENT,
         "What moves it was not investigated: the plate moves most",
     ] {
-        assert!(card.paragraph.contains(said), "law: `{said}` in {}", card.paragraph);
+        assert!(words(&card).contains(said), "law: `{said}` in {}", words(&card));
     }
     let interlock = "Angular grains interlock";
-    assert!(!card.paragraph.contains(interlock), "law: no pile is missed: {}", card.paragraph);
+    assert!(!words(&card).contains(interlock), "law: no pile is missed: {}", words(&card));
 }
 
 /// Law: numerical creep is said, whatever the verdicts, from the runs' own rest tests; a reason that
@@ -336,7 +341,7 @@ fn what_is_missed_is_said_with_a_reason() {
 #[test]
 fn creep_is_said_and_a_shared_reason_once() {
     let mut runs = canned::valid_runs();
-    let paragraph = |runs: &[RunRecord]| card(&canned::study(runs)).paragraph;
+    let paragraph = |runs: &[RunRecord]| words(&card(&canned::study(runs)));
     // The settlement of 18 mm is within, and not decided.
     let creep = "Numerical creep at rest: at most 0.80 µm/s";
     assert!(paragraph(&runs).contains(creep), "{}", paragraph(&runs));
@@ -372,7 +377,7 @@ fn the_quick_study_says_why_it_compares_nothing() {
         "{settled:?}"
     );
     assert!(settled.reason.contains("364 grains instead of 1456"), "{settled:?}");
-    let text = &card.paragraph;
+    let text = &words(&card);
     assert!(text.starts_with("This is the quick study, of 364 grains"), "{text}");
     assert!(!text.contains("Not reproduced"), "{text}");
     assert!(text.contains("Nothing that could be compared is missed"), "{text}");
@@ -393,16 +398,16 @@ fn what_is_left_out_or_missing_is_no_result() {
         first.name,
         first.summary.why_left_out().join("; ")
     );
-    assert!(of_two.paragraph.contains(&said), "law: with a reason: {}", of_two.paragraph);
+    assert!(words(&of_two).contains(&said), "law: with a reason: {}", words(&of_two));
     let poured: Vec<_> =
         canned::valid_runs().into_iter().filter(|r| r.kind == RunKind::Pluviation).collect();
     let poured = card(&canned::study(&poured));
     let settled = row(&poured, "continuous-final-settlement");
     assert_eq!((settled.verdict, settled.ours), (Verdict::NotRun, None), "{settled:?}");
-    assert!(poured.paragraph.contains("Not run: gravel is denser"), "{}", poured.paragraph);
-    assert!(!poured.paragraph.contains("Not reproduced"), "{}", poured.paragraph);
+    assert!(words(&poured).contains("Not run: gravel is denser"), "{}", words(&poured));
+    assert!(!words(&poured).contains("Not reproduced"), "{}", words(&poured));
     let none = card(&canned::study(&[]));
-    assert!(none.paragraph.starts_with("No run is finished yet"), "{}", none.paragraph);
+    assert!(words(&none).starts_with("No run is finished yet"), "{}", words(&none));
     let spoilt: Vec<_> = runs.into_iter().filter(|r| r.configuration == 3).collect();
     let spoilt = card(&StudyView { configurations: 3, ..canned::study(&spoilt) });
     let settled = row(&spoilt, "continuous-final-settlement");
