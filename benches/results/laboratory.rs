@@ -102,12 +102,12 @@ fn own_note(of: &Value) -> String {
 }
 
 /// Those names that no note says anything of.
-fn not_run<'a>(names: &[&'a str], notes: &[String]) -> Vec<&'a str> {
+fn without_result<'a>(names: &[&'a str], notes: &[String]) -> Vec<&'a str> {
     let is_left = |name: &&str| !notes.iter().any(|note| note.contains(*name));
     names.iter().copied().filter(is_left).collect()
 }
 
-/// What rows say of what was tried, a line each, and what of it was not run yet.
+/// What rows say of what was tried, a line each, and what of it has no result.
 fn tries(all: &Value, begin: &str, names: &[&str]) -> String {
     let rows: Vec<&Value> = rows(all).filter(|row| typed(row, "id").starts_with(begin)).collect();
     let notes: Vec<String> = rows.iter().map(|row| own_note(row)).collect();
@@ -119,9 +119,9 @@ fn tries(all: &Value, begin: &str, names: &[&str]) -> String {
             text += &format!("- {}: {}.\n", typed(row, "quantity"), told.join(". "));
         }
     }
-    let left = not_run(names, &notes);
+    let left = without_result(names, &notes);
     if !left.is_empty() {
-        text += &format!("- not run yet: {}.\n", left.join(", "));
+        text += &format!("- no result yet: {}.\n", left.join(", "));
     }
     text
 }
@@ -156,9 +156,9 @@ pub fn missed(quote: Cells, all: &Value) -> Result<String, String> {
         let mut tried: Vec<String> =
             note.find("Tried").map(|at| note[at..].to_owned()).into_iter().collect();
         let designed = TRIED.iter().find(|(id, _)| value["id"] == *id);
-        let left = not_run(designed.map(|of| of.1).unwrap_or_default(), &[note]);
+        let left = without_result(designed.map(|of| of.1).unwrap_or_default(), &[note]);
         if !left.is_empty() {
-            tried.push(format!("not run yet: {}", left.join(", ")));
+            tried.push(format!("no result yet: {}", left.join(", ")));
         }
         if tried.is_empty() {
             tried.push("nothing".to_owned());
@@ -356,14 +356,14 @@ pub fn build(builds: &[Build], all: &Value) -> String {
     let later = LATER.iter().filter(|(id, _)| !rows(all).any(|row| row["id"] == *id));
     let later = later.map(|(_, name)| (*name).to_owned());
     let left = [
-        ("column", not_run(&OF_COLUMN, &notes("column-run-out-"))),
-        ("crushed basalt", not_run(&OF_BASALT, &notes("density-basalt-e-"))),
+        ("column", without_result(&OF_COLUMN, &notes("column-run-out-"))),
+        ("crushed basalt", without_result(&OF_BASALT, &notes("density-basalt-e-"))),
     ];
     let left = left.into_iter().filter(|(_, names)| !names.is_empty());
     let left = left.map(|(of, names)| format!("{of} ({})", names.join(", ")));
     let left: Vec<String> = later.chain(left).collect();
     if !left.is_empty() {
-        text += &format!("- Not run yet: {}.\n", left.join("; "));
+        text += &format!("- No result yet: {}.\n", left.join("; "));
     }
     text
 }

@@ -378,8 +378,8 @@ fn sentences_of_the_standard_tests_follow_from_their_rows() {
     assert_eq!(said("laboratory-shear", &[]), "", "law: no row, no sentence");
 }
 
-/// Law: a miss stands with what was tried about it, and with what was not run yet; runs that were
-/// left out were not tried.
+/// Law: a miss stands with what was tried about it, and with what has no result yet; runs that were
+/// left out have none.
 #[test]
 fn misses_of_the_standard_tests_stand_with_what_was_tried() {
     let judged = |id: &str, verdict: &str, note: &str| {
@@ -389,8 +389,8 @@ fn misses_of_the_standard_tests_stand_with_what_was_tried() {
     let within = judged("a", "within", "");
     assert_eq!(said("laboratory-missed", &[within.clone()]), "No row misses.\n", "law: no miss");
     let one = "Tried: with longer and flatter grains -0.1";
-    let other = "not run yet: friction between grains of 1.0";
-    let both = "not run yet: longer and flatter grains, friction between grains of 1.0";
+    let other = "no result yet: friction between grains of 1.0";
+    let both = "no result yet: longer and flatter grains, friction between grains of 1.0";
     for (id, note, expected) in [
         ("a", format!(". {one}"), one.to_owned()),
         ("a", String::new(), "nothing".to_owned()),
@@ -436,7 +436,7 @@ fn void_ratios_stand_beside_the_published_ones() {
 }
 
 /// Law: which rows are of an earlier build follows from the rows, or else from the build of all,
-/// which may name tests; what has no row was not run yet.
+/// which may name tests; what has no row has no result yet.
 #[test]
 fn rows_of_earlier_builds_are_named() {
     let build = |format: &str, rows: &[Value]| {
@@ -469,5 +469,5 @@ fn rows_of_earlier_builds_are_named() {
     assert!(text.contains("direct shear 1 to 2."), "law: from the least to the most, got {text}");
     assert!(!text.contains("twice as far"), "law: that was run, got {text}");
     let text = build("19", &[column]);
-    assert!(text.contains("Not run yet: ") && text.contains("twice as far"), "law: got {text}");
+    assert!(text.contains("No result yet: ") && text.contains("twice as far"), "law: got {text}");
 }
