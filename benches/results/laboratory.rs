@@ -78,12 +78,10 @@ pub fn sources(all: &Value) -> String {
 }
 
 /// What may explain a miss of a column, as notes call it where it was tried.
-const OF_COLUMN: [&str; 4] = [
-    "friction 0.2 in place of 0.5",
-    "spheres",
-    "a column twice as wide",
-    "where a tenth of a ring is covered",
-];
+const OF_COLUMN: [&str; 4] =
+    ["friction 0.2 in place of 0.5", "spheres", "a column twice as wide", THINLY];
+/// How a run-out is read a second time, which is not judged.
+const THINLY: &str = "where a tenth of a ring is covered";
 /// The same of crushed basalt.
 const OF_BASALT: [&str; 2] = ["longer and flatter grains", "friction between grains of 1.0"];
 
@@ -95,34 +93,45 @@ const TRIED: [(&str, &[&str]); 4] = [
     ("density-basalt-e-min", &OF_BASALT),
 ];
 
-/// The note of a row without what was left out of its test.
-fn own_note(of: &Value) -> String {
+/// The note of a row, and what was left out of its test.
+fn note_of(of: &Value) -> (String, String) {
     let note = typed(of, "note");
-    note.split("; left out of this test: ").next().unwrap_or_default().to_owned()
+    let (own, left_out) = note.split_once("; left out of this test: ").unwrap_or((&note, ""));
+    (own.to_owned(), left_out.to_owned())
 }
 
-/// Those names that no note says anything of.
-fn without_result<'a>(names: &[&'a str], notes: &[String]) -> Vec<&'a str> {
-    let is_left = |name: &&str| !notes.iter().any(|note| note.contains(*name));
-    names.iter().copied().filter(is_left).collect()
+/// Of those names that no note says anything of: whose runs a check left out, and the rest.
+fn without_result<'a>(names: &[&'a str], notes: &[(String, String)]) -> [Vec<&'a str>; 2] {
+    let is_unsaid = |name: &&str| !notes.iter().any(|(own, _)| own.contains(*name));
+    let is_left_out = |name: &&str| {
+        let run = name.replace(' ', "-") + "-";
+        notes.iter().any(|(_, left_out)| left_out.contains(&run))
+    };
+    let (left_out, rest) = names.iter().copied().filter(is_unsaid).partition(is_left_out);
+    [left_out, rest]
+}
+
+/// The same in words, for each of both that there is.
+fn unsaid(names: &[&str], notes: &[(String, String)]) -> Vec<String> {
+    let both =
+        ["left out by a check", "no result yet"].into_iter().zip(without_result(names, notes));
+    let there = both.filter(|(_, names)| !names.is_empty());
+    there.map(|(what, names)| format!("{what}: {}", names.join(", "))).collect()
 }
 
 /// What rows say of what was tried, a line each, and what of it has no result.
 fn tries(all: &Value, begin: &str, names: &[&str]) -> String {
     let rows: Vec<&Value> = rows(all).filter(|row| typed(row, "id").starts_with(begin)).collect();
-    let notes: Vec<String> = rows.iter().map(|row| own_note(row)).collect();
+    let notes: Vec<(String, String)> = rows.iter().map(|row| note_of(row)).collect();
     let mut text = String::new();
-    for (row, note) in rows.iter().zip(&notes) {
+    for (row, (note, _)) in rows.iter().zip(&notes) {
         let is_of_one = |sentence: &&str| names.iter().any(|name| sentence.contains(name));
         let told: Vec<&str> = note.split(". ").filter(is_of_one).collect();
         if !told.is_empty() {
             text += &format!("- {}: {}.\n", typed(row, "quantity"), told.join(". "));
         }
     }
-    let left = without_result(names, &notes);
-    if !left.is_empty() {
-        text += &format!("- no result yet: {}.\n", left.join(", "));
-    }
+    unsaid(names, &notes).iter().for_each(|line| text += &format!("- {line}.\n"));
     text
 }
 
@@ -152,14 +161,13 @@ pub fn vibration(all: &Value) -> String {
 pub fn missed(quote: Cells, all: &Value) -> Result<String, String> {
     let mut text = String::new();
     for value in rows(all).filter(|value| value["verdict"] == "outside") {
-        let note = own_note(value);
+        let notes = note_of(value);
+        let read_thinly = notes.0.split(". ").find(|sentence| sentence.contains(THINLY));
+        let others = notes.0.find("Tried").map(|at| &notes.0[at..]);
         let mut tried: Vec<String> =
-            note.find("Tried").map(|at| note[at..].to_owned()).into_iter().collect();
+            read_thinly.into_iter().chain(others).map(str::to_owned).collect();
         let designed = TRIED.iter().find(|(id, _)| value["id"] == *id);
-        let left = without_result(designed.map(|of| of.1).unwrap_or_default(), &[note]);
-        if !left.is_empty() {
-            tried.push(format!("no result yet: {}", left.join(", ")));
-        }
+        tried.extend(unsaid(designed.map(|of| of.1).unwrap_or_default(), &[notes]));
         if tried.is_empty() {
             tried.push("nothing".to_owned());
         }
@@ -180,7 +188,7 @@ pub fn missed(quote: Cells, all: &Value) -> Result<String, String> {
 /// Grains whose index densities are published.
 const PUBLISHED: [&str; 2] = ["density-basalt-", "density-gravel-"];
 
-/// How far void ratios are from the published ones, with what was tried.
+/// How far void ratios are from the published ones.
 pub fn density(quote: Cells, all: &Value) -> Result<String, String> {
     let mut text = head("void ratio | published | ours, 95 % confidence | less published");
     for value in rows(all) {
@@ -319,7 +327,7 @@ pub fn build(builds: &[Build], all: &Value) -> String {
         Err(_) => ": rows of different tests may be of different builds",
     };
     let mut text = format!(
-        "- Rows and figures are of {}, [format](README.md#the-files) {}{several}.\n",
+        "- The newest rows are of {}, [format](README.md#the-files) {}{several}.\n",
         build.day, build.format
     );
     for (tests, why) in EARLIER {
@@ -350,8 +358,8 @@ pub fn build(builds: &[Build], all: &Value) -> String {
         let quantity = typed(row, "quantity");
         text += &format!("- Of an earlier design, which no command runs today: {quantity}.\n");
     }
-    let notes = |begin: &str| -> Vec<String> {
-        rows(all).filter(|row| typed(row, "id").starts_with(begin)).map(own_note).collect()
+    let notes = |begin: &str| -> Vec<(String, String)> {
+        rows(all).filter(|row| typed(row, "id").starts_with(begin)).map(note_of).collect()
     };
     let later = LATER.iter().filter(|(id, _)| !rows(all).any(|row| row["id"] == *id));
     let later = later.map(|(_, name)| (*name).to_owned());
@@ -359,8 +367,8 @@ pub fn build(builds: &[Build], all: &Value) -> String {
         ("column", without_result(&OF_COLUMN, &notes("column-run-out-"))),
         ("crushed basalt", without_result(&OF_BASALT, &notes("density-basalt-e-"))),
     ];
-    let left = left.into_iter().filter(|(_, names)| !names.is_empty());
-    let left = left.map(|(of, names)| format!("{of} ({})", names.join(", ")));
+    let left = left.into_iter().filter(|(_, [_, names])| !names.is_empty());
+    let left = left.map(|(of, [_, names])| format!("{of} ({})", names.join(", ")));
     let left: Vec<String> = later.chain(left).collect();
     if !left.is_empty() {
         text += &format!("- No result yet: {}.\n", left.join("; "));

@@ -403,6 +403,15 @@ fn misses_of_the_standard_tests_stand_with_what_was_tried() {
         assert_eq!(text.lines().next_back(), Some(&expected[..]), "law: of {id}, note `{note}`");
         assert_eq!(text.lines().count(), 3, "law: a row beside the head, got {text}");
     }
+    let column =
+        "To where a tenth of a ring is covered: 0.7; left out of this test: spheres-1.2-c1 (creep)";
+    let text = said("laboratory-missed", &[judged("column-run-out-1.2", "outside", column)]);
+    let expected = "| To where a tenth of a ring is covered: 0.7; left out by a check: spheres; no result yet: \
+                    friction 0.2 in place of 0.5, a column twice as wide |";
+    assert!(
+        text.contains(expected),
+        "law: what ran and was left out is not without a run, got {text}"
+    );
     let basalt = judged("density-basalt-e-max", "outside", &format!("417 grains. {one}"));
     let text = said("laboratory-density-tried", &[basalt]);
     assert_eq!(text, format!("- e: {one}.\n- {other}.\n"), "law: of what rows say, and do not");

@@ -50,6 +50,9 @@ pub(super) fn paragraph(study: &StudyView, rows: &[ScoreRow]) -> String {
     if !reproduced.is_empty() && missed.is_empty() && open.is_empty() {
         sentences.push("Nothing that could be compared is missed.".to_owned());
     }
+    if sentences.is_empty() {
+        sentences.push("Nothing could be compared.".to_owned());
+    }
     sentences.join("\n")
 }
 

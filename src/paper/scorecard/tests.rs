@@ -80,6 +80,10 @@ fn the_tally_is_of_rows() {
     // The third configuration settles by 20 mm, beyond 19.61; no period has its ends apart.
     let expected = ResultCounts { within: 11, outside: 2, not_run: 0, not_comparable: 0 };
     assert_eq!(before.results, expected, "law: entries of claims.json");
+    let begins = ["Reproduced: ", "Not reproduced: ", "Not decided "];
+    let begins_so = |line: &str| begins.iter().any(|begin| line.starts_with(begin));
+    assert!(before.paragraph.lines().all(begins_so), "law: verdicts alone: {}", before.paragraph);
+    assert!(!before.paragraph.contains("rows: "), "law: the tally is below: {}", before.paragraph);
     let expected =
         RowCounts { within: 4, outside: 1, not_decided: 1, not_stated: 1, ..RowCounts::default() };
     assert_eq!(before.tally, expected, "law: rows");
@@ -410,6 +414,7 @@ fn what_is_left_out_or_missing_is_no_result() {
     assert!(words(&none).starts_with("No run is finished yet"), "{}", words(&none));
     let spoilt: Vec<_> = runs.into_iter().filter(|r| r.configuration == 3).collect();
     let spoilt = card(&StudyView { configurations: 3, ..canned::study(&spoilt) });
+    assert!(!spoilt.paragraph.is_empty(), "law: something is said: {spoilt:?}");
     let settled = row(&spoilt, "continuous-final-settlement");
     assert_eq!((settled.verdict, settled.ours), (Verdict::NotComparable, None), "{settled:?}");
 }
