@@ -86,9 +86,8 @@ fn grains_that_are_not_there_leave_nothing() {
     let mut scenario = small::scenario(30.0, 0.25, 0.2);
     scenario["grains"] = json!({ "file": "nowhere.json" });
     let path = folder.scenario("small.json", &scenario);
-    let (code, _, said) = program::run(&compare(&path, "bullet,rapier", &folder.out("out")));
-    assert_ne!(code, Some(0), "law: there are no grains, got {said}");
-    program::assert_holds(&said, &["nowhere.json", "grains.file of `small`"]);
+    let words = ["nowhere.json", "grains.file of `small`"];
+    program::refused(&compare(&path, "bullet,rapier", &folder.out("out")), 4, &words);
     assert!(!folder.path("out").exists(), "law: faults are found before anything is written");
 }
 

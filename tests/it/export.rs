@@ -14,7 +14,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use super::{
-    interruption::stored,
+    interruption::{copy, stored},
     near::near,
     program::{self, assert_holds, json, said, text, write},
     small,
@@ -347,6 +347,8 @@ fn what_cannot_be_exported_is_said_in_one_line() {
         refused(&damaged, &["--format", format], 4, &[missing]);
     }
     fs::copy(run.join("specimen.json"), damaged.join("specimen.json")).expect("a copy");
+    copy(&run.join("stages"), &damaged.join("stages"));
+    done(&damaged, &["--format", "csv"], &folder.path().join("whole"));
     let grains = fs::read_to_string(run.join("grains.json")).expect("grains");
     fs::write(damaged.join("grains.json"), grains.replacen("0.0", "0.5", 1)).expect("changed");
     refused(&damaged, &["--format", "csv"], 2, &["grains.json", "not what was written"]);

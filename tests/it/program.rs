@@ -73,11 +73,13 @@ pub fn ended(mut child: Child, within: Duration, what: &str) -> Output {
     child.wait_with_output().expect("its output")
 }
 
-/// Sends a signal by its name; one to a process that has ended goes nowhere.
+/// Sends a signal by its name to a process that was not waited for: it is there, even if it ended.
+#[track_caller]
 pub fn send(child: &Child, signal: &str) {
     let mut kill = Command::new("kill");
     kill.args(["-s", signal, &child.id().to_string()]);
-    let _ = kill.stdout(Stdio::null()).stderr(Stdio::null()).status();
+    let sent = kill.stdout(Stdio::null()).stderr(Stdio::null()).status().expect("kill starts");
+    assert!(sent.success(), "law: SIG{signal} is sent, got {sent}");
 }
 
 /// A text has all of these words.

@@ -204,14 +204,34 @@ fn expect_one(spoil: impl FnOnce(&mut Value), path: &str, words: &[&str]) {
     assert_holds(&text, words);
 }
 
-/// The place in a value of a path such as `stages[1].stage`; fields on the way are made.
+/// Objects that a scenario may leave out: a path that leads into one makes it.
+const LEFT_OUT: [&str; 10] = [
+    "apparatus",
+    "contact",
+    "cylinder",
+    "engine",
+    "funnel",
+    "native",
+    "settle",
+    "top_plate",
+    "vertical",
+    "video_frames",
+];
+
+/// The place in a value of a path such as `stages[1].stage`; what it leads through is there, or may
+/// be left out.
 fn place<'a>(value: &'a mut Value, path: &str) -> &'a mut Value {
-    path.split(['.', '[']).fold(value, |at, step| {
-        match step.trim_end_matches(']').parse::<usize>() {
+    let (mut at, mut through) = (value, "");
+    for step in path.split(['.', '[']).map(|step| step.trim_end_matches(']')) {
+        let is_there = !at.is_null() || LEFT_OUT.contains(&through);
+        assert!(is_there, "law: `{path}` leads somewhere: there is no `{through}`");
+        at = match step.parse::<usize>() {
             Ok(index) => &mut at[index],
             Err(_) => &mut at[step],
-        }
-    })
+        };
+        through = step;
+    }
+    at
 }
 
 /// Puts a value at a path of the sound scenario, and expects one fault there.

@@ -20,10 +20,15 @@ pub fn fine(mass_g: f64) -> Value {
 
 /// Puts fields into an object; null takes one away.
 pub fn put(object: &mut Value, fields: &Value) {
+    let object = object.as_object_mut().expect("an object");
     for (name, field) in fields.as_object().expect("fields") {
-        object[name] = field.clone();
+        if field.is_null() {
+            // In this way the others keep their order.
+            object.retain(|other, _| other != name);
+        } else {
+            object.insert(name.clone(), field.clone());
+        }
     }
-    object.as_object_mut().expect("an object").retain(|_, field| !field.is_null());
 }
 
 /// Gravel of a mass in g, shaken for whole cycles of 0.25 s, then left alone.

@@ -158,5 +158,21 @@ fn kept_rows_are_judged_by_the_references_of_today() {
              ARGS=\"--judge --out docs/results/laboratory.json\"` judges kept rows again",
             row.id
         );
+        let of = |row: &Row| {
+            let ends = row.interval.map(|i| (i.low, i.high)).unzip();
+            [("mean", row.ours), ("low end", ends.0), ("high end", ends.1)]
+        };
+        for ((what, kept), (_, found)) in of(&row).into_iter().zip(of(&today)) {
+            let is_same = match (kept, found) {
+                (Some(kept), Some(found)) => (kept - found).abs() <= 1e-9 * kept.abs().max(1e-3),
+                _ => kept.is_none() && found.is_none(),
+            };
+            assert!(
+                is_same,
+                "law: the {what} of {} follows from its values to 1e-9, expected {found:?}, got \
+                 {kept:?}",
+                row.id
+            );
+        }
     }
 }

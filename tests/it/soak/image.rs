@@ -16,6 +16,7 @@ use super::super::program::{root, text};
 pub struct Mounted {
     at: PathBuf,
     image: Option<PathBuf>,
+    is_mounted: bool,
 }
 
 fn done(program: &str, args: &[&str]) -> bool {
@@ -30,7 +31,7 @@ impl Mounted {
         fs::create_dir_all(place).expect("a folder");
         let size = format!("size={kib}k");
         let mounted = done("mount", &["-t", "tmpfs", "-o", &size, "tmpfs", text(place)]);
-        mounted.then(|| Self { at: place.to_owned(), image: None })
+        mounted.then(|| Self { at: place.to_owned(), image: None, is_mounted: true })
     }
 
     /// Gives a file system in memory another size.
@@ -45,7 +46,7 @@ impl Mounted {
         let image = place.with_extension("ext4");
         fs::File::create(&image).and_then(|file| file.set_len(32 << 20)).expect("an image");
         let made = done("mkfs.ext4", &["-q", "-F", text(&image)]);
-        let mut mounted = Self { at: place.to_owned(), image: Some(image) };
+        let mut mounted = Self { at: place.to_owned(), image: Some(image), is_mounted: true };
         if made && mounted.mount(options) {
             return Some(mounted);
         }
@@ -61,7 +62,7 @@ impl Mounted {
 
     /// Unmounts it and mounts it anew, after a check of its structure where that is wanted.
     pub fn again(&self, check: bool, options: &str) {
-        self.unmount();
+        self.let_go();
         let image = self.image.as_deref().expect("law: it is in a file");
         if check {
             // 1 says that faults were corrected.
@@ -72,7 +73,13 @@ impl Mounted {
         assert!(self.mount(options), "law: it can be mounted again");
     }
 
-    fn unmount(&self) {
+    /// Unmounts it for good: nobody may hold a file there any more.
+    pub fn unmount(mut self) {
+        self.let_go();
+        self.is_mounted = false;
+    }
+
+    fn let_go(&self) {
         for _ in 0..200 {
             if done("umount", &[text(&self.at)]) {
                 return;
@@ -102,8 +109,9 @@ impl Mounted {
 impl Drop for Mounted {
     fn drop(&mut self) {
         // After a failure somebody may still hold a file.
-        let unmounted =
-            done("umount", &[text(&self.at)]) || done("umount", &["-l", text(&self.at)]);
+        let unmounted = !self.is_mounted
+            || done("umount", &[text(&self.at)])
+            || done("umount", &["-l", text(&self.at)]);
         if !unmounted {
             eprintln!("{} stays mounted", self.at.display());
         }

@@ -21,7 +21,7 @@ use pluvia::viewer::{Server, Site, read_run_data};
 
 use super::{
     export::small_run,
-    program::{pluvia, refused, said, send, text},
+    program::{ended, pluvia, refused, said, send, text},
 };
 
 /// The page of the small run on a free port.
@@ -188,8 +188,8 @@ fn the_command_serves_until_ctrl_c() {
     assert!(second.status.code() == Some(2) && said.contains(&port), "law: port taken: {said}");
 
     send(&child, "INT");
-    let ended = child.wait().expect("it ends");
-    assert_eq!(ended.code(), Some(0), "law: Ctrl-C is the way to end it");
+    let status = ended(child, Duration::from_secs(10), "Ctrl-C").status;
+    assert_eq!(status.code(), Some(0), "law: Ctrl-C is the way to end it");
 }
 
 /// Law: a file that is there is kept, and replaced by force alone.

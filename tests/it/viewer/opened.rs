@@ -56,7 +56,7 @@ fn opened(notes: &Path) -> (Served, String, String) {
     (child, url, page)
 }
 
-fn wait_for(what: &str, is_so: impl Fn() -> bool) {
+fn wait_for(what: &str, mut is_so: impl FnMut() -> bool) {
     let begun = Instant::now();
     while !is_so() {
         assert!(begun.elapsed() < Duration::from_secs(30), "law: {what}, got nothing");
@@ -66,7 +66,8 @@ fn wait_for(what: &str, is_so: impl Fn() -> bool) {
 
 fn end(mut child: Served) {
     send(&child.0, "TERM");
-    let ended = child.0.wait().expect("it ends");
+    wait_for("it ends", || child.0.try_wait().expect("its state").is_some());
+    let ended = child.0.wait().expect("its state");
     assert_eq!(ended.code(), Some(0), "law: it ends when it is asked to");
 }
 
