@@ -387,7 +387,11 @@ fn misses_of_the_standard_tests_stand_with_what_was_tried() {
             "published": { "low": 1.0, "high": 2.0 }, "ours": 0.5, "values": [0.5], "note": note })
     };
     let within = judged("a", "within", "");
-    assert_eq!(said("laboratory-missed", &[within.clone()]), "No row misses.\n", "law: no miss");
+    assert_eq!(
+        said("laboratory-missed", std::slice::from_ref(&within)),
+        "No row misses.\n",
+        "law: no miss"
+    );
     let one = "Tried: with longer and flatter grains -0.1";
     let other = "no result yet: friction between grains of 1.0";
     let both = "no result yet: longer and flatter grains, friction between grains of 1.0";

@@ -148,10 +148,10 @@ fn overlap(study: &StudyView, standard: &Standard) -> Option<String> {
         .iter()
         .filter(|r| {
             let o = &r.summary.overlap;
+            let is_met = o.mean_percent < standard.overlap_mean_percent
+                && o.p99_percent < standard.overlap_p99_percent;
             // Without grains nothing overlaps.
-            !o.mean_percent.is_nan()
-                && !(o.mean_percent < standard.overlap_mean_percent
-                    && o.p99_percent < standard.overlap_p99_percent)
+            !(o.mean_percent.is_nan() || is_met)
         })
         .collect();
     let of = |r: &RunRecord| r.summary.overlap;
