@@ -285,7 +285,7 @@ pub const KEPT: &[Kept] = &[
             ("laboratory/triaxial-path.svg", ""),
         ],
         made: Made::Make("laboratory ARGS=\"--small --keep\""),
-        takes: "three hours, without --small many",
+        takes: "hours, without --small many",
     },
     Kept {
         name: "joint",

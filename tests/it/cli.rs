@@ -51,7 +51,7 @@ fn wrong_usage_ends_with_2() {
         &["reproduce", "--configurations", "0"],
         &["grains", SCENARIO, "--format", "dwg", "--out", "x"],
     ] {
-        assert!(!refused(args, 2, &[]).is_empty(), "{args:?} is told why");
+        assert!(!refused(args, 2, &[]).is_empty(), "law: {args:?}: it says why");
     }
     // With the range of seeds.
     refused(&["run", SCENARIO, "--out", "x", "--seed", "-1"], 2, &["whole numbers from 0"]);

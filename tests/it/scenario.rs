@@ -154,7 +154,7 @@ pub fn told_of(value: &Value) -> Vec<(String, String)> {
     told(load_text(&value.to_string(), &[]))
 }
 
-/// A fault is told at a path, with words.
+/// A fault is reported at a path, with words.
 #[track_caller]
 pub fn assert_told(found: &[(String, String)], path: &str, words: &str) {
     let is_told = found.iter().any(|(at, text)| at == path && text.contains(words));
