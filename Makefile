@@ -135,7 +135,7 @@ referee: setup ## the contact problems solved exactly, and what engines make of 
 	@bash scripts/referee.sh
 	cargo bench --locked --bench referee -- $(ARGS)
 
-laboratory: setup ## standard tests against published numbers: out/laboratory.json (ARGS=--quick: a quarter of an hour)
+laboratory: setup ## standard tests against published numbers: out/laboratory.json (ARGS=--quick: half an hour)
 	cargo bench --locked --bench laboratory -- $(ARGS)
 
 results: build ## compute what docs/results/ misses and fill the pages' numbers (ARGS="--check", --list, --only NAME, --older, --targets, --pictures)

@@ -31,7 +31,7 @@ use row::Row;
 #[derive(Debug, Parser)]
 #[command(name = "make laboratory ARGS=...")]
 struct Options {
-    /// Small specimens, few points, one realisation: about a quarter of an hour on two cores
+    /// Small specimens, few points, one realisation: about half an hour on two cores
     #[arg(long, conflicts_with = "small")]
     quick: bool,
     /// Small specimens, fewer realisations: the design of docs/results/laboratory.md
