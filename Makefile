@@ -19,6 +19,9 @@ TABLES ?= $(OUT)/tables
 # The table that `make twins` makes.
 TABLE ?= docs/results/scale/twins.csv
 
+# Runs a program of benches/programs/Cargo.toml, which uses what `make build` built.
+PROGRAM = cargo run --release --locked -p pluvia-benches --bin
+
 # For shells that were open before Rust was installed.
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
@@ -111,8 +114,8 @@ lint: setup-lint ## check formatting, lints and documentation
 	cargo fmt --check
 	cargo fmt --check --manifest-path python/Cargo.toml
 	clang-format --dry-run -Werror cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp benches/referee/*.h benches/referee/*.cpp tests/sanitizers/*.cpp
-	cargo clippy --all-targets --locked -- -D warnings
-	cargo clippy --all-targets --locked --no-default-features -- -D warnings
+	cargo clippy --workspace --all-targets --locked -- -D warnings
+	cargo clippy --workspace --all-targets --locked --no-default-features -- -D warnings
 	PYO3_NO_PYTHON=1 PYO3_BUILD_EXTENSION_MODULE=1 cargo clippy --manifest-path python/Cargo.toml --target-dir target --locked -- -D warnings
 	RUSTDOCFLAGS='-D warnings' cargo doc --no-deps --locked
 
@@ -129,17 +132,17 @@ bench: setup ## what a step costs, by engine and by number of grains: out/bench.
 	cargo bench --locked --bench pour --bench growth -- $(ARGS)
 
 bench-peers: setup ## other engines on the same specimens: a table, and out/peers.json
-	cargo bench --locked --bench peers -- $(ARGS)
+	$(PROGRAM) peers -- $(ARGS)
 
 referee: setup ## the contact problems solved exactly, and what engines make of them: out/referee.json
 	@bash scripts/referee.sh
-	cargo bench --locked --bench referee -- $(ARGS)
+	$(PROGRAM) referee -- $(ARGS)
 
 laboratory: setup ## standard tests against published numbers: out/laboratory.json (ARGS=--quick: half an hour)
-	cargo bench --locked --bench laboratory -- $(ARGS)
+	$(PROGRAM) laboratory -- $(ARGS)
 
 results: build ## compute what docs/results/ misses and fill the pages' numbers (ARGS="--check", --list, --only NAME, --older, --targets, --pictures)
-	cargo bench --locked --bench results -- $(ARGS)
+	$(PROGRAM) results -- $(ARGS)
 
 bench-sweep: build ## what a sweep costs beside its runs (a few minutes)
 	bash scripts/sweep-overhead.sh

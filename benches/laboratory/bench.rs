@@ -2,7 +2,7 @@
 
 use std::{
     cell::RefCell,
-    path::{Path, PathBuf},
+    path::PathBuf,
     sync::{Arc, atomic::AtomicBool},
 };
 
@@ -14,6 +14,8 @@ use pluvia::{
     specimen::Specimen,
     study::{RunOptions, Variation, Varied, carry_out_variations},
 };
+
+use super::tree::root;
 
 /// How much is run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,11 +59,6 @@ pub struct Run {
     pub configuration: u32,
     /// Where its files are.
     pub folder: PathBuf,
-}
-
-/// The root of the tree.
-pub fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
 impl Bench {

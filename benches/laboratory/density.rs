@@ -7,9 +7,10 @@ use pluvia::{
 };
 
 use super::{
-    bench::{Bench, Run, root},
+    bench::{Bench, Run},
     references::{BASALT_STATES, GRAVEL_STATES, VOID_RATIO},
     row::{Found, Row},
+    tree::root,
 };
 
 /// A material whose index densities are looked for.

@@ -17,6 +17,8 @@ mod row;
 mod shear;
 #[allow(dead_code, unused_imports)] // its tests are those of tests/it/standard_tests.rs
 mod standard_tests;
+#[path = "../programs/tree.rs"]
+mod tree;
 mod triaxial;
 
 use std::{cell::RefCell, path::PathBuf, process::ExitCode};
@@ -55,9 +57,6 @@ struct Options {
     /// Run nothing: judge the rows of the file again by the references of today
     #[arg(long, conflicts_with_all = ["quick", "small", "only", "configurations", "jobs", "keep"])]
     judge: bool,
-    /// Cargo passes it to every benchmark
-    #[arg(long, hide = true)]
-    bench: bool,
 }
 
 /// A standard test.
@@ -114,7 +113,7 @@ fn run(options: &Options) -> Result<(), String> {
         left_out: RefCell::default(),
     };
     create_folder(&bench.out).map_err(|e| e.to_string())?;
-    let kept = bench::root().join("docs/results");
+    let kept = tree::root().join("docs/results");
     let kept_file = kept.join("laboratory.json");
     let mut rows = earlier(&options.out)?;
     let mut kept_rows = if options.keep { earlier(&kept_file)? } else { Vec::new() };

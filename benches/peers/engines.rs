@@ -12,7 +12,7 @@ use pluvia::scenario::{Backend, EngineSettings, NativeSettings};
 use pluvia::world;
 use serde::{Deserialize, Serialize};
 
-use super::{WORKSHOP, handed, ours};
+use super::{handed, ours, tree::root, workshop};
 
 /// Wall time in s that an engine may take beside stepping: reading, building
 /// hulls, writing. Some build 1456 hulls slowly.
@@ -88,8 +88,8 @@ enum By {
 
 /// Every engine, the one that the others are compared with first.
 pub fn all() -> Vec<Engine> {
-    let script = |name: &str| format!("{}/benches/peers/{name}", env!("CARGO_MANIFEST_DIR"));
-    let own = |name: &str| format!("{WORKSHOP}/{name}");
+    let script = |name: &str| format!("{}/benches/peers/{name}", root().display());
+    let own = |name: &str| format!("{}/{name}", workshop().display());
     let program = |words: &[&str], last: String| {
         By::Program(words.iter().map(ToString::to_string).chain([last]).collect())
     };
@@ -137,9 +137,8 @@ impl Engine {
             let built_in = world::built_in().contains(&settings.backend);
             return if built_in { Ok(()) } else { Err("not built in".to_owned()) };
         }
-        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/peers.sh");
         let output = Command::new("bash")
-            .arg(script)
+            .arg(root().join("scripts/peers.sh"))
             .arg(self.name)
             .stdin(Stdio::null())
             .output()

@@ -14,6 +14,8 @@ mod measured;
 mod ours;
 mod specimens;
 mod table;
+#[path = "../programs/tree.rs"]
+mod tree;
 
 use std::{
     path::{Path, PathBuf},
@@ -28,7 +30,9 @@ use measured::{Row, measure};
 use specimens::Size;
 
 /// Folder for what peers are built into and for the scenes they read.
-const WORKSHOP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/target/peers");
+fn workshop() -> PathBuf {
+    tree::root().join("target/peers")
+}
 
 /// Compare engines on the same grains.
 #[derive(Debug, Parser)]
@@ -62,9 +66,6 @@ struct Options {
     /// File for the results
     #[arg(long, default_value = "out/peers.json")]
     out: PathBuf,
-    /// Cargo says so to every benchmark
-    #[arg(long, hide = true)]
-    bench: bool,
 }
 
 /// What the grains go through.
@@ -108,12 +109,11 @@ fn main() -> ExitCode {
 }
 
 fn compare(options: &Options) -> Result<(), String> {
-    // Cargo starts benchmarks in the crate's folder; so is `out` meant.
     let engines = chosen(options)?;
-    let workshop = Path::new(WORKSHOP);
-    create_folder(workshop).map_err(|e| e.to_string())?;
+    let workshop = workshop();
+    create_folder(&workshop).map_err(|e| e.to_string())?;
     let (ready, unready) = prepare(engines);
-    let scenes = scenes(options, workshop)?;
+    let scenes = scenes(options, &workshop)?;
     let mut rows: Vec<Row> = Vec::new();
     let mut notes = unready;
     for engine in &ready {

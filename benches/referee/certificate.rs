@@ -1,10 +1,6 @@
 //! Whether finished specimens can stand with the friction they have.
 
-use std::{
-    path::{Path, PathBuf},
-    sync::atomic::AtomicBool,
-    time::Instant,
-};
+use std::{path::Path, sync::atomic::AtomicBool, time::Instant};
 
 use pluvia::{
     export::{MadeBy, Scene},
@@ -22,6 +18,7 @@ use super::{
     pours::Engine,
     program::{self, Program, number},
     steps::{Nobody, specimen},
+    tree::root,
 };
 
 /// Largest gap in m of a contact point that may bear something.
@@ -110,7 +107,7 @@ pub fn certify(
 
 /// A poured specimen at rest, in the exchange format (docs/exchange.md).
 fn poured(scenario: &str, engine: Engine) -> Result<Value, String> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(scenario);
+    let path = root().join(scenario);
     let scenario = load_scenario(&path, &[]).map_err(|e| format!("{e:?}"))?.scenario;
     let mut specimen = specimen(&scenario, &path)?;
     let mut setup = Setup::new(&scenario).map_err(|e| e.to_string())?;

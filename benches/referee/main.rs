@@ -17,6 +17,8 @@ mod program;
 mod steps;
 mod table;
 mod tap;
+#[path = "../programs/tree.rs"]
+mod tree;
 
 use std::{
     path::{Path, PathBuf},
@@ -70,9 +72,6 @@ struct Options {
     /// File for the results
     #[arg(long, default_value = "out/referee.json")]
     out: PathBuf,
-    /// Cargo passes it to every benchmark
-    #[arg(long, hide = true)]
-    bench: bool,
 }
 
 /// Entries of the parts, by their names.

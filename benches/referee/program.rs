@@ -8,8 +8,7 @@ use std::{
 
 use serde_json::Value;
 
-/// Folder that `scripts/referee.sh` builds into.
-const WORKSHOP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/target/referee");
+use super::tree::root;
 
 /// A running program.
 pub struct Program {
@@ -19,14 +18,19 @@ pub struct Program {
     answers: BufReader<ChildStdout>,
 }
 
+/// Folder that `scripts/referee.sh` builds into.
+fn workshop() -> PathBuf {
+    root().join("target/referee")
+}
+
 /// The file of the program that solves, pours and measures (`main.cpp`).
 pub fn referee() -> PathBuf {
-    Path::new(WORKSHOP).join("referee")
+    workshop().join("referee")
 }
 
 /// The file of the certificate.
 pub fn certificate() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/referee/certificate.py")
+    root().join("benches/referee/certificate.py")
 }
 
 impl Program {
@@ -37,7 +41,7 @@ impl Program {
 
     /// Starts the certificate of `certificate.py`.
     pub fn certificate() -> Result<Self, String> {
-        let python = Path::new(WORKSHOP).join("venv/bin/python");
+        let python = workshop().join("venv/bin/python");
         Self::run(Command::new(python).arg(certificate()).arg("answer"))
     }
 

@@ -3,7 +3,7 @@
 
 use std::{
     collections::BTreeSet,
-    path::{Path, PathBuf},
+    path::Path,
     sync::{Arc, Mutex, atomic::AtomicBool},
 };
 
@@ -24,6 +24,7 @@ use super::{
     nearness::{Instant, Nearness, summary},
     program::{self, Program},
     tap::{Tap, Tapped, locked},
+    tree::root,
 };
 
 /// Simulated time in s in which instants of a scene are drawn.
@@ -69,7 +70,7 @@ impl Observer for Nobody {
 
 /// Looks at random instants of pouring, shaking and rest.
 pub fn look(how: &Looking, name: &str, scenario: &str) -> Result<Vec<Nearness>, String> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(scenario);
+    let path = root().join(scenario);
     let scenario = load_scenario(&path, &[]).map_err(|e| format!("{e:?}"))?.scenario;
     let mut setup = Setup::new(&scenario).map_err(|e| e.to_string())?;
     let engine = how.tolerance.map_or("native".into(), |t| format!("native, tolerance {t}"));

@@ -15,6 +15,8 @@ mod referee;
 mod scan;
 mod speed;
 mod tables;
+#[path = "../programs/tree.rs"]
+mod tree;
 mod value;
 
 use std::{
@@ -61,14 +63,10 @@ struct Options {
     /// The program that computes
     #[arg(long, default_value = "target/release/pluvia", value_name = "FILE")]
     program: PathBuf,
-    /// What cargo adds to every benchmark.
-    #[arg(long, hide = true)]
-    bench: bool,
 }
 
 fn main() -> ExitCode {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    match run(&Options::parse(), root) {
+    match run(&Options::parse(), tree::root()) {
         Ok(code) => code,
         Err(fault) => {
             eprintln!("error: {fault}");
