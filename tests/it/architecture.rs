@@ -8,6 +8,7 @@ mod tokens;
 
 use std::path::Path;
 
+use super::program::page;
 use tokens::{Token, tokens};
 
 /// Rows of the layout table in `ARCHITECTURE.md`. A module uses only modules
@@ -237,6 +238,28 @@ fn files_of_a_module_use_each_other_one_way() {
         .map(|edge| format!("{} uses `{}` of {}", edge.0, edges[edge], edge.1))
         .collect();
     assert!(told.is_empty(), "law: no file uses one that uses it, got\n{}", told.join("\n"));
+}
+
+/// Law: the programs of `benches/` are linked to what was built for pluvia, since they take only
+/// crates that it takes, with the same features.
+#[test]
+fn programs_of_benches_take_crates_of_the_program() {
+    let dependencies = |manifest: &str| -> Vec<String> {
+        let text = page(manifest);
+        let lines = text.lines().skip_while(|line| *line != "[dependencies]").skip(1);
+        let lines = lines.take_while(|line| !line.starts_with('['));
+        lines.filter(|line| !line.is_empty()).map(str::to_owned).collect()
+    };
+    let own = dependencies("Cargo.toml");
+    let taken = dependencies("benches/programs/Cargo.toml");
+    assert!(taken.len() > 1, "expected pluvia and crates, got {taken:?}");
+    let foreign: Vec<&String> =
+        taken.iter().filter(|line| !line.starts_with("pluvia =") && !own.contains(line)).collect();
+    assert!(
+        foreign.is_empty(),
+        "law: each of these lines of benches/programs/Cargo.toml stands in Cargo.toml, too, got \
+         {foreign:?}"
+    );
 }
 
 #[test]
