@@ -8,7 +8,8 @@ use pluvia::{
 use super::{
     bench::{Bench, Point},
     row::{Found, Row},
-    shear::{angles, called, changes, moments, panels},
+    shear::{angles, changes, moments},
+    shear_lines::{called, panels},
     standard_tests::{Sheared, inertial_number, shear_strength},
 };
 
@@ -96,6 +97,7 @@ fn rows(bench: &Bench, tests: &[Test]) -> Vec<Row> {
          mobilised angle changes with one of {}",
         changes.join(", of ")
     );
+    let loads: Vec<(usize, f64)> = STRESSES.into_iter().enumerate().collect();
     [
         ("mobilised", "direct shear of steel beads, mean mobilised friction angle, °"),
         ("peak", "direct shear of steel beads, friction angle at the peak, °"),
@@ -104,7 +106,7 @@ fn rows(bench: &Bench, tests: &[Test]) -> Vec<Row> {
     .iter()
     .enumerate()
     .map(|(which, (id, quantity))| {
-        let values = angles(bench, &STRESSES, ratio(which));
+        let values = angles(bench, &loads, ratio(which));
         let row = Row::of("beads", &format!("beads-{id}"), quantity, &values);
         let row = row.noted(note.clone());
         Row { decimals: 1, ..row }

@@ -15,6 +15,7 @@ mod relative;
 mod repose;
 mod row;
 mod shear;
+mod shear_lines;
 #[allow(dead_code, unused_imports)] // its tests are those of tests/it/standard_tests.rs
 mod standard_tests;
 #[path = "../programs/tree.rs"]

@@ -11,6 +11,7 @@ use pluvia::{
 use super::{
     bench::{Bench, Point, Run},
     row::{Found, Row},
+    shear_lines::{called, names, panels},
     standard_tests::{
         ShearStrength, Sheared, friction_angle, inertial_number, shear_strength,
         void_ratio_of_height,
@@ -121,9 +122,10 @@ struct Test {
 /// Runs the test.
 pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     let design = if bench.is_small() { SMALL } else { FULL };
-    let mut points: Vec<Point> = STRESSES
+    let loads = loads(bench);
+    let mut points: Vec<Point> = loads
         .iter()
-        .map(|stress| Point {
+        .map(|(_, stress)| Point {
             name: format!("stress-{stress}"),
             changes: design.changes(*stress, 1.0),
             most: None,
@@ -153,13 +155,14 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     let mut tests = Vec::new();
     for run in &runs {
         let moments = moments(run, PLANE)?;
+        let point = loads[0].0 + run.point;
         // The peak is a mean over the same displacement at either speed.
-        let together = if run.point == STRESSES.len() { 2 * TOGETHER } else { TOGETHER };
-        let end_from = if run.point == FAR { design.far().end_from() } else { design.end_from() };
+        let together = if point == STRESSES.len() { 2 * TOGETHER } else { TOGETHER };
+        let end_from = if point == FAR { design.far().end_from() } else { design.end_from() };
         match shear_strength(&moments, together, end_from) {
             Some(strength) => {
                 let void_ratios = void_ratios(run, &moments, &design)?;
-                let (point, configuration) = (run.point, run.configuration);
+                let configuration = run.configuration;
                 let profile = profile(run)?;
                 tests.push(Test { point, configuration, moments, strength, void_ratios, profile });
             }
@@ -173,12 +176,19 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     Ok(Found { rows, charts: vec![chart(&tests), profiles(&tests)] })
 }
 
+/// Stresses in kPa, each with its number among [`STRESSES`]: the quick design has one.
+fn loads(bench: &Bench) -> Vec<(usize, f64)> {
+    let all = STRESSES.into_iter().enumerate();
+    all.filter(|(n, _)| *n == TRIED || !bench.is_quick()).collect()
+}
+
 fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
     let of = |point: usize, configuration: u32| {
         tests.iter().find(|t| t.point == point && t.configuration == configuration)
     };
+    let loads = loads(bench);
     let angles = |ratio: fn(&ShearStrength) -> f64| {
-        angles(bench, &STRESSES, |point, c| Some(ratio(&of(point, c)?.strength)))
+        angles(bench, &loads, |point, c| Some(ratio(&of(point, c)?.strength)))
     };
     let change = |point: usize, ratio: fn(&ShearStrength) -> f64| {
         changes(bench, [TRIED, point], |point, c| Some(ratio(&of(point, c)?.strength)))
@@ -189,11 +199,17 @@ fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
         let id = format!("direct-shear-{id}");
         Row::of("direct-shear", &id, quantity, values).noted(note)
     };
-    let [low, _, high] = STRESSES.map(|stress| design.inertial(stress));
+    let (stresses, inertial) = match bench.is_quick() {
+        true => ("50 kPa".to_owned(), format!("{:.0e}", design.inertial(STRESSES[TRIED]))),
+        false => {
+            let [low, _, high] = STRESSES.map(|stress| design.inertial(stress));
+            let all = "25, 50 and 100 kPa, regression through the origin";
+            (all.to_owned(), format!("{low:.0e} to {high:.0e}"))
+        }
+    };
     let how = format!(
-        "25, 50 and 100 kPa, regression through the origin. The box is {:.0} grains wide; {} mm/s, I = (v/h) \
-         d √(ρ/p) over h = 5 d is {low:.0e} to {high:.0e}. Friction between grains 0.5. Poured, not \
-         compacted",
+        "{stresses}. The box is {:.0} grains wide; {} mm/s, I = (v/h) d √(ρ/p) over h = 5 d is \
+         {inertial}. Friction between grains 0.5. Poured, not compacted",
         design.side_mm / SIZE_MM,
         design.speed_mm_per_s
     );
@@ -222,10 +238,13 @@ fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
     };
     let others: Vec<String> =
         (0..STRESSES.len()).filter(|n| *n != TRIED).filter_map(mean_at_end).collect();
+    let at_others = match others.is_empty() {
+        true => String::new(),
+        false => format!("; {}", others.join(", ")),
+    };
     let still = format!(
         "Rise of the lid over displacement in the last third: where it is not zero, the test ends \
-         before the critical state; {}",
-        others.join(", ")
+         before the critical state{at_others}"
     );
     let box_wide = "By the height of the lid, over the whole box: the sheared layer is looser";
     let samples = tests.iter().find(|test| test.point == TRIED).map_or_else(String::new, |test| {
@@ -348,15 +367,16 @@ fn over_the_usual_part(test: &Test, design: &ShearBox) -> Option<ShearStrength> 
 }
 
 /// Friction angles in degrees, realisation by realisation, of the stress ratios at stresses in kPa
-/// by their numbers.
+/// and their numbers.
 pub fn angles(
     bench: &Bench,
-    stresses: &[f64],
+    loads: &[(usize, f64)],
     ratio: impl Fn(usize, u32) -> Option<f64>,
 ) -> Vec<f64> {
     let angle = |configuration: u32| {
-        let point = |(n, stress): (usize, &f64)| Some((*stress, stress * ratio(n, configuration)?));
-        let points: Option<Vec<(f64, f64)>> = stresses.iter().enumerate().map(point).collect();
+        let point =
+            |(n, stress): &(usize, f64)| Some((*stress, stress * ratio(*n, configuration)?));
+        let points: Option<Vec<(f64, f64)>> = loads.iter().map(point).collect();
         friction_angle(&points?).map(f64::to_degrees)
     };
     (1..=bench.configurations).filter_map(angle).collect()
@@ -423,40 +443,6 @@ pub fn moments(run: &Run, plane: f64) -> Result<Vec<Sheared>, String> {
         height: from_mm(row[5]),
     };
     Ok(first.chain(whole.map(|pair| pair[1])).map(moment).collect())
-}
-
-/// What stresses in kPa are called in a figure.
-pub fn called(stresses: &[f64]) -> Vec<String> {
-    stresses.iter().map(|stress| format!("{stress} kPa")).collect()
-}
-
-/// Names of lines in a figure, each of a kind by its number: the first of a kind has its name, the
-/// others have none.
-fn names(kinds: &[String], lines: &[usize]) -> Vec<String> {
-    let name = |(n, kind): (usize, &usize)| {
-        let is_first = !lines[..n].contains(kind);
-        if is_first { kinds[*kind].clone() } else { String::new() }
-    };
-    lines.iter().enumerate().map(name).collect()
-}
-
-/// Stress ratio and rise of the lid against displacement: of each test the number of its kind, by
-/// which its line looks, and its moments.
-pub fn panels(kinds: &[String], tests: &[(usize, &[Sheared])]) -> Vec<Plot> {
-    let lines: Vec<usize> = tests.iter().map(|test| test.0).collect();
-    let panel = |name: &str, y: fn(&Sheared, &Sheared) -> f64| {
-        let x = Axis::linear("Displacement (mm)").from_zero();
-        let mut plot = Plot::new(x, Axis::linear(name).from_zero());
-        for ((kind, moments), name) in tests.iter().zip(names(kinds, &lines)) {
-            let points = moments.iter().map(|m| (to_mm(m.displacement), y(&moments[0], m)));
-            plot.add(name, Look::marked(*kind), points.collect());
-        }
-        plot
-    };
-    vec![
-        panel("Stress ratio τ/σ", |_, m| m.ratio()),
-        panel("Rise of the lid (mm)", |first, m| to_mm(m.height - first.height)),
-    ]
 }
 
 /// Tests at the three stresses, and that which goes further.

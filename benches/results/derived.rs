@@ -3,7 +3,10 @@
 
 use std::collections::BTreeMap;
 
-use pluvia::measure::inference::MeanTest;
+use pluvia::measure::{
+    inference::MeanTest,
+    nested::{Bounded, Nested},
+};
 use serde_json::{Map, Value, json};
 
 use super::value::Results;
@@ -20,6 +23,7 @@ pub fn named(name: &str) -> Option<Work> {
         "twins-means" => twins,
         "tally" => tally,
         "joint-met" => joint,
+        "placements-scatter" => placements,
         _ => return None,
     })
 }
@@ -315,4 +319,34 @@ fn tally(results: &Results) -> Result<Value, String> {
         counts.insert(verdict.to_owned(), (before + 1).into());
     }
     Ok(counts.into())
+}
+
+/// `docs/studies.md`: how far settlements scatter between placements on one specimen, and between
+/// specimens.
+fn placements(results: &Results) -> Result<Value, String> {
+    let mut specimens: BTreeMap<u64, Rows> = BTreeMap::new();
+    for row in rows(results, "placements")? {
+        let number = number(&row, "configuration").ok_or("a run without a configuration")?;
+        specimens.entry(number as u64).or_default().push(row);
+    }
+    let fields = [("plate", "settlement_mm.final"), ("surface", "surface_settlement_mm.final")];
+    let one = |(name, field): &(&str, &str)| {
+        let groups: Vec<Vec<f64>> = specimens.values().map(|rows| values(rows, field)).collect();
+        let found = Nested::of(&groups, 0.95)
+            .ok_or_else(|| format!("`{field}` has too few values to tell scatters apart"))?;
+        let deviation = |variance: Option<Bounded>| {
+            variance.map(
+                |v| json!({ "value": v.value.sqrt(), "low": v.low.sqrt(), "high": v.high.sqrt() }),
+            )
+        };
+        let interval = json!({ "low": found.mean.low, "high": found.mean.high });
+        Ok(json!({
+            "name": name, "specimens": found.groups, "values": found.values,
+            "mean": found.mean.value, "interval": interval,
+            "between_placements": deviation(found.within),
+            "between_specimens": deviation(found.between),
+            "p_of_equal_specimens": found.p_between,
+        }))
+    };
+    fields.iter().map(one).collect()
 }

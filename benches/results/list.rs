@@ -91,6 +91,17 @@ pub const KEPT: &[Kept] = &[
         takes: "three hours",
     },
     Kept {
+        name: "placements",
+        what: "The paper's specimen, ten placements of the plate on each of three realisations, \
+               shaken for 5 s",
+        files: &[("placements.csv", "sweep.csv")],
+        made: Made::Pluvia(&["sweep scenarios/paper/vibration-continuous.json \
+                              --configurations 3 \
+                              --over stages.2.placement=1,2,3,4,5,6,7,8,9,10 \
+                              --set stages.3.duration_s=5 --set rest_test_s=1 --out OUT"]),
+        takes: "an hour",
+    },
+    Kept {
         name: "interpretations",
         what: "The programme under four interpretations of the paper, one realisation",
         files: &[
@@ -434,6 +445,7 @@ const PILE: &str = "scenarios/paper/repose.json";
 pub const SOURCES: &[(&str, &str)] = &[
     ("builds", "builds.csv"),
     ("grains", "grains.json"),
+    ("placements", "placements.csv"),
     ("verify", "verify.csv"),
     ("joint", "joint/targets.json"),
     ("joint-pile", "joint/pile-1.csv"),
