@@ -230,6 +230,40 @@ fn grains_that_fall_outside_are_taken_away_and_remembered() {
     assert!(named, "law: a grain has the name that tables give it: {:?}", outcome.warnings);
 }
 
+/// Law: a plate that has left the cylinder ends the stage, is named, and nothing is called too fast.
+#[test]
+fn a_plate_that_falls_off_ends_the_stage() {
+    let mut specimen = poured(&[0.07]);
+    // Beside the grains, in a world without a floor.
+    let place = Pose::translation(0.3, 0.0, 0.1);
+    specimen.state.top_plate = Some(BodyState::at_rest(place));
+    let falling: Maker = Box::new(|| ScriptedWorld::falling(STEP, Vector::new(0.0, 0.0, -9.81)));
+    let (outcome, _) = carry_out(falling, specimen, &rest(2.0));
+    let StageError::World { source, .. } = outcome.expect_err("law: nothing bears it") else {
+        panic!("law: the world has failed")
+    };
+    let text = source.to_string();
+    assert!(text.ends_with("the top plate fell off the cylinder"), "law: what fell, got `{text}`");
+}
+
+/// Law: what is found in a stage is told at its time in the run, where `view` and `series.csv` have
+/// it, not at that in the stage.
+#[test]
+fn findings_are_told_at_the_time_of_the_run() {
+    let falling =
+        || -> Maker { Box::new(|| ScriptedWorld::falling(STEP, Vector::new(0.0, 0.0, -9.81))) };
+    let told = |began_s: f64| {
+        let mut specimen = poured(&[]);
+        specimen.state.time = began_s;
+        let (outcome, _) = carry_out(falling(), specimen, &rest(0.5));
+        let warnings = outcome.expect("rests").warnings;
+        let through = warnings.iter().find_map(|w| w.split_once("passed through a wall at "));
+        let time = through.and_then(|(_, rest)| rest.split_once(" s,")).map(|(time, _)| time);
+        time.and_then(|time| time.parse::<f64>().ok()).expect("law: a time")
+    };
+    near("30 s later in a run that is 30 s older", told(30.0), told(0.0) + 30.0, 1.5e-3);
+}
+
 #[test]
 fn an_unphysical_world_ends_the_stage_and_keeps_the_last_good_specimen() {
     let exploding: Maker = Box::new(|| {

@@ -34,7 +34,7 @@ pub enum WorldError {
     /// A check found the state unphysical.
     #[error("the simulation became unphysical at {time_s:.4} s: {what}")]
     Unphysical {
-        /// Simulated time in the stage, in s.
+        /// Simulated time since the run began, in s.
         time_s: f64,
         /// What was found, with the body and the limit.
         what: String,

@@ -26,14 +26,15 @@ impl Stand<'_> {
         Ok(())
     }
 
-    /// Ends a stage in which a piece was pressed into another: nothing on the way carried it.
-    pub(super) fn look_at_presses(&self, time_s: f64) -> Result<(), WorldError> {
+    /// Ends a stage in which a piece was pressed into another, at a time in s since it began:
+    /// nothing on the way carried it.
+    pub(super) fn look_at_presses(&self, stage_time: f64) -> Result<(), WorldError> {
         let into = self.pieces.pressed_into(self.setup, &self.specimen.state);
         let Some((one, other)) = into else { return Ok(()) };
         let name = |n: usize| &self.setup.pieces[n].name;
         let (one, other) = (name(one), name(other));
         let what = format!("`{one}` was pressed into `{other}`: no grains on its way carried it");
-        Err(WorldError::Unphysical { time_s, what })
+        Err(WorldError::Unphysical { time_s: self.midway.began_s + stage_time, what })
     }
 
     /// Whether every body is slow enough to count as settled just now.

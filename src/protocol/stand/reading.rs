@@ -1,8 +1,8 @@
 //! Reads the world back into the specimen, and watches what it finds.
 
 use super::{
-    BodyId, Fate, Grain, GrainState, HashMap, Party, SavedContact, Specimen, Stand, Tally, Vector,
-    WorldError, grain_name, level, name_of, spring_energy,
+    BodyId, BodyState, Fate, Grain, GrainState, HashMap, Party, SavedContact, Specimen, Stand,
+    Tally, Vector, WorldError, grain_name, level, name_of, spring_energy,
 };
 
 impl Stand<'_> {
@@ -66,8 +66,8 @@ impl Stand<'_> {
         pressed.map_or(free, |(kinetic, fastest)| free.and(kinetic, fastest))
     }
 
-    /// Reads the world, checks it, and only then takes it over into the specimen.
-    /// Gives what a check has to tell.
+    /// Reads the world, checks it, and only then takes it over into the specimen, at a time in s
+    /// since the stage began. Gives what a check has to tell; what is told says when in the run.
     pub(super) fn read_back(
         &mut self,
         time: f64,
@@ -75,8 +75,9 @@ impl Stand<'_> {
     ) -> Result<Option<String>, WorldError> {
         self.world.read(&mut self.snapshot);
         let name = |index: usize| self.name_of(BodyId(index as u32));
-        self.check.check(&self.snapshot, time, name)?;
-        let unphysical = |what: String| WorldError::Unphysical { time_s: time, what };
+        let now_s = self.midway.began_s + time;
+        self.check.check(&self.snapshot, now_s, name)?;
+        let unphysical = |what: String| WorldError::Unphysical { time_s: now_s, what };
         let held = |id: &BodyId| self.snapshot.get(id.0 as usize).is_some_and(Option::is_some);
         if let Some(lost) = self.grains.iter().flatten().chain(&self.plate).find(|id| !held(id)) {
             let what = format!("{} is no longer in the engine", self.name_of(*lost));
@@ -86,12 +87,17 @@ impl Stand<'_> {
         if let Some(what) = self.pieces.lost(self.setup, lowest, &self.specimen.state) {
             return Err(unphysical(what));
         }
+        let plate = self.plate.and_then(|id| self.snapshot[id.0 as usize]);
+        let height = |body: BodyState| level(body.pose.translation.vector, &self.specimen.state).z;
+        if plate.is_some_and(|body| height(body) < lowest) {
+            return Err(unphysical("the top plate fell off the cylinder".to_owned()));
+        }
         let now = self.tally();
         let watch = &mut self.midway.watch;
         watch.given(std::mem::take(&mut self.pieces.work));
         watch.pressed(std::mem::take(&mut self.pieces.pressed_work));
         watch.checks += 1;
-        let finding = watch.look(&now, table, self.midway.began_s + time).map_err(unphysical)?;
+        let finding = watch.look(&now, table, now_s).map_err(unphysical)?;
         let mut gone = false;
         let table_x = self.specimen.state.table_x;
         for index in 0..self.grains.len() {
@@ -116,7 +122,7 @@ impl Stand<'_> {
                 self.midway.watch.through_walls += 1;
                 let (grain, at) = (grain_name(index), at * 1e3);
                 self.midway.warnings.push(format!(
-                    "{grain} passed through a wall at {time:.3} s, last seen at \
+                    "{grain} passed through a wall at {now_s:.3} s, last seen at \
                      ({:.1}, {:.1}, {:.1}) mm",
                     at.x, at.y, at.z
                 ));
@@ -125,11 +131,11 @@ impl Stand<'_> {
         if let Some(id) = self.plate {
             self.specimen.state.top_plate = self.snapshot[id.0 as usize];
         }
-        self.specimen.state.time = self.midway.began_s + time;
+        self.specimen.state.time = now_s;
         if gone {
             let left = self.tally();
             self.midway.watch.taken_away(left);
         }
-        Ok(finding.map(|text| format!("at {time:.3} s {text}")))
+        Ok(finding.map(|text| format!("at {now_s:.3} s {text}")))
     }
 }
