@@ -8,7 +8,7 @@ use pluvia::export::{
 use pluvia::geometry::Vector;
 use pluvia::measure::{
     Container, FORCE_CLASS, HeightMap, LoadedContact, Region, Slice, contacts_of_grains_in, fabric,
-    force_distribution, height_cell, layers, loaded_contacts, rings, stress_in,
+    force_distribution, height_cell_over, layers, loaded_contacts, rings, stress_in,
 };
 use pluvia::protocol::friction_between;
 use pluvia::specimen::Fate;
@@ -114,7 +114,7 @@ impl Specimen {
 
     /// Height of the mean surface above the floor in m, as in `summary.json`.
     fn mean_surface_m(&self, py: Python<'_>) -> PyResult<f64> {
-        let cell = height_cell(&self.level.grains);
+        let cell = height_cell_over(&self.container, &self.level.grains);
         let map = py.detach(|| HeightMap::of(&self.level, &self.container, cell));
         let map = map.map_err(|error| PyValueError::new_err(error.to_string()))?;
         Ok(map.standing_height().mean_surface)

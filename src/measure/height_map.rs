@@ -8,8 +8,18 @@ pub fn height_cell(grains: &GrainSet) -> f64 {
     grains.of_size(&scale::HEIGHT_CELL)
 }
 
+/// The same over a container, of any width: cells are wider where there would be too many.
+pub fn height_cell_over(container: &Container, grains: &GrainSet) -> f64 {
+    let (cell, across) = (height_cell(grains), 2.0 * container.radius);
+    if across <= MOST_ACROSS as f64 * cell { cell } else { across / ACROSS_WIDE }
+}
+
 /// Most cells across a diameter; a finer map is a mistake in the units.
 const MOST_ACROSS: usize = 4000;
+
+/// Cells across a container too wide for those that are usual: a quarter as many as the most, as a
+/// map is made for every row of a series.
+const ACROSS_WIDE: f64 = 2000.0;
 
 /// The height of the highest solid point over every cell of a square grid
 /// laid over the cylinder's cross-section.
@@ -317,6 +327,24 @@ mod tests {
             assert!(lowest > 0.01, "a hole: {lowest}");
             roof = ridge(0.0005);
         }
+    }
+
+    /// Law: a container of any width has a height map: of usual cells up to the most, then of wider
+    /// ones. Grains of 8 mm that roll over a floor of 9 m are measured, too.
+    #[test]
+    fn wide_containers_have_wider_cells() {
+        let specimen = specimen_of(vec![(cube(0.01), at(0.0, 0.0, 0.005))]);
+        let usual = height_cell(&specimen.grains);
+        let over = |radius: f64| Container { radius, ..CUP };
+        let cell = |radius: f64| height_cell_over(&over(radius), &specimen.grains);
+        for (radius, expected) in
+            [(0.05, usual), (1999.5 * usual, usual), (2500.0 * usual, 2.5 * usual), (4.5, 0.0045)]
+        {
+            let law = format!("cell over a radius of {radius} m");
+            assert_near(&law, expected, cell(radius), 1e-12);
+        }
+        let wide = HeightMap::of(&specimen, &over(4.5), cell(4.5)).expect("law: a height map");
+        assert_near("highest grain", 0.01, wide.standing_height().highest, 1e-12);
     }
 
     #[test]

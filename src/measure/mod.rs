@@ -46,7 +46,7 @@ pub use coordination::{Coordination, coordination};
 pub use energy::{Energy, body_energy, grain_energy, largest_speed};
 pub use estimate::{Estimate, change_for_one_unit, paired_difference};
 pub use flow::steady_rate;
-pub use height_map::{HeightMap, StandingHeight, height_cell};
+pub use height_map::{HeightMap, StandingHeight, height_cell, height_cell_over};
 pub use hull::WorldHull;
 pub use interval::Interval;
 pub use inverse::{InversePrediction, bend_pattern, inverse_prediction};

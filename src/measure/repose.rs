@@ -139,7 +139,7 @@ pub enum NoPile {
 pub fn pile_surface(specimen: &Specimen) -> Result<Option<PileSurface>, MeasureError> {
     let Some(base) = &specimen.state.base else { return Ok(None) };
     let over = over(base, &specimen.grains);
-    let map = HeightMap::of(specimen, &over, height_cell(&specimen.grains))?;
+    let map = HeightMap::of(specimen, &over, height_cell_over(&over, &specimen.grains))?;
     let level = base_level(specimen)?;
     let middle = (map.across() - 1) as f64 / 2.0;
     let place = |n: usize| (n as f64 - middle) * map.cell();
@@ -170,7 +170,8 @@ pub fn base_level(specimen: &Specimen) -> Result<f64, MeasureError> {
     };
     let poses: Vec<_> = base.fixed_grains.iter().map(|f| (f.grain, f.pose)).collect();
     let grains = &specimen.grains;
-    let map = HeightMap::of_poses(grains, &poses, &over(base, grains), height_cell(grains))?;
+    let over = over(base, grains);
+    let map = HeightMap::of_poses(grains, &poses, &over, height_cell_over(&over, grains))?;
     Ok(map.standing_height().mean_surface)
 }
 

@@ -208,8 +208,9 @@ impl Mould {
         if 20 * missing > specimen.grains.grains.len() {
             return Ok(Err(format!("{missing} grains are not in the mould")));
         }
-        let map = HeightMap::of(&specimen, &container, height_cell(&specimen.grains))
-            .map_err(StudyError::measure)?;
+        let map =
+            HeightMap::of(&specimen, &container, height_cell_over(&container, &specimen.grains))
+                .map_err(StudyError::measure)?;
         let voids = void_ratio(&specimen, &container, map.standing_height().mean_surface);
         Ok(voids.map(|v| v.void_ratio).ok_or_else(|| "there are no grains".to_owned()))
     }

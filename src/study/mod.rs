@@ -80,7 +80,7 @@ use crate::geometry::Vector;
 use crate::grains::{self, GrainSet, GrainsError, ParticleSizeDistribution, load_scenario};
 use crate::measure::{
     self, Container, Estimate, HeightMap, LoadedContact, MeasureError, change_for_one_unit,
-    contacts_of_grains_in, fabric, grain_energy, height_cell, inference::MeanTest,
+    contacts_of_grains_in, fabric, grain_energy, height_cell_over, inference::MeanTest,
     overlap_statistics, paired_difference, pairs_within, places, stress_in, void_ratio,
     void_ratio_in,
 };

@@ -173,8 +173,9 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
         let state = &specimen.state;
         let (surface, inside, grain_height) = if state.cylinder || state.base.is_some() {
             let container = container(self.setup, specimen);
-            let surface = HeightMap::of(specimen, &container, height_cell(&specimen.grains))
-                .map_or(0.0, |map| map.standing_height().mean_surface);
+            let surface =
+                HeightMap::of(specimen, &container, height_cell_over(&container, &specimen.grains))
+                    .map_or(0.0, |map| map.standing_height().mean_surface);
             let content = content(specimen, &container);
             (Some(surface), content.grains, content.mean_grain_height)
         } else {

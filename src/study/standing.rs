@@ -27,9 +27,10 @@ impl Standing {
         container: &Container,
         is_poured: bool,
     ) -> Result<Self, StudyError> {
-        let height = HeightMap::of(specimen, container, height_cell(&specimen.grains))
-            .map_err(StudyError::measure)?
-            .standing_height();
+        let height =
+            HeightMap::of(specimen, container, height_cell_over(container, &specimen.grains))
+                .map_err(StudyError::measure)?
+                .standing_height();
         // A pile has no walls that its voids could be counted within; of a laboratory the void
         // ratio is that of its regions.
         let has_walls = specimen.state.base.is_none() && specimen.state.pieces.is_empty();

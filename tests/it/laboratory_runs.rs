@@ -187,3 +187,25 @@ fn a_sweep_of_a_laboratory_has_its_results() {
     let found = folder.json("targets/targets.json");
     assert_eq!(found["targets"][0]["runs_meeting"], 4, "law: every run flows, got {found}");
 }
+
+/// Law: grains that lie farther apart than a height map of usual cells reaches are measured all the
+/// same: beads of 2 to 3 mm on a plate 2 m wide, where 4000 cells are 1 m.
+#[test]
+fn grains_that_lie_far_apart_are_measured() {
+    let folder = Folder::new();
+    let scenario = json!({
+        "name": "wide",
+        "grains": {
+            "shape": "spheres", "total_mass_g": 1, "density_kg_per_m3": 2500,
+            "sieve_table": [{ "passing_mm": 3, "retained_mm": 2, "mass_percent": 100 }]
+        },
+        "pieces": [{ "name": "plate", "shape": { "plate": { "size_mm": [2000, 2000, 10] } },
+            "at_mm": [0, 0, -5] }],
+        "stages": [{ "stage": "deposit", "at_mm": [0, 0, 5], "area_mm": [1900, 1900],
+            "rate_g_per_s": 10, "time_limit_s": 0.5 }],
+        "rest_test_s": 0.1
+    });
+    let (summary, _) = ran(&folder, "wide", &scenario);
+    let highest = summary["standing_height_mm"]["highest"].as_f64().expect("law: a height");
+    assert!((2.0..=3.1).contains(&highest), "law: one bead high, got {highest} mm");
+}
