@@ -23,8 +23,8 @@ pub struct SeriesRow {
     /// Height of the mean surface above the floor in mm (height map); empty in a laboratory of
     /// pieces, which has no floor of its own.
     pub mean_surface_mm: Option<f64>,
-    /// Mean height of the centroids of the grains in the cylinder in mm; empty in a laboratory of
-    /// pieces without grains.
+    /// Mean height of the centroids of the grains in the cylinder in mm, of all grains before it
+    /// stands; empty without grains.
     pub mean_grain_height_mm: Option<f64>,
     /// Grains with their centroid inside the cylinder.
     pub grains_in_cylinder: u32,

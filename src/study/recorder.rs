@@ -207,8 +207,8 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
             kinetic_energy_j: kinetic,
             table_x_mm: to_mm(state.table_x),
             mean_surface_mm,
-            // A stored stage has a number in every row; the series of a run in a laboratory leaves
-            // it out where it is that of no grain.
+            // A stored stage has a number in every row; the series of a run leaves it out where it
+            // is that of no grain.
             mean_grain_height_mm: Some(to_mm(grain_height.unwrap_or(0.0))),
             grains_in_cylinder: inside as u32,
             plate_tilt_deg: position.map(|p| p.tilt.to_degrees()),

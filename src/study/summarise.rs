@@ -244,18 +244,22 @@ fn series(stages: &[&StoredStage], setup: &Setup) -> Vec<SeriesRow> {
     stages.iter().enumerate().flat_map(numbered).collect()
 }
 
-/// Rows of a stage. One of a laboratory says 0 of the mean height of no grain, and of the mean
-/// surface where it was stored when rows still gave every stage one.
+/// Rows of a stage. One of a laboratory says 0 of the mean surface where it was stored when rows
+/// still gave every stage one.
 fn rows(stage: &StoredStage, setup: &Setup) -> Vec<SeriesRow> {
     let has_surface = setup.pieces.is_empty();
     let row = |row: &SeriesRow| SeriesRow {
         mean_surface_mm: row.mean_surface_mm.filter(|_| has_surface),
-        mean_grain_height_mm: row
-            .mean_grain_height_mm
-            .filter(|_| has_surface || row.grains_in_cylinder > 0),
+        mean_grain_height_mm: height_of_grains(row),
         ..*row
     };
     stage.series.iter().map(row).collect()
+}
+
+/// Mean height of the grains in mm; stored rows say 0 of that of no grain, as before the first has
+/// fallen into the cylinder.
+fn height_of_grains(row: &SeriesRow) -> Option<f64> {
+    row.mean_grain_height_mm.filter(|mm| row.grains_in_cylinder > 0 || *mm != 0.0)
 }
 
 /// Periods of a stage's vibration in the run's time.
@@ -395,6 +399,20 @@ mod tests {
             settlement_mm: Some(178.0 - plate_height_mm),
             ..SeriesRow::default()
         }
+    }
+
+    /// Law: no grain has no mean height; those in the funnel have one though the cylinder is empty.
+    #[test]
+    fn no_grain_has_no_mean_height() {
+        let of = |mm: f64, grains_in_cylinder: u32| {
+            let mean_grain_height_mm = Some(mm);
+            let row =
+                SeriesRow { mean_grain_height_mm, grains_in_cylinder, ..SeriesRow::default() };
+            height_of_grains(&row)
+        };
+        assert_eq!(of(0.0, 0), None, "law: the pour has begun, and nothing has fallen in");
+        assert_eq!(of(204.8, 0), Some(204.8), "law: all grains, in the funnel");
+        assert_eq!(of(31.1, 249), Some(31.1), "law: those in the cylinder");
     }
 
     #[test]
