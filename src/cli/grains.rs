@@ -88,7 +88,7 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
         grains_in_100_g: set.grains_in_100_g(),
         sieve_analysis: SieveSummary::of(
             &SieveAnalysis::of(&set),
-            ParticleSizeDistribution::of(&set).ok().as_ref(),
+            ParticleSizeDistribution::specified(&set).as_ref(),
         ),
         shape: ShapeSummary::of(&GrainShape::of_all(&set)),
         notes: MeshRecord::notes(&set.meshes),

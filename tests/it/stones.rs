@@ -41,6 +41,7 @@ fn the_example_of_stones_makes_grains_and_runs() {
     let mass = back["mass_g"].as_f64().expect("a number");
     near("mass read back, g", mass, 120.0, 1e-9);
     assert_eq!(back["notes"], json!([]), "convex as they are");
+    assert_eq!(back["sieve_analysis"]["specified"], Value::Null, "law: no sieve table, none said");
 
     done(&["run", EXAMPLE, "--quiet", "--no-figures", "--out", &folder.out("run")]);
     let summary = folder.json("run/summary.json");
