@@ -98,16 +98,21 @@ pub(crate) fn apparatus(run: &Playback, stem: &str, title: &str) -> Result<Pictu
     finished(stem, title, caption, &image)
 }
 
-/// One of two panels side by side.
-fn panel_shot(walls: Walls) -> Shot {
+/// How many panels stand in a row.
+fn columns(panels: usize) -> u32 {
+    COLUMNS.min(panels.max(1) as u32)
+}
+
+/// One panel of several.
+fn panel_shot(walls: Walls, panels: usize) -> Shot {
     let whole = Shot { width: WIDTH, ..Shot::default() }.camera_width();
-    let width = whole / COLUMNS;
+    let width = whole / columns(panels);
     Shot { width, height: width, view: LEVEL, walls, notes: false, ..Shot::default() }
 }
 
 /// Scenes as panels of one height, just high enough for these points.
 fn exposed(run: &Playback, scenes: &[(Scene, &str)], points: &[Point]) -> Vec<(Image, String)> {
-    let mut shot = panel_shot(Walls::default());
+    let mut shot = panel_shot(Walls::default(), scenes.len());
     let high = aspect(points, &shot.view).clamp(0.4, 1.6);
     shot.height = (high * f64::from(shot.width)) as u32;
     let depth = glass_depth(&run.setup);
@@ -128,7 +133,7 @@ fn of_moments(
     let mut points: Vec<Point> = Vec::new();
     let mut notes = Notes::default();
     for (at, walls, name) in shown {
-        let (scene, said) = stage_scene(run, *at, &panel_shot(*walls), None)?;
+        let (scene, said) = stage_scene(run, *at, &panel_shot(*walls, shown.len()), None)?;
         points.extend(scene.outline());
         notes = Notes { lines: vec![run.scenario.clone()], ..said };
         scenes.push((scene, *name));
@@ -137,7 +142,8 @@ fn of_moments(
         let cut = [(Colour::WALL, "wall".to_owned()), (Colour::SECTION, "wall, cut".to_owned())];
         notes.things.extend(cut);
     }
-    let image = sheet(&exposed(run, &scenes, &points), COLUMNS, WIDTH, Some(&notes))?;
+    let panels = exposed(run, &scenes, &points);
+    let image = sheet(&panels, columns(panels.len()), WIDTH, Some(&notes))?;
     finished(stem, title, format!("{what} Colours: sieve fraction. {MADE}"), &image)
 }
 
@@ -186,10 +192,20 @@ pub(crate) fn vibration(
 }
 
 fn specimen(run: &Playback) -> Result<Picture, PictureError> {
-    let end = at(run, None, None)?;
-    let shown = [(end, Walls::Hidden, "(a) wall left out"), (end, Walls::Cut, "(b) wall cut away")];
-    let what = "The specimen at the end of the run.";
+    let (shown, what) = shown_of_end(run, at(run, None, None)?);
     of_moments(run, "picture-specimen", "The specimen", &shown, what)
+}
+
+/// What is shown of the end of a run, and what it is: a pile has no walls that could be left out.
+fn shown_of_end(run: &Playback, end: At) -> (Vec<(At, Walls, &'static str)>, &'static str) {
+    let frame = frame_at(run, end);
+    let has_walls = frame.cylinder || frame.funnel.is_some() || !run.setup.pieces.is_empty();
+    if !has_walls {
+        return (vec![(end, Walls::Hidden, "")], "The pile at the end of the run.");
+    }
+    let shown =
+        vec![(end, Walls::Hidden, "(a) wall left out"), (end, Walls::Cut, "(b) wall cut away")];
+    (shown, "The specimen at the end of the run.")
 }
 
 #[cfg(test)]
@@ -214,6 +230,23 @@ mod tests {
         let header =
             png::Decoder::new(std::io::Cursor::new(&after.png)).read_info().expect("a PNG");
         assert_eq!(header.info().width, WIDTH);
+    }
+
+    /// Law: what has no wall is shown once, and no key says what a cut wall looks like.
+    #[test]
+    fn a_pile_is_shown_once_and_without_walls() {
+        let mut run = canned();
+        let walls = |run: &Playback| {
+            let end = at(run, None, None).expect("an end");
+            shown_of_end(run, end).0.into_iter().map(|(_, walls, _)| walls).collect::<Vec<_>>()
+        };
+        assert_eq!(walls(&run), [Walls::Hidden, Walls::Cut], "law: of a specimen in its cylinder");
+        for frame in run.stages.iter_mut().flat_map(|stage| &mut stage.frames) {
+            frame.cylinder = false;
+        }
+        assert_eq!(walls(&run), [Walls::Hidden], "law: of a pile");
+        let picture = specimen(&run).expect("a picture");
+        assert!(picture.caption.starts_with("The pile"), "law: named, got {}", picture.caption);
     }
 
     #[test]

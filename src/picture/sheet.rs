@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::*;
+use crate::plain::without_zeros;
 use crate::report::draw_svg;
 
 /// Share of the width of a sheet that the key takes.
@@ -124,6 +125,18 @@ fn fitting(words: &str, size: f64, width: f64) -> f64 {
     size.min(0.92 * width / (LETTER * letters))
 }
 
+/// What stands at a tick of a scale whose ticks are a step apart: three decimals, or as many as
+/// tell two ticks apart.
+fn tick(value: f64, step: f64) -> String {
+    const MOST: f64 = 7.0;
+    let decimals = (-step.log10().floor()).max(3.0);
+    if decimals > MOST && value != 0.0 {
+        return format!("{value:.1e}");
+    }
+    let decimals = decimals.min(MOST) as usize;
+    without_zeros(&format!("{value:.decimals$}")).to_owned()
+}
+
 /// A continuous scale from 0 at the foot to its upper end.
 fn bar(svg: &mut String, x: f64, y: f64, height: f64, size: f64, upper: f64, beyond: bool) {
     const STOPS: u32 = 32;
@@ -149,7 +162,7 @@ fn bar(svg: &mut String, x: f64, y: f64, height: f64, size: f64, upper: f64, bey
             0.4 * size
         );
         let more = if n == TICKS && beyond { "≥ " } else { "" };
-        let words = format!("{more}{}", number(share * upper));
+        let words = format!("{more}{}", tick(share * upper, upper / f64::from(TICKS)));
         text(svg, x + width + 0.7 * size, at + 0.35 * size, size, "start", &words);
     }
 }
@@ -185,6 +198,25 @@ mod tests {
         let bare = sheet(&[(Image::clear(width, 50), String::new())], 1, width, None);
         let bare = bare.expect("a sheet");
         assert_eq!((bare.width, bare.height, dark(&bare, 0..width)), (400, 50, 0), "no notes");
+    }
+
+    /// Law: no two ticks of a scale read alike, however small it is: displacements in a rest test are
+    /// micrometres.
+    #[test]
+    fn ticks_of_a_scale_differ() {
+        for upper in [2.5e4, 20.0, 2.5, 0.05, 0.0025, 2e-4, 1e-6, 2.5e-9] {
+            let all: Vec<String> =
+                (0..=5).map(|n| tick(f64::from(n) / 5.0 * upper, upper / 5.0)).collect();
+            let told: std::collections::BTreeSet<&String> = all.iter().collect();
+            assert_eq!(told.len(), all.len(), "law: up to {upper}, got {all:?}");
+            for (n, words) in all.iter().enumerate() {
+                let expected = n as f64 / 5.0 * upper;
+                let got: f64 = words.parse().expect("a number");
+                let off = (got - expected).abs();
+                assert!(off <= 1e-9 * upper, "law: expected {expected}, got {got}, {all:?}");
+            }
+        }
+        assert_eq!([16.0, 0.5].map(|v| tick(v, 4.0)), ["16", "0.5"], "law: no needless zeros");
     }
 
     #[test]
