@@ -246,10 +246,10 @@ fn a_plate_that_falls_off_ends_the_stage() {
     assert!(text.ends_with("the top plate fell off the cylinder"), "law: what fell, got `{text}`");
 }
 
-/// Law: what is found in a stage is told at its time in the run, where `view` and `series.csv` have
-/// it, not at that in the stage.
+/// Law: what is found in a stage carries its time in the run, where `view` and `series.csv` have it,
+/// not that in the stage.
 #[test]
-fn findings_are_told_at_the_time_of_the_run() {
+fn findings_carry_the_time_of_the_run() {
     let falling =
         || -> Maker { Box::new(|| ScriptedWorld::falling(STEP, Vector::new(0.0, 0.0, -9.81))) };
     let told = |began_s: f64| {

@@ -79,10 +79,13 @@ pub fn found(of: &Calibration) -> Vec<(String, String)> {
         row("change for one unit", format!("{per_unit}, {} configurations", s.configurations));
     }
     if let Some(scatter) = of.scatter {
-        row("scatter of a single run (standard deviation)", unit(scatter));
+        row("scatter of a single run (standard deviation, at all values)", unit(scatter));
     }
     if let Some(tolerance) = of.tolerance {
-        let whence = if of.tolerance_given { "given" } else { "that of a single run" };
+        let whence = match of.tolerance_given {
+            true => "given",
+            false => "scatter of a single run at the values of the line",
+        };
         row("tolerance", format!("{} ({whence})", unit(tolerance)));
     }
     let left_out = besides(of.runs.iter().filter(|r| r.is_left_out()).count(), "left out");

@@ -67,7 +67,7 @@ impl Stand<'_> {
     }
 
     /// Reads the world, checks it, and only then takes it over into the specimen, at a time in s
-    /// since the stage began. Gives what a check has to tell; what is told says when in the run.
+    /// since the stage began. Gives what a check has to tell, with the time of the run.
     pub(super) fn read_back(
         &mut self,
         time: f64,
