@@ -77,7 +77,7 @@ impl Parts {
             },
             sieved,
             meshes: read(field(value, "/grains")),
-            cylinder: read_or_default(value, "/apparatus/cylinder"),
+            cylinder: cylinder(value),
             funnel: read_or_default(value, "/apparatus/funnel"),
             top_plate: read_or_default(value, "/apparatus/top_plate"),
             engine: read_or_default(value, "/engine"),
@@ -130,6 +130,13 @@ fn read_or_default<T: DeserializeOwned>(value: &Value, pointer: &str) -> Option<
         Some(value) => read(value),
         None => read(&Value::Object(Map::new())),
     }
+}
+
+/// A cylinder that has a size: one without has been reported, and says nothing of what must fit
+/// into it.
+fn cylinder(value: &Value) -> Option<CylinderSpec> {
+    let cylinder: CylinderSpec = read_or_default(value, "/apparatus/cylinder")?;
+    (cylinder.inner_diameter_mm > 0.0 && cylinder.height_mm > 0.0).then_some(cylinder)
 }
 
 /// Every fault of meaning in the JSON of a scenario, without the file; `found` is what is known
