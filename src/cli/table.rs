@@ -36,11 +36,16 @@ impl Rows {
     }
 }
 
-fn height(of: &StandingHeight) -> String {
-    format!(
-        "{:.1} mm mean surface, {:.1} mm 95th percentile, {:.1} mm highest",
-        of.mean_surface, of.p95, of.highest
-    )
+/// A height in mm for people: to a tenth, or of low ones to three digits.
+fn height(mm: f64) -> String {
+    let magnitude = if mm > 0.0 { mm.log10().floor() } else { 1.0 };
+    let decimals = (2.0 - magnitude).clamp(1.0, 6.0) as usize;
+    format!("{mm:.decimals$} mm")
+}
+
+fn standing(of: &StandingHeight) -> String {
+    let [surface, p95, highest] = [of.mean_surface, of.p95, of.highest].map(height);
+    format!("{surface} mean surface, {p95} 95th percentile, {highest} highest")
 }
 
 fn settlement(of: &Settlement) -> String {
@@ -171,10 +176,10 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     };
     rows.add("", places);
     let ratio = |void_ratio: f64| format!("{void_ratio:.3}");
-    rows.add("poured height", summary.poured_height_mm.as_ref().map(height));
+    rows.add("poured height", summary.poured_height_mm.as_ref().map(standing));
     rows.add("poured void ratio", summary.poured_void_ratio.map(ratio));
     if !pile && !is_withheld("standing_height_mm") {
-        rows.add("standing height", height(&summary.standing_height_mm));
+        rows.add("standing height", standing(&summary.standing_height_mm));
     }
     if let (Some(void_ratio), Some(porosity)) = (summary.void_ratio, summary.porosity) {
         rows.add("void ratio", format!("{void_ratio:.3} (porosity {porosity:.3})"));
@@ -195,8 +200,8 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     rows.add("settlement, surface", summary.surface_settlement_mm.as_ref().map(settlement));
     if let Some(of) = &summary.angle_of_repose {
         rows.add("angle of repose", angle_of_repose(of));
-        let (high, toe, off) = (of.pile_height_mm, of.base_radius_mm, of.fallen_off);
-        let pile = format!("{high:.1} mm high, {toe:.1} mm to its toe; fallen off the base: {off}");
+        let (high, toe) = (height(of.pile_height_mm), height(of.base_radius_mm));
+        let pile = format!("{high} high, {toe} to its toe; fallen off the base: {}", of.fallen_off);
         rows.add("pile", pile);
     }
     rows.add("overlap", overlap(&summary.overlap));
@@ -394,6 +399,14 @@ mod tests {
         {
             assert_eq!(format!("{:+.2}", rounded(value, 2)), expected, "law: of {value}");
         }
+    }
+
+    /// Law: a specimen of fine sand is a millimetre high, of which a tenth says little.
+    #[test]
+    fn low_heights_have_three_digits() {
+        let shown = [0.0, 0.866, 0.0123, 9.94, 56.78, 731.54].map(height);
+        let expected = ["0.0 mm", "0.866 mm", "0.0123 mm", "9.94 mm", "56.8 mm", "731.5 mm"];
+        assert_eq!(shown, expected);
     }
 
     #[test]
