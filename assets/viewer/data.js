@@ -13,6 +13,16 @@ export const PLATE = 8;
 // Numbers of a grain in `constants`.
 export const CONSTANT_FIELDS = ["fraction", "sieve_size_mm", "mass_g", "volume_mm3", "equivalent_diameter_mm"];
 
+// Equivalent diameter in mm of the middle one of the grains that the page's own lengths were chosen
+// for: the paper's.
+const OWN_GRAIN_MM = 10;
+
+// How many times as large as those the grains of a run are: every length of the page grows with it.
+function grainScale(constants) {
+  const fields = CONSTANT_FIELDS.length, sizes = constants.filter((_, k) => k % fields === fields - 1).sort();
+  return sizes.length ? sizes[sizes.length >> 1] / OWN_GRAIN_MM : 1;
+}
+
 export function parseRun(buffer) {
   const name = new TextDecoder().decode(new Uint8Array(buffer, 0, Math.min(8, buffer.byteLength)));
   if (name !== MAGIC) throw new Error("this is no run that the page can read");
@@ -57,6 +67,7 @@ export function parseRun(buffer) {
     grains: header.grains,
     fractions: header.fractions,
     constants: floats(header.constants),
+    scale: grainScale(floats(header.constants)),
     shapes: readShapes(header.shapes, floats, integers),
     stages,
     frames,

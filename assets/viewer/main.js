@@ -15,7 +15,8 @@ const $ = (id) => document.getElementById(id);
 const UPRIGHT = [0, 0, 0, 1];
 // Colours of the apparatus in sRGB.
 const METAL = [0.72, 0.75, 0.78], GLASS = [0.55, 0.68, 0.76], PLATE_COLOUR = [0.62, 0.66, 0.7], TABLE = { light: [0.6, 0.62, 0.64], dark: [0.34, 0.37, 0.4] };
-// A link that bears the largest force has this radius in m; the section grows with the force.
+// A link that bears the largest force has this radius in m among grains of the paper's size; the
+// section grows with the force. It and other lengths grow with the grains (`run.scale`).
 const THICKEST = 0.0022;
 
 const KEYS = [
@@ -39,7 +40,8 @@ class Viewer {
     this.dirty = true;
     const floor = run.shapes[run.grains].vertices.reduce((low, z, k) => (k % 3 === 2 ? Math.min(low, z) : low), 0);
     const { cylinder, base } = run.header;
-    const table = slab(Math.max(1.9 * cylinder.radius_m, 1.2 * (base?.radius_m ?? 0)), floor - 0.012, floor - 0.0002);
+    const wide = Math.max(1.9 * cylinder.radius_m, 1.2 * (base?.radius_m ?? 0));
+    const table = slab(wide, floor - 0.012 * run.scale, floor - 0.0002 * run.scale);
     this.renderer = new Renderer($("view"), [...run.shapes, table], run.grains);
     showFacts(run);
     this.timeline = new Timeline(run, this.playback, () => this.change());
@@ -172,7 +174,7 @@ class Viewer {
 
   sceneNow() {
     const { cylinder, funnel, base } = this.run.header;
-    const { frames } = this.run, { stage } = this.playback;
+    const { frames, scale } = this.run, { stage } = this.playback;
     const last = frames[stage.last], first = frames[stage.first];
     let low = Infinity, high = -Infinity, wide = 0;
     const hold = (from, to, radius) => {
@@ -180,8 +182,8 @@ class Viewer {
       high = Math.max(high, to);
       wide = Math.max(wide, radius);
     };
-    if ((first.flags | last.flags) & CYLINDER) hold(-0.02, cylinder.height_m, cylinder.radius_m + 0.02);
-    if (stage.base) hold(-0.02, 0.01, base.radius_m);
+    if ((first.flags | last.flags) & CYLINDER) hold(-0.02 * scale, cylinder.height_m, cylinder.radius_m + 0.02 * scale);
+    if (stage.base) hold(-0.02 * scale, 0.01 * scale, base.radius_m);
     for (const frame of [first, last]) {
       if (frame.flags & FUNNEL) hold(frame.opening, frame.opening + funnel.height_m, funnel.top_radius_m);
     }
@@ -195,7 +197,7 @@ class Viewer {
       for (let n = 1; n <= this.run.grains; n++) {
         const place = placeOf(frame, n);
         // Spilled grains may lie anywhere.
-        if (place && Math.hypot(place[0], place[1]) < 2 * wide) hold(place[2] - 0.01, place[2] + 0.01, 0);
+        if (place && Math.hypot(place[0], place[1]) < 2 * wide) hold(place[2] - 0.01 * scale, place[2] + 0.01 * scale, 0);
       }
     }
     if (low > high) hold(0, cylinder.height_m, cylinder.radius_m);
@@ -267,7 +269,7 @@ class Viewer {
     if (!this.camera.moved && this.framed !== now.stage.number) this.fit();
     const cut = this.cut;
     $("cut").disabled = !cut;
-    $("cut-value").textContent = cut ? `${(1000 * cut.place).toFixed(0)} mm` : "";
+    $("cut-value").textContent = cut ? `${Number((1000 * cut.place).toPrecision(3))} mm` : "";
     const legend = `${this.mode} ${now.stage.number}`;
     if (legend !== this.legend) showLegend(this.measures.legend(this.mode));
     this.legend = legend;
@@ -329,7 +331,7 @@ class Viewer {
       if (link.size < weakest || !now.present[link.a] || (link.b >= 0 && !now.present[link.b])) continue;
       const share = Math.min(link.size / most, 1);
       const to = link.b >= 0 ? now.position(link.b) : link.point;
-      numbers.push(...moved(now.position(link.a)), THICKEST * Math.sqrt(share), ...moved(to), ...linear(colourAt("inferno", share)));
+      numbers.push(...moved(now.position(link.a)), THICKEST * this.run.scale * Math.sqrt(share), ...moved(to), ...linear(colourAt("inferno", share)));
     }
     this.shown = numbers.length / 10;
     return new Float32Array(numbers);
@@ -359,6 +361,7 @@ class Viewer {
       cut: this.cut?.plane ?? null,
       picked: this.picked !== null && this.playback.present[this.picked] ? this.picked : null,
       scene: this.scene,
+      scale: this.run.scale,
       background: dark ? [0.082, 0.098, 0.11] : [0.925, 0.937, 0.945],
       line: linear(dark ? [0.85, 0.92, 0.96] : [0.2, 0.3, 0.36]),
     });
@@ -381,7 +384,7 @@ function offer(viewer) {
     time: () => playback.time, start: () => playback.start, end: () => playback.end,
     stage: () => playback.stage.name, atStageEnd: () => playback.atEnd, playing: () => timeline.playing,
     frames: () => run.frames.length, grains: () => run.grains, kept: () => run.kept, picked: () => viewer.picked,
-    colour: () => viewer.mode, draws: () => viewer.draws, links: () => viewer.renderer.links,
+    scale: () => run.scale, colour: () => viewer.mode, draws: () => viewer.draws, links: () => viewer.renderer.links,
   };
   for (const [name, get] of Object.entries(values)) Object.defineProperty(outside, name, { get, enumerable: true });
   Object.assign(outside, {

@@ -66,6 +66,8 @@ const force = (x) => String(Number(x.toPrecision(2)));
 
 // Numbers of a grain now, with their units, by the names that grains.csv has.
 export function dataOf(run, playback, n) {
+  // Lengths, volumes and masses of small grains need more decimals: one for each power of ten.
+  const decimals = (least, power) => Math.max(least, least - power * Math.round(Math.log10(run.scale)));
   const field = (k) => run.constants[5 * n + k];
   const fraction = run.fractions[field(0)];
   const there = playback.present[n] === 1;
@@ -73,16 +75,16 @@ export function dataOf(run, playback, n) {
   const exact = 1000 * playback.exactSpeed(n);
   return [
     ["fraction", "Sieve fraction", `${fraction.retained_mm} to ${fraction.passing_mm}`, "mm"],
-    ["sieve_size_mm", "Passes a sieve of", field(1).toFixed(2), "mm"],
-    ["equivalent_diameter_mm", "Equivalent diameter", field(4).toFixed(2), "mm"],
-    ["volume_mm3", "Volume", field(3).toFixed(1), "mm³"],
-    ["mass_g", "Mass", field(2).toFixed(3), "g"],
-    ["x_mm", "x", x.toFixed(2), "mm", !there],
-    ["y_mm", "y", y.toFixed(2), "mm", !there],
-    ["z_mm", "z", z.toFixed(2), "mm", !there],
+    ["sieve_size_mm", "Passes a sieve of", field(1).toFixed(decimals(2, 1)), "mm"],
+    ["equivalent_diameter_mm", "Equivalent diameter", field(4).toFixed(decimals(2, 1)), "mm"],
+    ["volume_mm3", "Volume", field(3).toFixed(decimals(1, 3)), "mm³"],
+    ["mass_g", "Mass", field(2).toFixed(decimals(3, 3)), "g"],
+    ["x_mm", "x", x.toFixed(decimals(2, 1)), "mm", !there],
+    ["y_mm", "y", y.toFixed(decimals(2, 1)), "mm", !there],
+    ["z_mm", "z", z.toFixed(decimals(2, 1)), "mm", !there],
     ["speed_mm_per_s", "Speed (laboratory)", exact.toFixed(1), "mm/s", !Number.isFinite(exact)],
     ["relative_speed_mm_per_s", "Speed (to the table)", (1000 * playback.speed(n)).toFixed(1), "mm/s", Number.isNaN(playback.speed(n))],
-    ["displacement_mm", "Moved in this stage", (1000 * playback.displacement(n)).toFixed(2), "mm", Number.isNaN(playback.displacement(n))],
+    ["displacement_mm", "Moved in this stage", (1000 * playback.displacement(n)).toFixed(decimals(2, 1)), "mm", Number.isNaN(playback.displacement(n))],
     ["neighbours", "Grains that touch it", String(playback.stage.coordination[n]), "", !playback.atEnd || !there],
   ];
 }

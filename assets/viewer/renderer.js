@@ -222,6 +222,7 @@ export class Renderer {
     gl.uniform3fv(uniforms.sun, SUN);
     gl.uniform4fv(uniforms.cut, look.cut ?? NO_CUT);
     gl.uniform3fv(uniforms.line_colour, look.line);
+    gl.uniform1f(uniforms.grain_scale, look.scale);
   }
 
   pass({ uniforms }, kind, opacity) {

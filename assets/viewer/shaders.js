@@ -73,6 +73,7 @@ uniform float opacity;
 uniform float texel_m;
 uniform int kind;
 uniform vec3 line_colour;
+uniform float grain_scale;
 out vec4 colour;
 
 float lit(vec3 normal) {
@@ -90,9 +91,9 @@ void main() {
   if (dot(cut.xyz, world) > cut.w) discard;
   vec3 normal = normalize(facing), towards = normalize(eye - world);
   bool inside = !gl_FrontFacing;
-  // Pixels in metres here, for lines of even width.
-  float pixel = max(fwidth(edge), 1e-7);
-  float line = (1.0 - smoothstep(0.5 * pixel, 1.4 * pixel, edge)) * (1.0 - smoothstep(0.0003, 0.0012, pixel));
+  // Pixels in metres here, among grains of the paper's size, for lines of even width.
+  float from_edge = edge / grain_scale, pixel = max(fwidth(from_edge), 1e-7);
+  float line = (1.0 - smoothstep(0.5 * pixel, 1.4 * pixel, from_edge)) * (1.0 - smoothstep(0.0003, 0.0012, pixel));
   vec3 base = paint.rgb;
   if (kind == 2) {
     // Glass: most is seen of it where one looks along it.

@@ -37,13 +37,15 @@ export class Timeline {
     byId("play").addEventListener("click", () => this.toggle());
     byId("back").addEventListener("click", () => this.step(-1));
     byId("on").addEventListener("click", () => this.step(1));
+    // Shares in percent: those of a run of less than a second would else not fill the bar.
+    const percent = 100 / (playback.end - playback.start || 1);
     this.buttons = run.stages.map((stage) => {
       const button = document.createElement("button");
       button.type = "button";
       button.textContent = stageName(stage);
       const span = `${stage.start.toFixed(2)} to ${stage.end.toFixed(2)} s`;
       button.title = `${stageName(stage)}, ${span}${stage.kept ? "" : ": only its end was kept"}`;
-      button.style.flexGrow = Math.max(stage.end - stage.start, 0.002 * (playback.end - playback.start));
+      button.style.flexGrow = Math.max(percent * (stage.end - stage.start), 0.2);
       button.addEventListener("click", () => {
         this.pause();
         // At the very border the end of the stage before is shown.

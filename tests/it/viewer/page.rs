@@ -78,6 +78,7 @@ fn a_run_plays_in_a_browser() {
     assert_eq!(at_end, json!(true), "law: it opens on the finished specimen");
     browser.keep_picture("begin-1200.png");
 
+    fits_the_grains_and_their_time(&mut browser);
     plays(&mut browser);
     tells_of_a_grain(&mut browser);
     colours_change(&mut browser);
@@ -85,6 +86,20 @@ fn a_run_plays_in_a_browser() {
     cuts(&mut browser);
     fits_a_small_window(&mut browser);
     browser.assert_content("the page writes no error to the console");
+}
+
+/// Law: the page's lengths grow with the grains, from sand to ballast, and the stages fill their bar
+/// however short the run is.
+fn fits_the_grains_and_their_time(browser: &mut Browser) {
+    let mut sizes = program::column(&small_run().join("grains.csv"), "equivalent_diameter_mm");
+    sizes.sort_by(f64::total_cmp);
+    let expected = sizes[sizes.len() / 2] / 10.0;
+    near("size of the grains over 10 mm", browser.number("pluvia.scale"), expected, 1e-5);
+    let shares = browser.number(
+        "[...document.querySelectorAll('#stages button')] \
+         .reduce((sum, button) => sum + Number(button.style.flexGrow), 0)",
+    );
+    near("stages share the bar, in percent", shares, 100.0, 1.0);
 }
 
 fn plays(browser: &mut Browser) {
