@@ -213,7 +213,11 @@ impl Part {
             };
             match error.kind() {
                 ValidationErrorKind::AdditionalProperties { unexpected } => {
-                    let known = fields(schema);
+                    let mut known = fields(schema);
+                    // What a file extends has been read, and taken out, before.
+                    if here.is_empty() && known.contains(&"stages") {
+                        known.push("extends");
+                    }
                     for name in unexpected {
                         let message = match renamed::field(&here, name) {
                             Some(new) => format!("this field is now called `{new}`"),

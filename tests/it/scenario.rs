@@ -244,6 +244,7 @@ fn unknown_fields_are_named_with_what_is_known() {
     let words = ["no such field", "did you mean `iterations`", "found 50", "`rate_hz`"];
     expect_at("engine.iteration", json!(50), &words);
     expect_at("colour", json!("red"), &["no such field", "`gravity_m_per_s2`"]);
+    expect_at("extend", json!("base.json"), &["did you mean `extends`", "and `extends`"]);
     expect_at("grains.densty_kg_per_m3", json!(1), &["did you mean `density_kg_per_m3`"]);
     expect_at("stages[1].height_mm", json!(1), &["no such field", "`falling_height_mm`"]);
 }
