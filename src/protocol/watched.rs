@@ -20,12 +20,11 @@ pub struct Watched {
 }
 
 impl Watched {
-    /// Notes a value and its limit, which is positive, at a time in s; tells
-    /// whether it is the first beyond its limit.
+    /// Notes a value and its limit, which is 0 where nothing can be given yet, at a time in s;
+    /// tells whether it is the first beyond its limit.
     pub fn note(&mut self, value: f64, limit: f64, time_s: f64) -> bool {
         self.looks += 1;
-        // Shares are compared, for limits differ from stage to stage.
-        if self.looks == 1 || value * self.limit > self.worst * limit {
+        if self.looks == 1 || self.is_topped_by(value, limit) {
             (self.worst, self.limit, self.worst_at_s) = (value, limit, time_s);
         }
         // Written so that what is no number is beyond.
@@ -38,13 +37,23 @@ impl Watched {
         first
     }
 
+    /// Whether a value came nearer to its own limit than the worst so far. Shares are compared,
+    /// for limits differ from stage to stage; before the first grain is let go both are 0, which
+    /// has no share, and anything tops it.
+    fn is_topped_by(&self, value: f64, limit: f64) -> bool {
+        if self.worst == 0.0 && self.limit == 0.0 {
+            return value > 0.0 || limit > 0.0;
+        }
+        value * self.limit > self.worst * limit
+    }
+
     /// What was seen here and, later, there.
     #[must_use]
     pub fn and(self, later: Self) -> Self {
         if self.looks == 0 || later.looks == 0 {
             return if self.looks == 0 { later } else { self };
         }
-        let nearer = if later.worst * self.limit > self.worst * later.limit { later } else { self };
+        let nearer = if self.is_topped_by(later.worst, later.limit) { later } else { self };
         Self {
             looks: self.looks + later.looks,
             beyond: self.beyond + later.beyond,
@@ -92,5 +101,22 @@ mod tests {
         assert_eq!(b.and(a).worst, 5.0, "law: whichever comes first");
         assert_eq!(a.and(Watched::default()), a, "law: nothing adds nothing");
         assert_eq!(Watched::default().and(a), a);
+    }
+
+    /// Law: a look at which nothing could move yet hides none of the others, those of later stages
+    /// included.
+    #[test]
+    fn a_look_at_nothing_is_topped_by_any_other() {
+        let [empty, within, beyond] =
+            [of(&[(0.0, 0.0)]), of(&[(0.0, 0.0), (2.0, 4.0)]), of(&[(0.0, 0.0), (5.0, 4.0)])];
+        assert_eq!((within.worst, within.limit, within.worst_at_s), (2.0, 4.0, 1.0));
+        assert_eq!((beyond.worst, beyond.limit, beyond.passed()), (5.0, 4.0, Some(false)));
+        for both in [empty.and(beyond), beyond.and(empty)] {
+            assert_eq!((both.looks, both.worst, both.limit), (3, 5.0, 4.0), "law: what was seen");
+        }
+        let still = of(&[(0.0, 0.0), (0.0, 4.0), (0.0, 0.0)]);
+        assert_eq!((still.worst, still.limit), (0.0, 4.0), "law: a limit says more than none");
+        let without = of(&[(0.0, 0.0), (1.0, 0.0), (3.0, 4.0)]);
+        assert_eq!((without.worst, without.limit), (1.0, 0.0), "law: beyond a limit of nothing");
     }
 }
