@@ -32,7 +32,27 @@ const FILES: [(&str, &str); 9] = files![
 /// When the temporary folder cannot be used, or a change does not fit.
 pub fn preset(name: &str, changes: &[Override]) -> Result<Scenario, StudyError> {
     let folder = unpack()?;
-    Ok(load_scenario(&folder.path().join(name), changes)?.scenario)
+    let loaded = load_scenario(&folder.path().join(name), changes);
+    Ok(loaded.map_err(|errors| by_their_names(errors, folder.path()))?.scenario)
+}
+
+/// Faults of built-in files under the names that these have in the program: the folder they were
+/// written to is gone when somebody reads of them.
+fn by_their_names(errors: ScenarioErrors, folder: &Path) -> ScenarioErrors {
+    let named = |fault: Fault| {
+        let file = Path::new(&fault.file).strip_prefix(folder).ok();
+        let name = file.map(|file| format!("built-in scenarios/{}", file.display()));
+        match name {
+            Some(name) => fault.of(name),
+            None => fault,
+        }
+    };
+    match errors {
+        ScenarioErrors::Faults(faults) => {
+            ScenarioErrors::Faults(faults.into_iter().map(named).collect())
+        }
+        unreadable => unreadable,
+    }
 }
 
 /// Writes the built-in files to a temporary folder, which lasts as long as what is returned.
@@ -64,5 +84,25 @@ impl DesignFile {
         }
         let folder = unpack()?;
         Ok(Self { path: folder.path().join(built_in), _unpacked: Some(folder) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Law: a fault names the built-in file, or the change, and no temporary folder.
+    #[test]
+    fn faults_of_built_in_scenarios_name_them() {
+        let narrow: Override = "apparatus.cylinder.inner_diameter_mm=50".parse().expect("a change");
+        let slow: Override = "engine.rate_hz=1".parse().expect("a change");
+        for (change, file) in
+            [(narrow, "built-in scenarios/quick/pluviation.json"), (slow, "--set engine.rate_hz=1")]
+        {
+            let told = preset("quick/pluviation.json", &[change]).expect_err("a fault").to_string();
+            assert!(told.contains(&format!("{file}: ")), "law: `{file}` is named, got {told}");
+            let folder = std::env::temp_dir().display().to_string();
+            assert!(!told.contains(&folder), "law: what is gone is not named, got {told}");
+        }
     }
 }
