@@ -179,6 +179,29 @@ fn what_cannot_be_begun_with_is_refused() {
     assert!(said(&output).contains("outside of the apparatus"), "law: got {}", said(&output));
 }
 
+/// Law: a specimen that is not there is the only fault: pieces, regions and openings of its run
+/// are not known.
+#[test]
+fn a_specimen_that_is_not_there_is_no_second_fault() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let force = json!({ "piece": "both", "direction": [0, 0, 1], "force_n": 3 });
+    let scenario = json!({
+        "name": "begun",
+        "begin": { "specimen": "none" },
+        "measures": { "groups": [{ "name": "both", "pieces": ["lid", "side"] }] },
+        "stages": [
+            { "stage": "move", "pieces": ["lid"], "velocity_mm_per_s": [0, 0, -5], "until": force,
+              "time_limit_s": 1, "keep_mean_stress": { "region": "core", "pieces": ["side"] } },
+            { "stage": "remove", "pieces": ["gate"],
+              "until": { "opening": "mouth", "flow_below_g_per_s": 1 } }
+        ]
+    });
+    let path = write(folder.path(), "begun.json", &scenario);
+    let errors = load_scenario(&path, &[]).expect_err("law: it is refused");
+    let paths: Vec<&str> = errors.faults().iter().map(|fault| fault.path.as_str()).collect();
+    assert_eq!(paths, ["begin.specimen"], "law: one fault, got {errors}");
+}
+
 /// Law: a name that several stages have means none of them, unless a key says which; each has its
 /// number.
 #[test]

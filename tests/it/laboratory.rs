@@ -71,6 +71,8 @@ fn faults_name_the_field_and_what_is_allowed() {
         ("pieces[1].name", json!("table"), "not a piece's"),
         ("pieces[1].shape", json!({}), "one of `box`"),
         ("pieces[0].shape.box.inner_mm[0]", json!(0), "out of range"),
+        ("pieces[1].at_mm", json!([0, 1e300, 0]), "at most 20000 mm from the origin"),
+        ("stages[0].at_mm", json!([0, 20001, 90]), "at most 20000 mm from the origin"),
         ("stages[0].rate_g_per_s", Value::Null, "type"),
         ("stages[0].area_mm", json!([0, 80]), "above 0"),
         ("stages[0].sizes_mm", json!([8, 9]), "[8, 10]"),
@@ -104,6 +106,8 @@ fn faults_name_the_field_and_what_is_allowed() {
     ] {
         assert_told(&faults(&changed(sound(), place, to)), path, words);
     }
+    let stopped = faults(&changed(sound(), "stages[0].rate_g_per_s", json!(0)));
+    assert_eq!(stopped.len(), 1, "law: no second fault of how long that takes, {stopped:?}");
     let mut without = sound();
     without.as_object_mut().expect("an object").remove("pieces");
     let found = faults(&without);

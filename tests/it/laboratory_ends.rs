@@ -94,6 +94,7 @@ fn conditions_are_checked_with_what_they_need() {
             "until.direction",
             "means nothing with `turned_deg`",
         ),
+        (json!({ "piece": "lid", "turned_deg": 181 }), "until.turned_deg", "allowed: at most 180"),
         (json!({ "flow_below_g_per_s": 1 }), "until.opening", "is that of one"),
         (json!({ "opening": "gap", "steady_flow_percent": 1 }), "until.opening", "allowed: mouth"),
         (
@@ -106,6 +107,14 @@ fn conditions_are_checked_with_what_they_need() {
     ] {
         expect(folder, &until(condition), &format!("stages[1].{field}"), words);
     }
+    let mut unopened = until(json!({ "opening": "mouth", "steady_flow_percent": 1 }));
+    unopened["measures"].as_object_mut().expect("measures").remove("openings");
+    let none = "one of `measures.openings`, which has none";
+    expect(folder, &unopened, "stages[1].until.opening", none);
+    let turn = json!({ "stage": "press", "loads": [{ "piece": "lid", "moment_n_m": 1,
+        "axis": [0, 0, 1] }], "until": { "piece": "lid", "turned_deg": 400 } });
+    let turned = changed(sound(), "stages[2]", turn);
+    assert_eq!(faults_in(folder, &turned), [], "law: of a moment the whole angle is known");
     // All at once.
     let many = until(json!({ "piece": "door", "opening": "gap", "force_n": 1 }));
     let found = faults_in(folder, &many);

@@ -76,7 +76,8 @@ fn check_region(parts: &Parts, keep: &KeepMeanStressSpec, faults: &mut Faults) {
         let message = format!("{who} cannot press a piece along one direction");
         faults.add("pieces", keep.pieces.join(", "), allowed, message);
     }
-    let Some(measures) = &parts.measures else { return };
+    let there = parts.measures.as_ref().filter(|_| !parts.begins_with_unknown());
+    let Some(measures) = there else { return };
     let known: Vec<&str> = measures.regions.iter().map(|region| region.name.as_str()).collect();
     let allowed = any_of(&known, "one of `measures.regions`, which has none");
     let region = keep.region.as_str();
@@ -85,7 +86,7 @@ fn check_region(parts: &Parts, keep: &KeepMeanStressSpec, faults: &mut Faults) {
 }
 
 /// Names of which any is allowed, or what is said where there is none.
-fn any_of(names: &[&str], none: &str) -> String {
+pub(super) fn any_of(names: &[&str], none: &str) -> String {
     if names.is_empty() { none.to_owned() } else { names.join(", ") }
 }
 

@@ -117,6 +117,12 @@ impl Parts {
     fn has_stage(&self, name: &str) -> bool {
         self.stages.iter().any(|stage| stage.name.as_deref() == Some(name))
     }
+
+    /// Whether the scenario begins with a specimen that could not be looked up, which is a fault of
+    /// its own: anything may have been done to it, and any pieces may stand.
+    fn begins_with_unknown(&self) -> bool {
+        self.begun_after.as_deref().is_some_and(<[String]>::is_empty)
+    }
 }
 
 /// A size in m as messages have it: in mm, to nine digits.

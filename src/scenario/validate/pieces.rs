@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::geometry::ConvexPolyhedron;
+use crate::scale::LARGEST_DISTANCE;
 use crate::units::to_g;
 
 /// Stages of the built-in apparatus.
@@ -59,8 +60,19 @@ fn check_pieces(parts: &Parts, faults: &mut Faults) {
         } else if !known.insert(name) {
             faults.add("name", shown, "a unique name", "two pieces have this name");
         }
+        check_place(parts, piece.at_mm, &mut faults);
         check_shape(&piece.shape, &mut faults);
     }
+}
+
+/// A place that is near enough to the origin for what is there to be simulated.
+fn check_place(parts: &Parts, at_mm: [f64; 3], faults: &mut Faults) {
+    let (Some(grading), Some(gravity)) = (&parts.grading, parts.gravity) else { return };
+    let largest = LARGEST_DISTANCE.no_less(&grading.scale_for_filling(gravity));
+    let distance = at_mm.iter().map(|x| from_mm(*x).powi(2)).sum::<f64>().sqrt();
+    let allowed = format!("at most {} mm from the origin", short(to_mm(largest)));
+    let why = "it lies farther away than bodies are followed";
+    faults.add_if(distance > largest, "at_mm", format!("{at_mm:?}"), allowed, why);
 }
 
 fn check_shape(shape: &ShapeSpec, faults: &mut Faults) {
@@ -113,15 +125,16 @@ fn check_mesh(mesh: &MeshPieceSpec, faults: &mut Faults) {
 /// Which stages go with the apparatus.
 fn check_names_of_stages(parts: &Parts, faults: &mut Faults) {
     let own = parts.has_pieces();
+    let none = !own && !parts.begins_with_unknown();
     for (i, stage) in parts.stages.iter().enumerate() {
         let Some(name) = stage.name.as_deref() else { continue };
         let mut faults = faults.at(format!("stages[{i}]"));
-        let (allowed, why) = match own {
-            true if BUILT_IN.contains(&name) => (
+        let (allowed, why) = match () {
+            () if own && BUILT_IN.contains(&name) => (
                 "`deposit`, `move`, `press`, `release`, `remove` and `rest`",
                 "is done with the built-in apparatus, in whose place `pieces` stand",
             ),
-            false if OF_PIECES.contains(&name) => {
+            () if none && OF_PIECES.contains(&name) => {
                 ("it in a scenario with `pieces`", "is done with pieces, and there are none")
             }
             _ => continue,
@@ -137,6 +150,7 @@ fn check_names_of_stages(parts: &Parts, faults: &mut Faults) {
 fn check_deposit(parts: &Parts, spec: &StageSpec, faults: &mut Faults) {
     let StageSpec::Deposit {
         how,
+        at_mm,
         area_mm,
         diameter_mm,
         rate_g_per_s,
@@ -148,6 +162,7 @@ fn check_deposit(parts: &Parts, spec: &StageSpec, faults: &mut Faults) {
     else {
         return;
     };
+    check_place(parts, at_mm, faults);
     let unclear = area_mm.is_some() == diameter_mm.is_some();
     let message = "a deposit has one area";
     faults.add_if(unclear, "area_mm", "", "`area_mm` or `diameter_mm`", message);
@@ -164,7 +179,7 @@ fn check_deposit(parts: &Parts, spec: &StageSpec, faults: &mut Faults) {
     let alone = deposits.count() == 1 && parts.begun_after.is_none() && sizes_mm.is_none();
     let all_g = parts.grading.filter(|_| alone).map(|all| to_g(all.solids * all.density));
     let mass = mass_g.map_or(all_g, |own| all_g.map_or(Some(own), |all| Some(own.min(all))));
-    if let Some((mass, rate)) = mass.zip(rate_g_per_s.filter(|_| is_rain)) {
+    if let Some((mass, rate)) = mass.zip(rate_g_per_s.filter(|rate| is_rain && *rate > 0.0)) {
         let wrong = mass / rate > time_limit_s;
         let allowed = format!("more than {} s", short(mass / rate));
         let why = format!("{} g at {} g/s take longer", short(mass), short(rate));
@@ -223,7 +238,8 @@ fn check_who_stands(parts: &Parts, faults: &mut Faults) {
 }
 
 fn check_measures(parts: &Parts, measures: &MeasuresSpec, faults: &mut Faults) {
-    let wrong = !measures.is_empty() && !parts.has_pieces();
+    let none = !parts.has_pieces() && !parts.begins_with_unknown();
+    let wrong = !measures.is_empty() && none;
     let found = "regions, openings or groups";
     let why = "these are measured in a laboratory of `pieces`";
     faults.add_if(wrong, "measures", found, "the field left out", why);
@@ -282,6 +298,11 @@ impl Parts {
     /// The pieces that could be read, with their numbers.
     pub(super) fn pieces(&self) -> impl Iterator<Item = (usize, &PieceSpec)> {
         self.pieces.iter().enumerate().filter_map(|(i, piece)| Some((i, piece.as_ref()?)))
+    }
+
+    /// Whether there are pieces of all these names.
+    pub(super) fn have(&self, names: &[String]) -> bool {
+        names.iter().all(|name| self.pieces().any(|(_, piece)| piece.name == *name))
     }
 
     /// Names of the pieces; none where one could not be read, which may have any name.

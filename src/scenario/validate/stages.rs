@@ -87,8 +87,7 @@ fn check_order(parts: &Parts, faults: &mut Faults) {
     }
     // Names of stages that cannot be read could be any: what follows one is not judged.
     let begun = parts.begun_after.as_deref();
-    // Where it is not known what a specimen has been through, everything may have been done.
-    let unknown = begun.is_some_and(<[String]>::is_empty);
+    let unknown = parts.begins_with_unknown();
     let known =
         |end: usize| !unknown && parts.stages[..end].iter().all(|stage| stage.name.is_some());
     for (i, stage) in parts.stages.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! Conditions that end stages.
 
-use super::mean_stress::{Holds, follow};
+use super::mean_stress::{Hold, Holds, any_of, follow};
 use super::*;
 
 pub(super) fn check(parts: &Parts, faults: &mut Faults) {
@@ -15,6 +15,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
             check_condition(condition, &mut faults);
             check_names(parts, condition, &mut faults);
             check_way(parts, spec, condition, &holds, &mut faults);
+            check_turn(parts, condition, &holds, &mut faults);
             check_reach(spec, condition, &mut faults);
         }
     }
@@ -83,12 +84,15 @@ fn check_condition(until: &ConditionSpec, faults: &mut Faults) {
 fn check_names(parts: &Parts, until: &ConditionSpec, faults: &mut Faults) {
     let mut known = |field: &str, name: &Option<String>, there: Vec<&str>, message: &str| {
         if let Some(name) = name.as_deref().filter(|name| !there.contains(name)) {
-            faults.add(field, Value::from(name), there.join(", "), message);
+            // Pieces there are, openings perhaps not.
+            let allowed = any_of(&there, "one of `measures.openings`, which has none");
+            faults.add(field, Value::from(name), allowed, message);
         }
     };
-    let Some(measures) = &parts.measures else { return };
+    let there = parts.measures.as_ref().filter(|_| !parts.begins_with_unknown());
+    let Some(measures) = there else { return };
     // A piece that cannot be read may have any name.
-    if let Some(mut pieces) = parts.names_of_pieces() {
+    if let Some(mut pieces) = parts.names_of_pieces().filter(|_| parts.has_pieces()) {
         pieces.extend(measures.groups.iter().map(|group| group.name.as_str()));
         known("piece", &until.piece, pieces, "there is no such piece or group");
     }
@@ -108,19 +112,42 @@ fn check_way(
     let (Some(name), Some(_), Some(measures)) = (&until.piece, way, &parts.measures) else {
         return;
     };
-    let group = measures.groups.iter().find(|group| group.name == *name);
-    let names = group.map_or(std::slice::from_ref(name), |group| &group.pieces);
+    let names = pieces_of(measures, until);
     let kinematic = |name: &String| match spec {
         StageSpec::Move { pieces, .. } => pieces.is_empty() || pieces.contains(name),
         _ => false,
     };
     let gives_way = |name: &String| holds.get(name.as_str()).is_some_and(|hold| hold.gives_way());
     let moves = |name: &String| kinematic(name) || gives_way(name);
-    let there = |name: &String| parts.pieces().any(|(_, piece)| piece.name == *name);
-    let wrong = names.iter().all(there) && !names.iter().any(moves);
+    let wrong = parts.have(names) && !names.iter().any(moves);
     let allowed = "a piece that is pressed or free, or moved by this stage";
     let name = Value::from(name.as_str());
     faults.add_if(wrong, "piece", name, allowed, "the piece does not move");
+}
+
+/// Names of the pieces that a condition is about: those of a group, or one.
+fn pieces_of<'a>(measures: &'a MeasuresSpec, until: &'a ConditionSpec) -> &'a [String] {
+    let group = measures.groups.iter().find(|group| Some(&group.name) == until.piece.as_ref());
+    group.map_or(until.piece.as_slice(), |group| &group.pieces)
+}
+
+/// The whole angle is known of what a moment turns about its axis; of any other piece half a turn
+/// at most.
+fn check_turn(parts: &Parts, until: &ConditionSpec, holds: &Holds, faults: &mut Faults) {
+    let (Some(_), Some(deg), Some(measures)) = (&until.piece, until.turned_deg, &parts.measures)
+    else {
+        return;
+    };
+    // A moment may act from a stage that cannot be read, or from another run.
+    let all_read = parts.stages.iter().all(|stage| stage.spec.is_some());
+    let by_moment = |name: &String| match holds.get(name.as_str()) {
+        Some(hold) => *hold == Hold::Moment,
+        None => parts.begun_after.is_some(),
+    };
+    let names = pieces_of(measures, until);
+    let wrong = deg > 180.0 && all_read && parts.have(names) && !names.iter().any(by_moment);
+    let why = "a piece that no moment turns about an axis shows half a turn at most";
+    faults.add_if(wrong, "turned_deg", deg, "at most 180", why);
 }
 
 /// How far a motion carries the pieces that it moves until its limit, at full speed but for the
