@@ -16,7 +16,7 @@ pub fn overlapping(pieces: &[RigidPiece]) -> Result<(), ApparatusError> {
     for (a, one) in solids.iter().enumerate() {
         for (b, other) in solids.iter().enumerate().skip(a + 1) {
             let may = pieces[a].may_cross || pieces[b].may_cross;
-            if !may && meet(one, other) {
+            if !may && meet(one, other, 0.0) {
                 found.push(format!("`{}` and `{}`", pieces[a].name, pieces[b].name));
             }
         }
@@ -28,13 +28,32 @@ pub fn overlapping(pieces: &[RigidPiece]) -> Result<(), ApparatusError> {
     Err(ApparatusError { part: "laboratory", reason })
 }
 
-/// The number of a piece that piece number `one` stands in, with the places in `at` of those that
-/// stand; none where it stands in none that it may not.
-pub fn stands_in(pieces: &[RigidPiece], at: &[Option<Pose>], one: usize) -> Option<usize> {
+/// The number of a piece that piece number `one` stands in by more than a depth in m, with the
+/// places in `at` of those that stand; none where it stands in none that it may not.
+pub fn stands_in(
+    pieces: &[RigidPiece],
+    at: &[Option<Pose>],
+    one: usize,
+    depth: f64,
+) -> Option<usize> {
     let own = solids(&pieces[one], at[one]?);
-    let may = |n: usize| pieces[one].may_cross || pieces[n].may_cross;
-    let mut others = (0..pieces.len()).filter(|n| *n != one && !may(*n));
-    others.find(|&n| at[n].is_some_and(|at| meet(&own, &solids(&pieces[n], at))))
+    let mut others = others(pieces, one);
+    others.find(|&n| at[n].is_some_and(|at| meet(&own, &solids(&pieces[n], at), depth)))
+}
+
+/// How deep in m piece number `one` stands in the piece that it is deepest in, of those that it may
+/// not stand in; 0 where it stands in none of them.
+pub fn depth_in_others(pieces: &[RigidPiece], at: &[Option<Pose>], one: usize) -> f64 {
+    let Some(place) = at[one] else { return 0.0 };
+    let own = solids(&pieces[one], place);
+    let depth = |n: usize| at[n].map_or(0.0, |at| deepest(&own, &solids(&pieces[n], at)));
+    others(pieces, one).map(depth).fold(0.0, f64::max)
+}
+
+/// The numbers of the pieces that piece number `one` may not stand in.
+fn others(pieces: &[RigidPiece], one: usize) -> impl Iterator<Item = usize> {
+    let may = move |n: usize| pieces[one].may_cross || pieces[n].may_cross;
+    (0..pieces.len()).filter(move |n| *n != one && !may(*n))
 }
 
 /// The parts of a piece at a place.
@@ -43,9 +62,15 @@ fn solids(piece: &RigidPiece, at: Pose) -> Vec<Solid> {
     parts.map(|part| Solid::of(&part.shape.transformed(&(at * part.pose)))).collect()
 }
 
-/// Whether one piece reaches into another.
-fn meet(one: &[Solid], other: &[Solid]) -> bool {
-    one.iter().any(|x| other.iter().any(|y| x.depth_in(y) > TOUCHING))
+/// Whether one piece reaches into another by more than a depth in m.
+fn meet(one: &[Solid], other: &[Solid], depth: f64) -> bool {
+    one.iter().any(|x| other.iter().any(|y| x.depth_in(y) > depth + TOUCHING))
+}
+
+/// How deep in m one piece reaches into another.
+fn deepest(one: &[Solid], other: &[Solid]) -> f64 {
+    let depths = one.iter().flat_map(|x| other.iter().map(move |y| x.depth_in(y)));
+    depths.fold(0.0, f64::max)
 }
 
 /// A convex solid as the separating axis theorem sees it.
@@ -150,13 +175,36 @@ mod tests {
         for (one, other) in [(own, ""), ("", own), (own, own)] {
             let both = two(one, other);
             assert_eq!(overlapping(&both), Ok(()), "law: one that may is enough");
-            let into = stands_in(&both, &standing(&both), 0);
+            let into = stands_in(&both, &standing(&both), 0, 0.0);
             assert_eq!(into, None, "law: nor is it one pressed into another");
         }
         let neither = two("", "");
         assert!(overlapping(&neither).is_err(), "law: neither may");
-        let into = stands_in(&neither, &standing(&neither), 0);
+        let into = stands_in(&neither, &standing(&neither), 0, 0.0);
         assert_eq!(into, Some(1), "law: one stands in the other");
+    }
+
+    /// Law: a block 0.2 mm deep in a floor is in it by 0.2 mm, in a post that it touches not at all,
+    /// and by more than 0.1 mm, not by more than 0.3 mm.
+    #[test]
+    fn the_depth_is_that_of_the_deepest_piece() {
+        let plate = |name: &str, x: f64, z: f64| {
+            format!(
+                r#"{{ "name": "{name}", "shape": {{ "plate": {{ "size_mm": [20, 20, 20] }} }}, "at_mm": [{x}, 0, {z}] }}"#
+            )
+        };
+        let texts =
+            [plate("block", 0.0, 0.0), plate("post", 20.0, 0.0), plate("floor", 3.0, -19.8)];
+        let three = pieces(&texts.each_ref().map(String::as_str));
+        let mut at: Vec<Option<Pose>> = three.iter().map(|piece| Some(piece.at)).collect();
+        let depth = depth_in_others(&three, &at, 0);
+        assert!((depth - 2e-4).abs() < 1e-12, "law: 0.2 mm, got {depth} m");
+        for (allowed, into) in [(0.0, Some(2)), (1e-4, Some(2)), (3e-4, None)] {
+            assert_eq!(stands_in(&three, &at, 0, allowed), into, "law: by more than {allowed} m?");
+        }
+        at[2] = None;
+        let depth = depth_in_others(&three, &at, 0);
+        assert!(depth < TOUCHING, "law: in what is gone nothing stands, got {depth} m");
     }
 
     #[test]

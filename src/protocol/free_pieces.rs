@@ -70,6 +70,14 @@ pub(super) fn released(piece: &RigidPiece, state: &PieceState, mass_kg: f64) -> 
     FreeState { mass_kg, body: BodyState::at_rest(state.pose * frame) }
 }
 
+/// How deep in m a piece may be in another that carries it, or that it leans on, by the springs of
+/// their contacts: within the margin of contacts, or as far as all its load presses one point; in
+/// kg, what weighs on it.
+pub(super) fn sunk_at_rest(setup: &Setup, load_kg: f64) -> f64 {
+    let by_load = load_kg * setup.gravity / setup.engine.native.contact_stiffness_n_per_m;
+    scale::CONTACT_MARGIN.at(&setup.scale).max(by_load)
+}
+
 /// Puts a piece into a world as one body: each part in the frame of the whole, which a free piece
 /// has in its centre of mass. Gives the parts' bodies, that of the whole first.
 pub(super) fn add_whole(

@@ -87,6 +87,39 @@ fn what_is_let_go_falls_and_is_carried_by_other_pieces() {
     assert!(block.free.is_none() && vane.free.is_some(), "law: what is moved is not free");
 }
 
+/// Law: a block that lies on another piece, some 0.1 mm deep in the springs of its corners, may be
+/// held and let go again, and pressed along the floor; not into the floor. Nothing is let go within
+/// another piece.
+#[test]
+fn what_lies_on_a_piece_does_not_stand_in_it() {
+    let _turn = crate::world::shared_turn();
+    let lies = go(before_everything(), release(&["block"], 500.0)).specimen;
+    let place = |specimen: &Specimen| specimen.state.pieces[1].pose.translation.vector;
+    let hold = json!({ "stage": "press", "loads": [{ "piece": "block", "locked": true }] });
+    let held = go(lies.clone(), hold).specimen;
+    assert!(held.state.pieces[1].is_held(), "law: it is held");
+    let again = go(held.clone(), release(&["block"], 500.0)).specimen;
+    let sunk = place(&again) - place(&held);
+    near("let go again it stays where it is, m", sunk.norm(), 0.0, 5e-5);
+
+    let press = |direction: [f64; 3]| {
+        json!({ "stage": "press", "ramp_s": 0.01, "time_limit_s": 0.3,
+            "loads": [{ "piece": "block", "direction": direction, "force_n": 1 }] })
+    };
+    let slid = go(lies.clone(), press([0.0, 1.0, 0.0])).specimen;
+    let way = place(&slid) - place(&lies);
+    assert!(way.y > 5e-3, "law: it moves along the floor, got {way} m");
+    let (got, _) = try_go(None, lies, None, press([0.0, 0.0, -1.0]));
+    let told = got.expect_err("law: no grains carry it").to_string();
+    assert!(told.contains("`block` was pressed into `box`"), "law: who and where, got {told}");
+
+    let mut deep = held;
+    deep.state.pieces[1].pose.translation.vector.z -= 1e-3;
+    let (got, _) = try_go(None, deep, None, release(&["block"], 500.0));
+    let told = got.expect_err("law: it stands in the floor").to_string();
+    assert!(told.contains("`block` stands in `box`"), "law: who and where, got {told}");
+}
+
 /// Law: an interrupted stage ends with the same bits, in the air, at impact and at rest.
 #[test]
 fn what_is_let_go_goes_on_from_a_checkpoint_with_the_same_bits() {

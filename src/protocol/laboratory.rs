@@ -273,16 +273,23 @@ impl Laboratory<'_> {
         let states = &mut specimen.state.pieces;
         let at: Vec<Option<Pose>> =
             states.iter().map(|piece| piece.present.then_some(piece.pose)).collect();
+        let mass_of = |n: usize| mass_g.map_or_else(|| solid[n].volume() * LID_DENSITY, from_g);
+        let others = states.iter().enumerate().filter(|(n, _)| !pieces.contains(n));
+        let others: f64 = others.filter_map(|(_, piece)| Some(piece.free?.mass_kg)).sum();
+        let all = others + pieces.iter().map(|&n| mass_of(n)).sum::<f64>();
+        let sunk = sunk_at_rest(self.setup, all);
         for n in pieces {
             if !states[n].present {
                 return Err(self.refused("its pieces do not stand"));
             }
-            if stands_in(&solid, &at, n).is_some() {
-                return Err(self.refused("a free piece must not overlap another piece"));
+            if let Some(other) = stands_in(&solid, &at, n, sunk) {
+                let (one, other) = (&solid[n].name, &solid[other].name);
+                return Err(self.refused(format!(
+                    "`{one}` stands in `{other}`: a free piece must not overlap another piece"
+                )));
             }
-            let mass = mass_g.map_or_else(|| solid[n].volume() * LID_DENSITY, from_g);
             states[n].hold();
-            states[n].free = Some(released(&solid[n], &states[n], mass));
+            states[n].free = Some(released(&solid[n], &states[n], mass_of(n)));
         }
         if states.iter().all(|piece| !piece.present || piece.free.is_some()) {
             return Err(self.refused("nothing is left that could carry what moves freely"));

@@ -61,6 +61,7 @@ pub use watched::Watched;
 pub use crate::world::WorldMaker;
 
 // What its parts are made of, too.
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -68,7 +69,9 @@ use std::time::Duration;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::apparatus::{ApparatusError, Cylinder, Funnel, Piece, RigidPiece, TopPlate, stands_in};
+use crate::apparatus::{
+    ApparatusError, Cylinder, Funnel, Piece, RigidPiece, TopPlate, depth_in_others, stands_in,
+};
 use crate::geometry::{Point, Pose, Vector};
 use crate::grains::streams::{in_unit_disc, stream, uniform};
 use crate::grains::{Grain, GrainSet, grain_name};
@@ -175,7 +178,7 @@ pub enum StageError {
         /// The stage.
         stage: &'static str,
         /// What it needs.
-        reason: &'static str,
+        reason: Cow<'static, str>,
     },
     /// The world failed; the last state found good is kept.
     #[error("{source}")]

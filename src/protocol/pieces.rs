@@ -305,8 +305,7 @@ impl Pieces {
                 if let Some(press) = state.pieces[n].press.as_mut().filter(|p| p.turns.is_none()) {
                     press.resistance_n -= press.direction.dot(&impulse) / dt;
                 }
-                let moves = self.drive.as_ref().is_some_and(|drive| drive.pieces.contains(&n));
-                if moves {
+                if self.is_moved(n) {
                     let point = Point::from(contact.point);
                     let velocity = (point - self.before[n] * now.inverse() * point) / dt;
                     self.work -= velocity.dot(&impulse);
@@ -341,10 +340,25 @@ impl Pieces {
         }
         // What moves freely is felt.
         let stands = |piece: &PieceState| piece.present && piece.free.is_none();
-        let at: Vec<Option<Pose>> =
-            state.pieces.iter().map(|piece| stands(piece).then_some(piece.pose)).collect();
-        let into = |p: &Pressed| Some((p.piece, stands_in(&setup.pieces, &at, p.piece)?));
+        let places = |pieces: &[PieceState]| -> Vec<Option<Pose>> {
+            pieces.iter().map(|piece| stands(piece).then_some(piece.pose)).collect()
+        };
+        let (began, at) = (places(&self.began), places(&state.pieces));
+        let into = |pressed: &Pressed| {
+            let n = pressed.piece;
+            stands_in(&setup.pieces, &at, n, 0.0)?;
+            // What lay on another piece, or leant on it, begins in the springs of their contacts.
+            let press = state.pieces[n].press.filter(|press| press.turns.is_none());
+            let most = sunk_at_rest(setup, press.map_or(0.0, |press| press.mass_kg));
+            let before = depth_in_others(&setup.pieces, &began, n).min(most);
+            Some((n, stands_in(&setup.pieces, &at, n, before)?))
+        };
         self.pressed.iter().find_map(into)
+    }
+
+    /// Whether the stage moves a piece as prescribed.
+    pub(super) fn is_moved(&self, piece: usize) -> bool {
+        self.drive.as_ref().is_some_and(|drive| drive.pieces.contains(&piece))
     }
 }
 

@@ -133,6 +133,19 @@ fn a_lid_that_nothing_carries_is_an_error_that_names_both_pieces() {
     assert!(told.contains("`lid` was pressed into `box`"), "law: who and where, got {told}");
 }
 
+/// Law: of a wall that is moved into a pressed lid it is not said that no grains carried the lid.
+#[test]
+fn a_wall_that_is_moved_into_a_pressed_lid_is_named() {
+    let _turn = crate::world::shared_turn();
+    let pressed = go(None, filled(), None, press(10.0)).0.specimen;
+    let aside = stage(json!({ "stage": "move", "pieces": ["box"], "duration_s": 0.3,
+        "velocity_mm_per_s": [20, 0, 0] }));
+    let make = &crate::world::create;
+    let got = run_stage(&scenario(None), make, pressed, &aside, None, &mut Unseen);
+    let told = got.expect_err("law: it ends").to_string();
+    assert!(told.contains("`box` was moved into `lid`"), "law: who and where, got {told}");
+}
+
 #[test]
 fn a_pressed_lid_goes_on_from_a_checkpoint_with_the_same_bits() {
     let _turn = crate::world::shared_turn();

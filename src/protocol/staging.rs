@@ -81,8 +81,8 @@ impl<'a> Laboratory<'a> {
         Ok(ended)
     }
 
-    pub(super) fn refused(&self, reason: &'static str) -> StageError {
-        StageError::OutOfOrder { stage: self.stage.name(), reason }
+    pub(super) fn refused(&self, reason: impl Into<Cow<'static, str>>) -> StageError {
+        StageError::OutOfOrder { stage: self.stage.name(), reason: reason.into() }
     }
 
     /// Runs a stage that lets grains go, and warns of those left; also whether everything settled,

@@ -26,14 +26,19 @@ impl Stand<'_> {
         Ok(())
     }
 
-    /// Ends a stage in which a piece was pressed into another, at a time in s since it began:
-    /// nothing on the way carried it.
+    /// Ends a stage in which a pressed piece and another got into each other, which they do not
+    /// feel, at a time in s since it began.
     pub(super) fn look_at_presses(&self, stage_time: f64) -> Result<(), WorldError> {
         let into = self.pieces.pressed_into(self.setup, &self.specimen.state);
-        let Some((one, other)) = into else { return Ok(()) };
+        let Some((pressed, other)) = into else { return Ok(()) };
         let name = |n: usize| &self.setup.pieces[n].name;
-        let (one, other) = (name(one), name(other));
-        let what = format!("`{one}` was pressed into `{other}`: no grains on its way carried it");
+        let (one, into) = (name(pressed), name(other));
+        let what = match self.pieces.is_moved(other) {
+            true => format!(
+                "`{into}` was moved into `{one}`, which is pressed: pieces do not push each other"
+            ),
+            false => format!("`{one}` was pressed into `{into}`: no grains on its way carried it"),
+        };
         Err(WorldError::Unphysical { time_s: self.midway.began_s + stage_time, what })
     }
 
