@@ -41,6 +41,8 @@ pub enum ApparatusFault {
     #[error(transparent)]
     Shape(#[from] PolyhedronError),
     /// Pieces stand within each other.
-    #[error("pieces overlap: {0}")]
+    #[error(
+        "pieces overlap: {0} (allowed: pieces that touch or stand apart, or `may_cross` of one of them)"
+    )]
     Overlap(String),
 }

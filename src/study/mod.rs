@@ -195,8 +195,9 @@ impl StudyError {
         }
     }
 
-    fn apparatus(error: ApparatusError) -> Self {
-        Self::Scenario(error.to_string())
+    /// What cannot be built, of a run.
+    fn apparatus(run: &str, error: &ApparatusError) -> Self {
+        Self::Scenario(format!("{run}: {error}"))
     }
 
     pub(crate) fn grains(error: GrainsError) -> Self {

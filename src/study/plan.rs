@@ -118,9 +118,11 @@ impl Plan {
         let mut known: HashMap<String, usize> = HashMap::new();
         // Runs share their grains: each set is named once.
         let mut names: HashMap<*const GrainSet, String> = HashMap::new();
-        let laboratory =
-            |of: &Scenario| Setup::new(of).map(Arc::new).map_err(StudyError::apparatus);
-        for PlannedRun { scenario, grains, prepared, .. } in runs {
+        for PlannedRun { name, scenario, grains, prepared, .. } in runs {
+            let laboratory = |of: &Scenario| {
+                let built = Setup::new(of).map(Arc::new);
+                built.map_err(|error| StudyError::apparatus(name, &error))
+            };
             let grains_hash: &str =
                 names.entry(Arc::as_ptr(grains)).or_insert_with(|| grains_hash(grains));
             let own = laboratory(scenario)?;

@@ -71,7 +71,7 @@ fn results_are_kept_where_the_next_run_cannot_begin() {
     let mut unread = small::scenario(40.0, 0.5, 0.2);
     unread["grains"] = json!({ "file": "gone.json" });
     for (name, scenario, code, word) in
-        [("unread", unread, 4, "cannot read"), ("overlapping", overlapping(), 2, "overlap")]
+        [("unread", unread, 4, "cannot read"), ("overlapping", overlapping(), 2, "may_cross")]
     {
         let path = folder.scenario(&format!("{name}.json"), &scenario);
         let mut tried = vec![&["--force"][..]];
@@ -82,6 +82,8 @@ fn results_are_kept_where_the_next_run_cannot_begin() {
             let args = ["run", &path, "--out", &out];
             let said = refused(&[&args[..], more].concat(), code, &[word]);
             assert!(!said.contains("another scenario"), "law: {name}: the reason, got {said}");
+            let is_named = code == 4 || said.contains("overlapping: the laboratory");
+            assert!(is_named, "law: {name}: of which scenario, got {said}");
             assert_same_files(finished(), &folder.path("out"), name);
         }
         // Refused anywhere.
