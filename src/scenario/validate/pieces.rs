@@ -3,6 +3,7 @@
 use super::*;
 use crate::geometry::ConvexPolyhedron;
 use crate::scale::LARGEST_DISTANCE;
+use crate::scenario::sizes_of_pieces::lowest_mm;
 use crate::units::to_g;
 
 /// Stages of the built-in apparatus.
@@ -21,7 +22,10 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     for (i, spec) in parts.specs() {
         let mut faults = faults.at(format!("stages[{i}]"));
         match spec {
-            StageSpec::Deposit { .. } => check_deposit(parts, spec, &mut faults),
+            StageSpec::Deposit { at_mm, .. } => {
+                check_height(parts, i, at_mm, &mut faults);
+                check_deposit(parts, spec, &mut faults);
+            }
             StageSpec::Press { loads, ramp_s, time_limit_s, until, .. } => {
                 loads::check(parts, loads, &mut faults);
                 let wrong = until.is_none() && ramp_s > time_limit_s;
@@ -196,6 +200,21 @@ fn check_deposit(parts: &Parts, spec: &StageSpec, faults: &mut Faults) {
         table.iter().map(|f| format!("[{}, {}]", f.retained_mm, f.passing_mm)).collect();
     let allowed = format!("openings around one of the fractions {}", between.join(", "));
     faults.add_if(!table.is_empty() && !table.iter().any(fits), "sizes_mm", found, allowed, why);
+}
+
+/// Whether a deposit, as the stage of a number, lies where pieces may catch its grains. Once stages
+/// have moved pieces, only a run shows where they are.
+fn check_height(parts: &Parts, stage: usize, at_mm: &[f64; 3], faults: &mut Faults) {
+    let moves_none =
+        |stage: &Stage| matches!(stage.name.as_deref(), Some("deposit" | "rest" | "remove"));
+    let stand = parts.stages[..stage].iter().all(moves_none) && parts.begun_after.is_none();
+    if !(stand && parts.names_of_pieces().is_some()) {
+        return;
+    }
+    let Some(lowest) = lowest_mm(parts.pieces().map(|(_, piece)| piece)) else { return };
+    let allowed = format!("a height of more than {} mm", short(lowest));
+    let why = "the grains begin below all pieces, and nothing catches them";
+    faults.add_if(at_mm[2] < lowest, "at_mm", format!("{at_mm:?}"), allowed, why);
 }
 
 const TWICE: &str = "the piece is named twice";
