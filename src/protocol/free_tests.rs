@@ -107,8 +107,8 @@ fn what_lies_on_a_piece_does_not_stand_in_it() {
             "loads": [{ "piece": "block", "direction": direction, "force_n": 1 }] })
     };
     let slid = go(lies.clone(), press([0.0, 1.0, 0.0])).specimen;
-    let way = place(&slid) - place(&lies);
-    assert!(way.y > 5e-3, "law: it moves along the floor, got {way} m");
+    let moved = place(&slid) - place(&lies);
+    assert!(moved.y > 5e-3, "law: it moves along the floor, got {moved} m");
     let (got, _) = try_go(None, lies, None, press([0.0, 0.0, -1.0]));
     let told = got.expect_err("law: no grains carry it").to_string();
     assert!(told.contains("`block` was pressed into `box`"), "law: who and where, got {told}");
