@@ -36,6 +36,8 @@ impl Laboratory<'_> {
             mass_g,
             sizes_mm,
             time_limit_s,
+            // The engine of the stage has it.
+            max_depenetration_velocity_m_per_s: _,
         } = *self.stage
         else {
             return Err(self.refused("it needs an area"));

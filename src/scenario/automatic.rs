@@ -31,6 +31,7 @@ pub(super) fn fill(value: &mut Value, grading: &Grading) {
         return;
     }
     fill_stages(value, &scale);
+    calm_deposits(value, grading, &scale);
     for field in BY_SIZE {
         let default = field.default_value();
         let factor = match by_scenario(field.path, value, grading, &scale) {

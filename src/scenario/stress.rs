@@ -99,7 +99,9 @@ fn area(diameter_mm: f64) -> f64 {
     PI / 4.0 * from_mm(diameter_mm).powi(2)
 }
 
-fn weight_stress(value: &Value, grading: &Grading, gravity: f64) -> f64 {
+/// The stress in Pa of the weight of all grains and the top plate on the floor of the cylinder, or of
+/// the pile.
+pub(super) fn weight_stress(value: &Value, grading: &Grading, gravity: f64) -> f64 {
     let number = |path: &str, default: f64| number_at(value, path).unwrap_or(default);
     let base = stages(value, "slow_pluviation").find_map(|s| s["base_diameter_mm"].as_f64());
     let cylinder =

@@ -143,7 +143,8 @@ impl Plan {
             let rest_test = has_rest_test.then_some(&rest);
             let mut nodes: Vec<usize> = Vec::new();
             for (index, stage) in scenario.stages.iter().chain(rest_test).enumerate() {
-                let (setup, parent) = (by(index), nodes.last().copied());
+                let setup = &in_stage(by(index), stage);
+                let parent = nodes.last().copied();
                 let begun = begun.as_ref().filter(|_| parent.is_none());
                 let before = parent.map(|parent| plan.nodes[parent].key());
                 let before = before.or(begun.map(|begun| begun.key.as_str()));
@@ -222,6 +223,16 @@ impl Plan {
         };
         kept.iter().map(node).collect()
     }
+}
+
+/// The laboratory of a stage, which may have settings of its own.
+fn in_stage(setup: &Arc<Setup>, stage: &StageSpec) -> Arc<Setup> {
+    let StageSpec::Deposit { max_depenetration_velocity_m_per_s: Some(speed), .. } = stage else {
+        return setup.clone();
+    };
+    let mut own = (**setup).clone();
+    own.engine.native.max_depenetration_velocity_m_per_s = *speed;
+    Arc::new(own)
 }
 
 /// A stage in words: `pour from 50 mm`.

@@ -9,7 +9,7 @@ use std::{
 use super::{
     RunOptions, StudyError,
     execute::Shop,
-    plan::{Plan, PlannedRun},
+    plan::{Node, Plan, PlannedRun},
     summarise::summarise,
 };
 use crate::geometry::Vector;
@@ -237,6 +237,37 @@ fn a_summary_tells_where_every_grain_is() {
     let found: usize = sieve.fractions.iter().map(|f| f.grains).sum();
     assert_eq!(found, s.grains.count, "law: every grain is in one fraction: {sieve:?}");
     assert_eq!(result.series.last().map(|r| r.stage), Some(1), "the rest test is kept apart");
+}
+
+/// Law: a deposit with a speed of its own is carried out with that, all other stages with the
+/// engine's.
+#[test]
+fn a_deposit_pushes_overlaps_apart_at_its_own_speed() {
+    let speeds = |own: serde_json::Value| -> Vec<(f64, String)> {
+        let mut value = serde_json::json!({
+            "name": "calm",
+            "grains": {
+                "total_mass_g": 40, "density_kg_per_m3": 2673.9,
+                "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
+            },
+            "pieces": [{ "name": "box", "shape": { "box": { "inner_mm": [36, 36, 80] } } }],
+            "engine": { "native": { "max_depenetration_velocity_m_per_s": 3 } },
+            "stages": [{ "stage": "deposit", "at_mm": [0, 0, 60], "area_mm": [12, 12], "rate_g_per_s": 80 },
+                { "stage": "rest", "duration_s": 1 }]
+        });
+        value["stages"][0]["max_depenetration_velocity_m_per_s"] = own;
+        let scenario = serde_json::from_value(value).expect("a scenario");
+        let nodes = plan(&[planned(scenario)]).nodes;
+        let of = |node: &Node| {
+            let speed = node.setup.engine.native.max_depenetration_velocity_m_per_s;
+            (speed, node.key().to_owned())
+        };
+        nodes.iter().map(of).collect()
+    };
+    let (calm, plain) = (speeds(serde_json::json!(0.2)), speeds(serde_json::Value::Null));
+    assert_eq!((calm[0].0, calm[1].0), (0.2, 3.0), "law: its own, then the engine's");
+    assert_eq!((plain[0].0, plain[1].0), (3.0, 3.0), "law: without one, the engine's");
+    assert_ne!(calm[0].1, plain[0].1, "law: what is stored of one is not taken for the other");
 }
 
 /// Law: D_r = (e_max − e)/(e_max − e_min) of every void ratio, where a scenario gives both.
