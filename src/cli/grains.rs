@@ -2,8 +2,7 @@
 
 use super::*;
 use crate::grains::{
-    GrainShape, MeshRecord, ParticleSizeDistribution, SieveAnalysis, load_grains, write_obj,
-    write_ply, write_stl,
+    GrainShape, MeshRecord, SieveAnalysis, load_grains, write_obj, write_ply, write_stl,
 };
 use crate::record::{GradationSummary, ShapeSummary, SieveSummary};
 use crate::study::{grain_files, make_grains};
@@ -86,10 +85,7 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
         mass_g: to_g(set.total_mass()),
         solids_volume_cm3: to_cm3(set.total_volume()),
         grains_in_100_g: set.grains_in_100_g(),
-        sieve_analysis: SieveSummary::of(
-            &SieveAnalysis::of(&set),
-            ParticleSizeDistribution::specified(&set).as_ref(),
-        ),
+        sieve_analysis: SieveSummary::of(&SieveAnalysis::of(&set), set.specified().as_ref()),
         shape: ShapeSummary::of(&GrainShape::of_all(&set)),
         notes: MeshRecord::notes(&set.meshes),
         files,

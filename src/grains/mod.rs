@@ -124,6 +124,14 @@ impl GrainSet {
         Self { grains: Vec::new(), blocks: Vec::new(), density, meshes: Vec::new() }
     }
 
+    /// The distribution that the grains were made from: their sieve table. `None` of meshes that
+    /// keep their own size, and where blocks are none.
+    pub fn specified(&self) -> Option<ParticleSizeDistribution> {
+        let is_own_size = |mesh: &MeshRecord| mesh.grains == 0 || mesh.scales == (1.0, 1.0);
+        let own_sizes = !self.meshes.is_empty() && self.meshes.iter().all(is_own_size);
+        if own_sizes { None } else { ParticleSizeDistribution::of(self).ok() }
+    }
+
     /// Mass of all grains in kg.
     pub fn total_mass(&self) -> f64 {
         self.grains.iter().map(|g| g.mass).sum()

@@ -132,14 +132,6 @@ impl ParticleSizeDistribution {
         Ok(Self { fractions, density: grains.density })
     }
 
-    /// The distribution that grains were made from: their sieve table. `None` of meshes that keep
-    /// their own size, and where blocks are none.
-    pub fn specified(grains: &GrainSet) -> Option<Self> {
-        let is_own_size = |mesh: &MeshRecord| mesh.grains == 0 || mesh.scales == (1.0, 1.0);
-        let own_sizes = !grains.meshes.is_empty() && grains.meshes.iter().all(is_own_size);
-        if own_sizes { None } else { Self::of(grains).ok() }
-    }
-
     /// Number of grains of all fractions.
     pub fn grains(&self) -> usize {
         self.fractions.iter().map(|f| f.grains).sum()

@@ -55,7 +55,7 @@ impl ReadyRun {
         let grains = &self.run.grains;
         let (figures, known) = (options.out.join("figures"), described(grains));
         crate::report::run_figures(&figures, record)?;
-        let specified = ParticleSizeDistribution::specified(grains);
+        let specified = grains.specified();
         crate::report::grain_figures(&figures, &known.sieved, specified.as_ref(), &known.shapes)?;
         match crate::picture::of_run(&options.out) {
             Ok(pictures) => pictures.iter().try_for_each(|p| p.write(&figures))?,

@@ -158,7 +158,7 @@ pub fn summarise(
     }
     let coordination = coordination(&members, &pairs);
     let known = described(&run.grains);
-    let specified = ParticleSizeDistribution::specified(&run.grains);
+    let specified = run.grains.specified();
     let mut sieve = SieveSummary::of(&known.sieved, specified.as_ref());
     sieve.secondary = stages
         .last()

@@ -46,7 +46,7 @@ fn every_fraction_has_its_mass_and_every_grain_its_sieve() {
     assert_eq!(sieved.cells, CellShape::default());
     let psd = ParticleSizeDistribution::new(&sieved).unwrap();
     assert_eq!(set.blocks.len(), psd.fractions.len(), "one block a fraction");
-    assert!(ParticleSizeDistribution::specified(&set).is_some(), "law: the table is specified");
+    assert!(set.specified().is_some(), "law: the table is specified");
     for (index, fraction) in psd.fractions.iter().enumerate() {
         let own: Vec<_> = set.grains.iter().filter(|g| g.fraction == index).collect();
         near("mass of a fraction, kg", own.iter().map(|g| g.mass).sum(), fraction.mass, 1e-12);
@@ -110,7 +110,7 @@ fn a_count_draws_grains_in_their_own_size() {
         assert!((2..=3).contains(&prototype.grains), "15 of 6 meshes: {}", prototype.grains);
         assert_eq!(prototype.scales, (1.0, 1.0), "in their own size");
     }
-    let specified = ParticleSizeDistribution::specified(&set);
+    let specified = set.specified();
     assert_eq!(specified, None, "law: what nobody specified is not that of a block's sieves");
 }
 
