@@ -45,6 +45,15 @@ pub fn plain_but(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(plain)
 }
 
+/// An argument as a shell reads it back: in quotes where a character has a meaning there.
+pub fn in_shell(argument: &str) -> Cow<'_, str> {
+    let has_no_meaning = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+".contains(c);
+    if !argument.is_empty() && argument.chars().all(has_no_meaning) {
+        return Cow::Borrowed(argument);
+    }
+    Cow::Owned(format!("'{}'", argument.replace('\'', r"'\''")))
+}
+
 /// A decimal number without the zeros at its end; a zero without a sign.
 pub fn without_zeros(number: &str) -> &str {
     let short = match number.contains('.') {
@@ -103,6 +112,24 @@ mod tests {
             assert_eq!(plain(text), expected, "law: only what misleads is shown otherwise");
         }
         assert_eq!(plain_lines("a\n\u{1b}b\rc"), "a\n\\u001bb\\u000dc", "law: lines stay lines");
+    }
+
+    /// Law: a shell reads one argument, the same.
+    #[test]
+    fn an_argument_is_quoted_where_a_shell_would_change_it() {
+        for (argument, expected) in [
+            ("engine.rate_hz=960", "engine.rate_hz=960"),
+            ("stages[1].duration_s=5", "'stages[1].duration_s=5'"),
+            ("engine.backend=\"rapier\"", "'engine.backend=\"rapier\"'"),
+            ("description=it's", r"'description=it'\''s'"),
+            ("", "''"),
+        ] {
+            assert_eq!(
+                in_shell(argument),
+                expected,
+                "law: {argument} in quotes where it needs them"
+            );
+        }
     }
 
     #[test]

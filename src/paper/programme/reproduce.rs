@@ -15,6 +15,7 @@ use crate::paper::{
     self, Claim, Column, Intermittent, MeanSettlement, ReportInput, Scorecard, StudyView,
     constants::{FALLING_HEIGHTS_MM, VIBRATED_FALLING_HEIGHT_MM},
 };
+use crate::plain::in_shell;
 use crate::record::{RunKind, RunRecord, read_json, write_json};
 use crate::report::{self, Figure, Picture};
 use crate::scale::Scale;
@@ -275,6 +276,7 @@ fn finish(
             scorecard: &scorecard,
             beside: &beside,
             choices: &choices,
+            changes: &changes(options),
             standard: standard(&Scale::PAPER),
             provenance: &provenance(options, scenarios),
             effective,
@@ -310,6 +312,15 @@ fn pictures(run: &RunOptions, scenarios: &Scenarios) -> (Vec<Picture>, Vec<Strin
     }
 }
 
+/// How the programme differs from the default one: an interpretation, and changes as they were
+/// typed.
+fn changes(options: &ReproduceOptions) -> Vec<String> {
+    let interpretation = options.interpretation.as_ref();
+    let interpretation = interpretation.map(|i| format!("interpretation {}: {}", i.name, i.title));
+    let typed = options.changes.iter().map(|change| change.text().to_owned());
+    interpretation.into_iter().chain(typed).collect()
+}
+
 /// Where the results come from, in words.
 fn provenance(options: &ReproduceOptions, scenarios: &Scenarios) -> BTreeMap<String, String> {
     let engine = crate::world::info(scenarios.engine().backend);
@@ -324,12 +335,16 @@ fn provenance(options: &ReproduceOptions, scenarios: &Scenarios) -> BTreeMap<Str
     if options.placements > 1 {
         mode += &format!(" --placements {}", options.placements);
     }
+    mode += &format!(" --configurations {}", options.configurations);
+    for change in &options.changes {
+        mode += &format!(" --set {}", in_shell(change.text()));
+    }
     [
         ("Pluvia", env!("CARGO_PKG_VERSION").to_owned()),
         ("Engine", format!("{} {}, {} precision", engine.name, engine.version, engine.precision)),
         ("Settings", settings),
         ("Machine", target),
-        ("Command", format!("pluvia reproduce{mode} --configurations {}", options.configurations)),
+        ("Command", format!("pluvia reproduce{mode}")),
         ("Seed", scenarios.pluviation.seed.to_string()),
     ]
     .map(|(name, value)| (name.to_owned(), value))
@@ -374,4 +389,34 @@ pub(super) fn study_view<'a>(
             .map_or(f64::NAN, |s| s.contact.grain_grain_friction),
         quick: scenarios.quick,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Law: the command that is shown gives the same programme again, with every change.
+    #[test]
+    fn the_command_has_every_change() {
+        let typed = ["grains.total_mass_g=60", "engine.backend=\"bullet\""];
+        let changed_by = |typed: &[&str]| ReproduceOptions {
+            quick: true,
+            configurations: 2,
+            placements: 1,
+            changes: typed.iter().map(|text| text.parse().expect("a change")).collect(),
+            interpretation: None,
+        };
+        let command = |options: &ReproduceOptions| {
+            let scenarios = Scenarios::load(true, None, &options.changes).expect("scenarios");
+            provenance(options, &scenarios)["Command"].clone()
+        };
+        let (plain, changed) = (changed_by(&[]), changed_by(&typed));
+        let expected = "pluvia reproduce --quick --configurations 2";
+        assert_eq!(command(&plain), expected, "law: nothing is changed");
+        let expected =
+            format!("{expected} --set grains.total_mass_g=60 --set 'engine.backend=\"bullet\"'");
+        assert_eq!(command(&changed), expected, "law: as a shell reads it");
+        assert!(changes(&plain).is_empty(), "law: the default programme");
+        assert_eq!(changes(&changed), typed, "law: as they were typed");
+    }
 }

@@ -55,6 +55,8 @@ pub struct ReportInput<'a> {
     pub beside: &'a [Column],
     /// Values the paper does not give, and why they were chosen.
     pub choices: &'a [Choice],
+    /// How the programme differs from the default one, a change each; empty where it does not.
+    pub changes: &'a [String],
     /// The accuracy standard that runs are compared with.
     pub standard: Standard,
     /// Versions, seed, commands: names and values in words.

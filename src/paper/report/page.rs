@@ -22,6 +22,12 @@ pub(super) fn page(input: &ReportInput, headline: Figure, figures: Vec<Figure>) 
     let pictures = input.pictures.iter().map(|picture| Block::Html(picture_block(picture)));
     let lines = |text: &str| text.lines().map(str::to_owned).collect::<Vec<_>>();
     let mut head = vec![Block::Soft(source.to_owned())];
+    if !input.changes.is_empty() {
+        head.push(Block::Banner(format!(
+            "This is not the default programme. Changed in all of its scenarios: {}.",
+            input.changes.join("; ")
+        )));
+    }
     head.extend(lines(&input.scorecard.paragraph).into_iter().map(Block::Lead));
     head.extend(lines(&input.scorecard.reasons).into_iter().map(Block::Text));
     let said = "What the paper states, and what was found";

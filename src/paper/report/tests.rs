@@ -36,6 +36,7 @@ fn with_input<T>(
         scorecard: &scorecard,
         beside: &[],
         choices,
+        changes: &[],
         standard: STANDARD,
         provenance: &provenance,
         effective: &effective,
@@ -168,6 +169,24 @@ fn the_page_opens_with_what_a_reader_asks_first() {
     assert_eq!(before.matches("<figure").count(), 1, "law: one figure in the head");
     let results = place("Results</th>");
     assert!(results < place("Inputs, and what follows"), "law: results before inputs");
+}
+
+/// Law: the page of a changed programme says so above what it found, each change as it was typed.
+#[test]
+fn the_page_says_what_is_changed() {
+    let runs = canned::valid_runs();
+    let html = |changes: &[String]| {
+        with_input(canned::study(&runs), &[], |input| {
+            let input = ReportInput { changes, ..input.clone() };
+            let headline = figures::headline(&input.study, input.beside).expect("a figure");
+            page::page(&input, headline, Vec::new()).html()
+        })
+    };
+    let changed = html(&["grains.total_mass_g=60".to_owned(), "seed=<5>".to_owned()]);
+    let said = "Changed in all of its scenarios: grains.total_mass_g=60; seed=&lt;5&gt;.";
+    let place = changed.find(said).expect("law: it says so");
+    assert!(place < changed.find("class=\"lead\"").expect("a lead"), "law: above what it found");
+    assert!(!html(&[]).contains("not the default programme"), "law: nothing is changed");
 }
 
 /// Law: no page speaks of figures as lost, which were not available to us, nor of results that
