@@ -13,6 +13,11 @@ pub(crate) fn number(value: f64, decimals: usize) -> String {
     if zero { text.replace('-', "") } else { text.replace('-', "\u{2212}") }
 }
 
+/// A length in mm to a thousandth; of one that is nothing to that the bound.
+pub(crate) fn thousandths(mm: f64) -> String {
+    if mm.abs() < 5e-4 { "less than 0.001".to_owned() } else { number(mm, 3) }
+}
+
 /// "It falls by a, b." where there is something.
 pub(crate) fn listed(what: &str, items: &[String]) -> String {
     if items.is_empty() { String::new() } else { format!("{what} {}.", items.join(", ")) }
@@ -77,6 +82,19 @@ mod tests {
             (f64::NAN, "–"),
         ] {
             assert_eq!(compact(value), expected, "{value} for the reader (got left)");
+        }
+        for (mm, expected) in [
+            (0.0, "less than 0.001"),
+            (-4.9e-4, "less than 0.001"),
+            (5.1e-4, "0.001"),
+            (-0.0123, "\u{2212}0.012"),
+            (f64::NAN, "–"),
+        ] {
+            assert_eq!(
+                thousandths(mm),
+                expected,
+                "law: a length that is not seen is bounded: {mm}"
+            );
         }
         assert_eq!(number(-0.04, 1), "0.0", "no negative zero");
         assert_eq!(number(-0.06, 1), "\u{2212}0.1");

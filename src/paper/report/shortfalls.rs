@@ -7,7 +7,7 @@ use crate::{
     report::{
         Standard,
         table::{counted, from_to},
-        text::{compact, number},
+        text::{compact, number, thousandths},
     },
 };
 
@@ -132,13 +132,16 @@ fn creep_beside_settlement(study: &StudyView) -> Option<String> {
     });
     let (percent, creep_mm, plate_mm, run) =
         shares.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
+    let plate_mm = number(plate_mm, 2);
+    let share = if creep_mm.abs() < 5e-4 {
+        format!("{} mm of {plate_mm} mm", thousandths(creep_mm))
+    } else {
+        format!("at most {} mm of {plate_mm} mm, {} %", thousandths(creep_mm), number(percent, 2))
+    };
     Some(format!(
-        "How much of the settlement could be numerical creep: at most {} mm of {} mm, {} %, in {run} \
-         (that of the resting specimen times the length of the vibration). Under vibration it may be \
-         larger than at rest; no rest test shows that.",
-        number(creep_mm, 3),
-        number(plate_mm, 2),
-        number(percent, 2),
+        "How much of the settlement could be numerical creep: {share}, in {run} (that of the resting \
+         specimen times the length of the vibration). Under vibration it may be larger than at rest; \
+         no rest test shows that."
     ))
 }
 

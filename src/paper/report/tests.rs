@@ -271,6 +271,36 @@ fn numbers_of_a_figure_are_those_of_the_runs() {
     }
 }
 
+/// Law: no figure of the quick study has the laboratory's settlement beside its own, which is of a
+/// smaller specimen and of less time.
+#[test]
+fn the_quick_study_has_no_range_of_the_laboratory() {
+    let runs = canned::valid_runs();
+    let study = canned::study(&runs);
+    let quick = StudyView { quick: true, grain_count: 364, ..study.clone() };
+    for (study, expected) in [(study, true), (quick, false)] {
+        let (_, figures) = make_report(study, &[]);
+        for stem in ["settlement", "figure-09-continuous-vibration"] {
+            let figure = figures.iter().find(|f| f.stem == stem).expect("a figure");
+            let got = figure.svg.contains("Laboratory, ");
+            assert_eq!(got, expected, "law: {stem} at full size alone (got left)");
+            assert_eq!(figure.caption.contains("range is not drawn"), !expected, "law: said");
+        }
+    }
+}
+
+/// Law: what one configuration cannot show, intervals, has no figure.
+#[test]
+fn one_configuration_has_no_figure_of_intervals() {
+    let runs = canned::valid_runs();
+    let one: Vec<RunRecord> = runs.iter().filter(|r| r.configuration == 1).cloned().collect();
+    for (runs, expected) in [(&runs, true), (&one, false)] {
+        let (_, figures) = make_report(canned::study(runs), &[]);
+        let got = figures.iter().any(|f| f.stem == "uncertainty-standing-height");
+        assert_eq!(got, expected, "law: of {} runs (got left)", runs.len());
+    }
+}
+
 #[test]
 fn missing_runs_and_broken_numbers_do_not_stop_the_report() {
     let none: Vec<RunRecord> = Vec::new();

@@ -2,6 +2,7 @@
 //! stock Bullet, with the laboratory's range where it was read; beside it how the surface of the
 //! same specimens sinks in the rest test, unshaken and without a plate.
 
+use super::NO_RANGE_OF_QUICK;
 use crate::{
     paper::{Column, MeanSettlement, StudyView, bands, constants::CONTINUOUS_S},
     report::{
@@ -9,7 +10,7 @@ use crate::{
         plot::{Envelope, Look, Plot},
         style::{self, Dash},
         table::{Table, counted, row},
-        text::{compact, number},
+        text::{compact, number, thousandths},
     },
 };
 
@@ -64,7 +65,8 @@ pub(in crate::paper::report) fn figure(
 /// in the rest test, which has no plate and an end of its own.
 fn add(plot: &mut Plot, name: &str, m: &MeanSettlement, n: usize, dash: Dash) {
     let mark = if m.valid { "" } else { " (not valid)" };
-    let label = format!("{name}, mean of {}{mark}", counted(m.runs, "run"));
+    let of = if m.runs == 1 { "one run".to_owned() } else { format!("mean of {} runs", m.runs) };
+    let label = format!("{name}, {of}{mark}");
     plot.add(label, Look::line(n).dash(dash), m.shaken.iter().map(|r| (r[0], r[1])).collect());
     let end = m.unshaken.last().map_or(0.0, |p| p.0);
     let label = format!("{name}: surface, no plate; rest test ends at {end:.1} s");
@@ -84,9 +86,7 @@ fn caption(study: &StudyView, ours: Option<&MeanSettlement>, stock: &[&MeanSettl
     let Some(m) = ours else { return "No run was vibrated continuously.".to_owned() };
     let mut said = vec!["Settlement under continuous vibration, downwards.".to_owned()];
     said.push(if study.quick {
-        "The laboratory's range is not drawn: the quick study's specimen is smaller, and shaken for \
-         less time."
-            .to_owned()
+        NO_RANGE_OF_QUICK.to_owned()
     } else {
         "Bracket: the laboratory's range, read after 20 s.".to_owned()
     });
@@ -99,7 +99,7 @@ fn caption(study: &StudyView, ours: Option<&MeanSettlement>, stock: &[&MeanSettl
     }
     let rest = |m: &MeanSettlement| {
         let (seconds, drop) = m.unshaken.last()?;
-        Some(format!("{} mm in {} s", number(*drop, 3), number(*seconds, 1)))
+        Some(format!("{} mm in {} s", thousandths(*drop), number(*seconds, 1)))
     };
     if let Some(rest) = rest(m) {
         said.push(format!(

@@ -69,27 +69,30 @@ pub(super) fn over_falling_height(study: &StudyView) -> Result<Figure, ReportErr
     Figure::new("figure-07-standing-height", title, caption, &[plot], &table)
 }
 
-/// Means with their confidence intervals, and every configuration as a point.
-pub(super) fn with_confidence(study: &StudyView) -> Result<Figure, ReportError> {
+/// Means with their confidence intervals, and every configuration as a point; none where no height
+/// has an interval, as of a single configuration.
+pub(super) fn with_confidence(study: &StudyView) -> Result<Option<Figure>, ReportError> {
     let found = uncertainty(study);
     let heights: Vec<_> = found
         .quantities
         .iter()
         .filter_map(|q| Some((q.falling_height_mm? / MM_IN_CM, q)))
         .collect();
+    if heights.iter().all(|(_, q)| q.interval.is_none()) {
+        return Ok(None);
+    }
     let highest_fall = heights.iter().map(|h| h.0).fold(20.0, f64::max);
     let mut plot = Plot::of_standing_heights(highest_fall);
-    let mut means = Vec::new();
-    let mut single = Vec::new();
-    for (cm, q) in &heights {
-        let Some(mean) = q.mean else { continue };
-        means.push((*cm, mean));
-        single.extend(q.values.iter().map(|v| (*cm, *v)));
-        if let Some(i) = q.interval {
-            let ends = [(*cm, i.low), (*cm, i.high)];
-            plot.add_interval("", Look::line(0), ends, (STROKE_CM, 0.0));
-        }
+    let single = heights.iter().flat_map(|(cm, q)| q.values.iter().map(move |v| (*cm, *v)));
+    let rings = Look { colour: style::INK, ..Look::rings() };
+    plot.add("Single configurations", rings, single.collect());
+    for (cm, interval) in heights.iter().filter_map(|(cm, q)| Some((*cm, q.interval?))) {
+        let ends = [(cm, interval.low), (cm, interval.high)];
+        plot.add_interval("", Look::line(0), ends, (STROKE_CM, 0.0));
     }
+    let means = heights.iter().filter_map(|(cm, q)| Some((*cm, q.mean?)));
+    let disc = Look::line(0).marker(Marker::Disc);
+    plot.add("Mean and its 95 % confidence", disc, means.collect());
     let table = table!(heights.iter().filter(|(_, q)| q.mean.is_some()), |(_, q)| {
         "falling_height_mm" => q.falling_height_mm,
         "configurations" => q.values.len(),
@@ -98,21 +101,12 @@ pub(super) fn with_confidence(study: &StudyView) -> Result<Figure, ReportError> 
         "interval_low_mm" => q.interval.map(|i| i.low),
         "interval_high_mm" => q.interval.map(|i| i.high),
     });
-    let with_interval = heights.iter().any(|(_, q)| q.interval.is_some());
-    if !means.is_empty() {
-        let label = if with_interval { "Mean and its 95 % confidence" } else { "Mean" };
-        plot.add(label, Look::line(0).marker(Marker::Disc), means);
-        let rings = Look { colour: style::INK, ..Look::rings() };
-        plot.add("Single configurations", rings, single);
-    }
-    let bars = if with_interval {
-        "Bars: 95 % confidence of the mean over the configurations, by Student's t. They hold for \
-         each height by itself; configurations that stand high do so from every height, so that the \
-         slope is known better than the bars suggest."
-    } else {
-        "No bars: fewer than two configurations give no interval."
-    };
-    let caption = format!("Standing height (mean surface). {bars} {}", found.trend.verdict);
+    let caption = format!(
+        "Standing height (mean surface). Bars: 95 % confidence of the mean over the configurations, by \
+         Student's t. They hold for each height by itself; configurations that stand high do so from \
+         every height, so that the slope is known better than the bars suggest. {}",
+        found.trend.verdict
+    );
     let title = "How sure the standing heights are";
-    Figure::new("uncertainty-standing-height", title, caption, &[plot], &table)
+    Figure::new("uncertainty-standing-height", title, caption, &[plot], &table).map(Some)
 }

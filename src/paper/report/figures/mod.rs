@@ -19,18 +19,24 @@ use crate::{
 pub(super) use headline::figure as headline;
 pub(super) use interpretations::of_interpretations;
 
+/// Why the quick study has no range of the laboratory beside its settlements.
+const NO_RANGE_OF_QUICK: &str = "The laboratory's range is not drawn: the quick study's specimen is \
+                                 smaller, and shaken for less time.";
+
 /// The figures of a study, in the order of the paper.
 pub(super) fn of_study(study: &StudyView, standard: &Standard) -> Result<Vec<Figure>, ReportError> {
     let mut figures = vec![
         sizes::figure(study)?,
         of_shapes(&study.shapes)?,
         heights::over_falling_height(study)?,
-        heights::with_confidence(study)?,
+    ];
+    figures.extend(heights::with_confidence(study)?);
+    figures.extend([
         settlement::continuous(study)?,
         settlement::intermittent(study)?,
         quality::creep(study, standard)?,
         quality::overlap(study, standard)?,
-    ];
+    ]);
     let piles = study.of_kind(RunKind::Repose);
     let piles: Vec<(&str, &AngleOfRepose)> = piles
         .filter_map(|r| Some((r.name.as_str(), r.summary.angle_of_repose.as_ref()?)))

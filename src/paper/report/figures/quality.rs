@@ -47,6 +47,9 @@ pub(super) fn creep(study: &StudyView, standard: &Standard) -> Result<Figure, Re
         "plate_drop_mm" => c.and_then(|c| c.plate_drop_mm),
     });
     let found = match Interval::of(runs.iter().filter_map(|r| r.summary.creep_um_per_s)) {
+        Some(i) if i.low.abs().max(i.high.abs()) < 0.05 => {
+            "Found: less than 0.05 µm/s in every rest test.".to_owned()
+        }
         Some(i) => format!("Found: {} to {} µm/s.", number(i.low, 1), number(i.high, 1)),
         None => "No run had a rest test.".to_owned(),
     };
