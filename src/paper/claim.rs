@@ -91,6 +91,19 @@ pub struct NotValid {
     pub spread: Option<Interval>,
 }
 
+/// The unit of a number of things: of one of them it has no plural.
+pub(super) fn unit_of(count: f64, unit: &str) -> &str {
+    match unit {
+        _ if count != 1.0 => unit,
+        "configurations" => "configuration",
+        "vibration runs" => "vibration run",
+        "cases below 14 mm" => "case below 14 mm",
+        "grains changed or lost" => "grain changed or lost",
+        "grains" => "grain",
+        _ => unit,
+    }
+}
+
 /// Said where runs are missing.
 const NOT_RUN: &str = "Not run.";
 /// Said where runs are there, but do not tell.
@@ -353,6 +366,26 @@ mod tests {
         assert_eq!(ids.len(), 25, "law: each once");
         let settlement = Draft::of("continuous-final-settlement").judge().read_as;
         assert_eq!(settlement, Some(crate::paper::bands::FINAL_SETTLEMENT_MM), "law: one number");
+    }
+
+    #[test]
+    fn one_of_a_thing_has_no_plural() {
+        for (count, unit, expected) in [
+            (1.0, "configurations", "configuration"),
+            (1.0, "vibration runs", "vibration run"),
+            (0.0, "configurations", "configurations"),
+            (3.0, "cases below 14 mm", "cases below 14 mm"),
+            (1.0, "mm", "mm"),
+        ] {
+            assert_eq!(unit_of(count, unit), expected, "law: {count} {unit}");
+        }
+        // Every unit of a count is known.
+        for statement in statements() {
+            let plural = statement.unit.split(' ').next().is_some_and(|word| word.ends_with('s'));
+            let counted = (plural && statement.unit != "s") || statement.unit == "vibration runs";
+            let has_singular = unit_of(1.0, &statement.unit) != statement.unit;
+            assert_eq!(has_singular, counted, "law: {} of {}", statement.unit, statement.id);
+        }
     }
 
     #[test]

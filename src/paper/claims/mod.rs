@@ -36,13 +36,22 @@ pub fn claims(study: &StudyView) -> Vec<Claim> {
         })
         .collect();
     if study.quick {
-        let reason =
-            format!("{} grains instead of {GRAIN_COUNT}, shaken for less time", study.grain_count);
+        let smaller = format!("{} grains instead of {GRAIN_COUNT}", study.grain_count);
         for claim in claims.iter_mut().filter(|c| c.full_size) {
-            // What was not run, or in no run that counts, has its own reason.
-            if matches!(claim.verdict, Verdict::Within | Verdict::Outside) {
-                claim.not_comparable(&reason);
-                claim.add_note(&format!("Not compared: {reason}."));
+            let shaken = ["continuous-", "intermittent-"].iter().any(|of| claim.id.starts_with(of));
+            match claim.verdict {
+                Verdict::Within | Verdict::Outside => {
+                    let time = if shaken { ", shaken for less time" } else { "" };
+                    let reason = format!("{smaller}{time}");
+                    claim.not_comparable(&reason);
+                    claim.add_note(&format!("Not compared: {reason}."));
+                }
+                // The runs are there, and too short to show it.
+                Verdict::NotRun if shaken && claim.ours.is_none() && !claim.runs.is_empty() => {
+                    "shaken for less time".clone_into(&mut claim.reason);
+                }
+                // What was not run, or in no run that counts, has its own reason.
+                _ => {}
             }
         }
     }

@@ -197,6 +197,12 @@ fn what_was_run_and_does_not_tell_is_not_measured() {
     }
     let c = claim(&canned::study(&runs), "intermittent-fluctuation-at-ends");
     assert_eq!((c.verdict, c.reason.as_str()), (Verdict::NotRun, "not measured"), "{c:?}");
+    for run in &mut runs {
+        run.summary.void_ratio = None;
+    }
+    let c = claim(&canned::study(&runs), "denser-after-vibration");
+    assert_eq!((c.verdict, c.reason.as_str()), (Verdict::NotRun, "not measured"), "{c:?}");
+    assert_eq!(c.runs.len(), 6, "law: the runs that would tell: {c:?}");
     let c = claim(&canned::study(&runs[..4]), "intermittent-fluctuation-at-ends");
     assert_eq!((c.verdict, c.reason.as_str()), (Verdict::NotRun, "not run"), "{c:?}");
 }

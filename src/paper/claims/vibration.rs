@@ -64,10 +64,15 @@ fn every_run(study: &StudyView, draft: Draft, shows: impl Fn(&RunRecord) -> Opti
     let expected = (2 * study.configurations as usize).saturating_sub(left_out);
     let missing = if told.is_empty() { 0 } else { expected.saturating_sub(told.len()) };
     let not_run = if missing > 0 { format!("Not run: {missing}.") } else { String::new() };
+    // Where no run tells, all of them were run and do not.
+    let runs: Vec<&RunRecord> = match told.is_empty() {
+        true => vibrated(study).collect(),
+        false => told.iter().map(|t| t.0).collect(),
+    };
     draft
         .paper(&Stated::Count(expected))
         .ours((!told.is_empty()).then_some(yes as f64))
-        .runs(told.iter().map(|t| t.0))
+        .runs(runs)
         .missing(missing)
         .note(not_run)
 }

@@ -31,8 +31,9 @@ pub(super) fn paragraph(study: &StudyView, rows: &[ScoreRow]) -> String {
     let mut sentences = Vec::new();
     if study.quick {
         sentences.push(format!(
-            "This is the quick study, of {} grains instead of {GRAIN_COUNT}: it shows that everything \
-             works, and compares nothing that depends on the full size.",
+            "This is the quick study, of {} grains instead of {GRAIN_COUNT}, shaken for less time: it \
+             tries the whole programme. What depends on the full size is shown, and not compared \
+             with the paper.",
             study.grain_count
         ));
     }
@@ -124,8 +125,8 @@ fn missed(row: &ScoreRow) -> String {
     format!("{} ({}, {side} than the paper's {})", lower(row.statement), row.in_words, row.paper)
 }
 
-/// Statements with the same reason, together.
-fn by_reason<'a>(what: &str, rows: impl Iterator<Item = &'a ScoreRow>) -> Vec<String> {
+/// A sentence on statements, those with the same reason together; none without any.
+fn by_reason<'a>(what: &str, rows: impl Iterator<Item = &'a ScoreRow>) -> Option<String> {
     let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
     for row in rows {
         let statement = lower(row.statement);
@@ -134,16 +135,16 @@ fn by_reason<'a>(what: &str, rows: impl Iterator<Item = &'a ScoreRow>) -> Vec<St
             None => groups.push((&row.reason, vec![statement])),
         }
     }
-    let sentence = |(reason, statements): &(&str, Vec<String>)| {
+    let group = |(reason, statements): &(&str, Vec<String>)| {
         // "Not run" says itself that it was not run.
         let because = if reason.is_empty() || what.eq_ignore_ascii_case(reason) {
             String::new()
         } else {
             format!(" ({reason})")
         };
-        format!("{what}: {}{because}.", statements.join("; "))
+        format!("{}{because}", statements.join("; "))
     };
-    groups.iter().map(sentence).collect()
+    said(what, &groups.iter().map(group).collect::<Vec<_>>())
 }
 
 /// What is measured of the causes of each row that is missed or not decided, and what is not.

@@ -5,13 +5,16 @@ use crate::{
     measure::{Interval, inference::MeanTest, statistics::mean},
     paper::{
         Claim, PaperValue, StudyView, Verdict,
+        claim::unit_of,
         claims::edge_ratio,
+        constants::{CONTINUOUS_S, PERIOD_S},
         uncertainty::{
             PlacementScatter, SETTLEMENT_OF_PLATE, SHARE_AFTER_5_S, placement_scatter, trend,
         },
         view::{angle_of_repose, plate},
     },
-    record::{RunKind, Settlement},
+    plain::without_zeros,
+    record::{RunKind, RunRecord, Settlement},
     report::text::{compact, number},
 };
 
@@ -57,36 +60,49 @@ pub(super) fn rows(all: &StudyView, study: &StudyView, claims: &[Claim]) -> Vec<
     let after_first = settled(intermittent, of_first);
     let after_last = settled(intermittent, |s| Some(s.final_mm));
     let angles = study.values(RunKind::Repose, angle_of_repose);
+    let for_s = |what: &str, s: f64| format!("Ours {what} {} s.", without_zeros(&number(s, 2)));
+    let continuously = &shaken_otherwise(study, continuous, CONTINUOUS_S)
+        .map_or_else(String::new, |s| for_s("is shaken for", s));
+    let in_periods = &shaken_otherwise(study, intermittent, PERIOD_S)
+        .map_or_else(String::new, |s| for_s("has periods of", s));
     [
         one("standing-height-falls", "Gravel that falls from higher stands lower")
             .counted()
             .map(|row| falls(row, study)),
         one("denser-after-vibration", "Gravel is denser after vibration").counted(),
         each("continuous-final-settlement", "Settlement of the plate after 20 s of vibration")
-            .mean(under_plates(&after_20_s, SETTLEMENT_OF_PLATE), "mm", 1),
-        each("continuous-share-after-5-s", "Share of it in the first 5 s").mean(
-            under_plates(&after_5_s, SHARE_AFTER_5_S),
-            "%",
-            0,
-        ),
+            .mean(under_plates(&after_20_s, SETTLEMENT_OF_PLATE), "mm", 1)
+            .map(|row| row.noting(continuously)),
+        each("continuous-share-after-5-s", "Share of the settlement in the first 5 s")
+            .mean(under_plates(&after_5_s, SHARE_AFTER_5_S), "%", 0)
+            .map(|row| row.noting(continuously)),
         each(
             "intermittent-share-in-first-period",
             "Share in the first of four periods of vibration",
         )
-        .mean(Measured::under_one_plate(&after_first), "%", 0),
+        .mean(Measured::under_one_plate(&after_first), "%", 0)
+        .map(|row| row.noting(in_periods)),
         one("intermittent-fluctuation-at-ends", "The plate moves most as a period begins and ends")
             .counted()
             .map(|row| moves_most_at_ends(row, study)),
-        one("intermittent-in-laboratory-range", "Settlement of the plate after four periods").mean(
-            Measured::under_one_plate(&after_last),
-            "mm",
-            1,
-        ),
+        one("intermittent-in-laboratory-range", "Settlement of the plate after four periods")
+            .mean(Measured::under_one_plate(&after_last), "mm", 1)
+            .map(|row| row.noting(in_periods)),
         one("angle-of-repose", "Angle of repose").mean(Measured::of(&angles), "°", 1),
     ]
     .into_iter()
     .flatten()
     .collect()
+}
+
+/// Length in s of the first period of a run that is not as long as the paper's; none where all are.
+fn shaken_otherwise(study: &StudyView, kind: RunKind, paper_s: f64) -> Option<f64> {
+    let first = |run: &RunRecord| {
+        let [begin, end] = *run.summary.vibrations.first()?.periods_s.first()?;
+        Some(end - begin)
+    };
+    // A period ends with a step.
+    study.values(kind, first).into_iter().find(|s| (s - paper_s).abs() > 0.01 * paper_s)
 }
 
 fn in_brackets(interval: Interval, decimals: usize) -> String {
@@ -198,6 +214,14 @@ fn moves_most_at_ends(mut row: ScoreRow, study: &StudyView) -> ScoreRow {
 }
 
 impl ScoreRow {
+    /// With another sentence in the note where there is a value of ours that it is of.
+    fn noting(mut self, sentence: &str) -> Self {
+        if self.ours.is_some() {
+            self.add_note(sentence);
+        }
+        self
+    }
+
     /// Of a count: its verdict is more than chance where both ends of the interval of what was
     /// counted say the same.
     fn decide_by(&mut self, interval: Option<Interval>, shows: impl Fn(f64) -> bool) {
@@ -283,7 +307,8 @@ impl Row<'_> {
         row.ours = claim.ours;
         row.count = expected as usize;
         row.in_words = claim.ours.map_or("–".to_owned(), |ours| {
-            format!("{} of {} {}", number(ours, 0), number(expected, 0), claim.unit)
+            let unit = unit_of(expected, &claim.unit);
+            format!("{} of {} {unit}", number(ours, 0), number(expected, 0))
         });
         row.beyond = claim.ours.map_or(0.0, |ours| ours - expected);
         Some(row)

@@ -385,7 +385,52 @@ fn the_quick_study_says_why_it_compares_nothing() {
     assert!(text.starts_with("This is the quick study, of 364 grains"), "{text}");
     assert!(!text.contains("Not reproduced"), "{text}");
     assert!(text.contains("Nothing that could be compared is missed"), "{text}");
-    assert_eq!(text.matches("Not compared").count(), 1, "law: one reason, one sentence: {text}");
+    assert_eq!(text.matches("Not compared").count(), 1, "law: one sentence: {text}");
+    let said = "gravel that falls from higher stands lower (364 grains instead of 1456); settlement of \
+                the plate after 20 s of vibration; share of the settlement in the first 5 s;";
+    assert!(text.contains(said), "law: each statement with its own reason: {text}");
+    let shared = "(364 grains instead of 1456, shaken for less time)";
+    assert_eq!(text.matches(shared).count(), 1, "law: a shared reason once: {text}");
+}
+
+/// Law: a row of a vibration that is not as long as the paper's says how long ours is.
+#[test]
+fn a_shorter_vibration_is_named() {
+    let mut runs = canned::valid_runs();
+    let plain = card(&canned::study(&runs));
+    for vibration in runs.iter_mut().flat_map(|run| run.summary.vibrations.iter_mut()) {
+        for [begin, end] in &mut vibration.periods_s {
+            *end = *begin + 0.1 * (*end - *begin);
+        }
+    }
+    let short = card(&canned::study(&runs));
+    for (id, said) in [
+        ("continuous-final-settlement", "Ours is shaken for 2 s."),
+        ("continuous-share-after-5-s", "Ours is shaken for 2 s."),
+        ("intermittent-share-in-first-period", "Ours has periods of 0.5 s."),
+        ("intermittent-in-laboratory-range", "Ours has periods of 0.5 s."),
+    ] {
+        let note = &row(&short, id).note;
+        assert!(note.contains(said), "law: `{said}` of {id}, got `{note}`");
+        let note = &row(&plain, id).note;
+        assert!(!note.contains("Ours "), "law: as long as the paper's, got `{note}` of {id}");
+    }
+}
+
+/// Law: what runs are too short to show is not called a run that is missing.
+#[test]
+fn what_the_quick_study_is_too_short_for_says_so() {
+    let mut runs = canned::valid_runs();
+    for settled in runs.iter_mut().filter_map(|run| run.summary.settlement_mm.as_mut()) {
+        settled.share_after_5_s = None;
+    }
+    let quick = StudyView { quick: true, grain_count: 364, ..canned::study(&runs) };
+    let card = card(&quick);
+    let share = row(&card, "continuous-share-after-5-s");
+    let got = (share.verdict, share.reason.as_str());
+    assert_eq!(got, (Verdict::NotRun, "shaken for less time"), "law: {share:?}");
+    let said = "Not run: share of the settlement in the first 5 s (shaken for less time).";
+    assert!(words(&card).contains(said), "law: `{said}` in {}", words(&card));
 }
 
 /// Law: runs left out are counted in their row and make no mean; what was not run is not run.
