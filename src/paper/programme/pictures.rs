@@ -16,13 +16,13 @@ use crate::report::Picture;
 /// When the run cannot be read or a picture cannot be drawn.
 pub(super) fn of_programme(folder: &Path) -> Result<Vec<Picture>, PictureError> {
     let run = read_playback_ends(folder)?;
-    let title = "Figure 5: funnel, lid and cylinder";
+    let title = "Figure 5. Funnel, lid and cylinder";
     let mut pictures = vec![
-        grains(&run, "figure-04-grains", "Figure 4: generated grains")?,
+        grains(&run, "figure-04-grains", "Figure 4. Generated grains")?,
         apparatus(&run, "figure-05-apparatus", title)?,
     ];
-    pictures.extend(funnel(&run, "figure-06-funnel", "Figure 6: grains in the funnel")?);
-    let title = "Figure 8: before and after vibration";
+    pictures.extend(funnel(&run, "figure-06-funnel", "Figure 6. Grains in the funnel")?);
+    let title = "Figure 8. Before and after vibration";
     pictures.extend(vibration(&run, "figure-08-vibration", title)?.map(with_the_paper_s_views));
     Ok(pictures)
 }

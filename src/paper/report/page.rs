@@ -30,10 +30,14 @@ pub(super) fn page(input: &ReportInput, headline: Figure, figures: Vec<Figure>) 
     }
     head.extend(lines(&input.scorecard.paragraph).into_iter().map(Block::Lead));
     head.extend(lines(&input.scorecard.reasons).into_iter().map(Block::Text));
+    let numbered = "A figure with a number shows what the paper's figure of that number shows, drawn from \
+                    these runs; so do the pictures.";
+    let numbered = (!figures.is_empty()).then(|| Block::Soft(numbered.to_owned()));
+    let figures = figures.into_iter().map(Block::Figure);
     let said = "What the paper states, and what was found";
     Page::new(title, head)
         .section("scorecard", "Scorecard", scorecard)
-        .figures("figures", "Figures", figures)
+        .section("figures", "Figures", numbered.into_iter().chain(figures))
         .section("pictures", "Pictures", pictures)
         .section("claims", said, sections::claims(input.claims, input.beside))
         .section(

@@ -301,6 +301,30 @@ fn one_configuration_has_no_figure_of_intervals() {
     }
 }
 
+/// Law: a note that all quantities have is said once, a single value is no range, one of a thing has
+/// no plural, and what was not measured has no unit.
+#[test]
+fn tables_say_nothing_twice_and_no_more_than_there_is() {
+    let runs = canned::valid_runs();
+    let of = |configurations: u32| {
+        let mut runs = runs.clone();
+        runs.retain(|run| run.configuration <= configurations);
+        runs.push(canned::pile(1, None));
+        make_report(StudyView { configurations, ..canned::study(&runs) }, &[]).0
+    };
+    let (one, two) = (of(1), of(2));
+    for (page, note) in
+        [(&one, "One configuration: no interval"), (&two, "Two configurations: the")]
+    {
+        assert_eq!(page.matches(note).count(), 1, "law: `{note}` once");
+        assert!(!page.contains("–°"), "law: a dash alone");
+    }
+    // The first configuration stands 163.9 mm high when it falls from 0.
+    assert!(one.contains("163.9") && !one.contains("163.9 to 163.9"), "law: no range of one");
+    assert!(one.contains("1 of 1 configuration") && !one.contains("1 of 1 configurations"));
+    assert!(two.contains("with 1 degree of freedom"), "law: one degree");
+}
+
 #[test]
 fn missing_runs_and_broken_numbers_do_not_stop_the_report() {
     let none: Vec<RunRecord> = Vec::new();

@@ -11,7 +11,7 @@ use crate::{
     record::NO_VALID_RUN,
     report::{
         page::Block,
-        table::{Cell, Table, dash, table},
+        table::{Cell, Table, counted, dash, table},
         text::number,
     },
 };
@@ -19,8 +19,10 @@ use crate::{
 /// Interval, tests, numerical creep and the laboratory's scatter.
 pub(super) fn section(of: &Uncertainty) -> Vec<Block> {
     let heading = |text: &str| Block::Heading(text.to_owned());
+    let of_all = note_of_all(&of.quantities);
     let reading = html! {
         p.soft {
+            @if let Some(note) = of_all { (note) " " }
             "Intervals are those of the mean over the configurations, by Student's t, 95 % confidence. "
             "SD: standard deviation of a single configuration. Runs that do not count (docs/accuracy.md) "
             "are left out; the table of runs says why. The same as numbers: "
@@ -30,7 +32,7 @@ pub(super) fn section(of: &Uncertainty) -> Vec<Block> {
     let mut blocks = vec![
         Block::Text(of.trend.verdict.clone()),
         Block::Html(reading),
-        Block::Table(quantities(&of.quantities)),
+        Block::Table(quantities(&of.quantities, of_all)),
         heading("Does the standing height fall with the falling height?"),
         Block::Table(trend(&of.trend)),
         Block::Soft(SOURCES.to_owned()),
@@ -72,24 +74,33 @@ const SOURCES: &str = "Sources: Student's one-sample test (1908) of each configu
     configurations with it.";
 
 fn range(interval: Option<Interval>, decimals: usize) -> String {
-    interval.map_or_else(dash, |i| {
-        format!("{} to {}", number(i.low, decimals), number(i.high, decimals))
+    interval.map_or_else(dash, |i| match [i.low, i.high].map(|end| number(end, decimals)) {
+        [low, high] if low == high => low,
+        [low, high] => format!("{low} to {high}"),
     })
 }
 
-fn quantities(of: &[Quantity]) -> Table {
-    table!(of, |q| {
+/// The note that all quantities with values have, which then is said once.
+fn note_of_all(of: &[Quantity]) -> Option<&str> {
+    let mut notes = of.iter().filter(|q| !q.values.is_empty()).map(|q| q.note.as_str());
+    let first = notes.next().filter(|note| !note.is_empty())?;
+    notes.all(|note| note == first).then_some(first)
+}
+
+fn quantities(of: &[Quantity], of_all: Option<&str>) -> Table {
+    let table = table!(of, |q| {
         "Quantity" => format!("{}, {}", q.name, q.unit),
         "Configurations" => q.values.len(),
         "Mean" => match q.mean {
             None if !q.left_out.is_empty() => Cell::number(NO_VALID_RUN),
             mean => Cell::fixed(mean, 1),
         },
-        "Range" => Cell::number(range(q.range, 1)),
+        "Range" => Cell::number(range(q.range.filter(|_| q.values.len() > 1), 1)),
         "SD" => Cell::fixed(q.standard_deviation, 1),
         "95 % confidence" => Cell::number(range(q.interval, 1)),
-        "Mind" => &q.note,
-    })
+        "Mind" => Some(&q.note).filter(|note| Some(note.as_str()) != of_all),
+    });
+    table.class("quantities")
 }
 
 fn placements(of: &[PlacementScatter]) -> Table {
@@ -115,11 +126,11 @@ fn trend(of: &Trend) -> Table {
         slopes.map(|(c, s)| format!("{} (configuration {c})", number(*s, 3))).collect();
     let slope = of.slope.as_ref().map(|t| {
         format!(
-            "mean {}, 95 % {}, t = {} with {} degrees of freedom, two-sided p = {}",
+            "mean {}, 95 % {}, t = {} with {} of freedom, two-sided p = {}",
             number(t.mean_mm_per_cm, 3),
             range(Some(t.interval), 3),
             t.t.map_or_else(dash, |t| number(t, 2)),
-            number(t.freedom, 0),
+            counted(t.freedom as usize, "degree"),
             p_value(t.p)
         )
     });
