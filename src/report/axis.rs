@@ -9,6 +9,7 @@ pub struct Axis {
     pub name: String,
     is_log: bool,
     is_reversed: bool,
+    is_clear: bool,
     /// Values that it reaches to, whatever is drawn.
     holds: Vec<f64>,
     /// How it is divided, where that does not follow from what is drawn.
@@ -82,13 +83,21 @@ impl Axis {
         Self { is_reversed: !self.is_reversed, ..self }
     }
 
+    /// The same linear axis, divided for the values that it holds, with its ends beyond all that is
+    /// drawn: what stands at the first and the last value is not on the frame.
+    pub fn clear_of_frame(self) -> Self {
+        Self { is_clear: true, ..self }
+    }
+
     /// How it is divided where these values are drawn.
     pub(super) fn scale(&self, values: impl Iterator<Item = f64>) -> Scale {
-        let values = values.chain(self.holds.iter().copied());
+        let values: Vec<f64> = values.chain(self.holds.iter().copied()).collect();
+        let of = || values.iter().copied();
         let mut scale = match &self.scale {
             Some(scale) => scale.clone(),
-            None if self.is_log => Scale::logarithmic(values),
-            None => Scale::linear(values),
+            None if self.is_log => Scale::logarithmic(of()),
+            None if self.is_clear => Scale::linear(self.holds.iter().copied()).clear_of(of()),
+            None => Scale::linear(of()),
         };
         if self.is_reversed {
             std::mem::swap(&mut scale.from, &mut scale.to);
@@ -115,6 +124,14 @@ impl Scale {
             ((low / step + HAIR).floor() as i64, (high / step - HAIR).ceil() as i64);
         let ticks: Vec<f64> = (first..=last).map(|i| i as f64 * step).collect();
         Self::with_ticks(&ticks)
+    }
+
+    /// The same ticks between ends that no value is near.
+    fn clear_of(self, values: impl Iterator<Item = f64>) -> Self {
+        const MARGIN: f64 = 0.04;
+        let Some((low, high)) = extent(values) else { return self };
+        let margin = MARGIN * (self.to - self.from);
+        Self { from: self.from.min(low - margin), to: self.to.max(high + margin), ..self }
     }
 
     fn with_ticks(ticks: &[f64]) -> Self {
@@ -227,6 +244,23 @@ mod tests {
         assert_eq!((axis.from, axis.to), (0.0, 20.0), "rounding does not lengthen the axis");
         assert_eq!(linear([0.0, 0.5]).number(0.1), "0.1");
         assert_eq!(linear([-3.0, 3.0]).number(-2.0), "\u{2212}2");
+    }
+
+    /// Law: the ends stand clear of the values, and ticks stay round numbers between them.
+    #[test]
+    fn what_stands_at_the_ends_is_clear_of_the_frame() {
+        let scale = |held: &[f64], drawn: &[f64]| {
+            let axis = Axis::linear("").holding(held.iter().copied()).clear_of_frame();
+            axis.scale(drawn.iter().copied())
+        };
+        let ends = scale(&[30.0, 80.0], &[29.5, 80.5]);
+        assert_eq!((ends.from, ends.to), (27.5, 82.5), "law: beyond what is drawn by 4 % of 50");
+        let ticks: Vec<f64> = (3..=8).map(|n| 10.0 * f64::from(n)).collect();
+        assert_eq!(ends.ticks, ticks, "law: ticks from the first value to the last");
+        let inside = scale(&[13.0, 57.0], &[]);
+        assert_eq!((inside.from, inside.to), (10.0, 60.0), "law: there is room already");
+        let none = scale(&[], &[]);
+        assert_eq!((none.from, none.to), (0.0, 1.0), "law: nothing is drawn");
     }
 
     #[test]

@@ -142,8 +142,8 @@ pub struct SweepEffect {
     /// slope; none of fewer than three values or two configurations.
     pub page_p: Option<f64>,
     /// Configurations that would show a slope of this size among this scatter, at
-    /// 95 % confidence with a probability of 80 %; none where it is not known, or
-    /// more than 100 000.
+    /// 95 % confidence with a probability of 80 %; none of fewer than three
+    /// configurations, where it is not known, or more than 100 000.
     pub configurations_needed: Option<usize>,
 }
 

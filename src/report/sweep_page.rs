@@ -7,8 +7,7 @@ use super::{
     page::{Block, Page},
     sweep::shown,
     sweep_outcomes::{all_outcomes, in_words, main_outcomes},
-    table::{Cell, Table, besides, counted, dash, missing, plus_minus, row, table},
-    text::compact,
+    table::{Cell, Table, besides, counted, dash, mean_within, missing, row, table},
 };
 use crate::{
     plain::plain,
@@ -68,7 +67,8 @@ const HOW_TO_READ: &str = "Every point is run in the same configurations, each a
      and no run-time check found anything. Means and effects leave out runs that are not valid, \
      and runs of which too many grains are missing (docs/accuracy.md); each point says how many. \
      Configurations needed: the number that would show a slope of this size among this scatter with \
-     a probability of 80 %.";
+     a probability of 80 %, where at least three were run. Every run stands in sweep.csv, the \
+     scenario that all of them share in scenario.json, the numbers of this page in sweep.json.";
 
 fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
     let failed = of.failed().count();
@@ -138,7 +138,7 @@ fn effects(of: &Sweep) -> Table {
 }
 
 fn slope(of: &SweepEffect) -> String {
-    match of.slope.map(|slope| plus_minus(slope, of.slope_half_width, compact)) {
+    match of.slope.map(|slope| mean_within(slope, of.slope_half_width)) {
         Some(shown) if of.left_out > 0 => format!("{shown} (left out: {})", of.left_out),
         Some(shown) => shown,
         None if of.left_out > 0 && of.runs > 0 => "too few valid runs".to_owned(),
@@ -147,7 +147,7 @@ fn slope(of: &SweepEffect) -> String {
 }
 
 fn estimate(of: &SweepPoint, e: Option<&SweepEstimate>) -> Cell {
-    let shown = e.map(|e| plus_minus(e.mean, e.t_high.map(|high| high - e.mean), compact));
+    let shown = e.map(|e| mean_within(e.mean, e.t_high.map(|high| high - e.mean)));
     let none = || missing(of.left_out > 0 && of.left_out == of.runs);
     Cell::number(shown.unwrap_or_else(none))
 }
@@ -161,9 +161,12 @@ fn points(of: &Sweep) -> Table {
     let mut table = Table::new(first.chain(factors).chain(counts).chain(words));
     for p in &of.points {
         let mut cells = row![&p.point];
-        cells.extend(p.values.iter().map(|value| Cell::from(shown(value))));
+        cells.extend(p.values.iter().map(|value| match value.is_number() {
+            true => Cell::number(shown(value)),
+            false => Cell::from(shown(value)),
+        }));
         let runs = format!("{}{}", p.runs, besides(p.failed, "failed"));
-        cells.extend(row![runs, p.valid, p.left_out]);
+        cells.extend(row![Cell::number(runs), p.valid, p.left_out]);
         cells.extend(outcomes.iter().map(|path| estimate(p, p.outcomes.get(*path))));
         table.row(cells);
     }

@@ -70,6 +70,18 @@ pub(crate) fn plus_minus(mean: f64, off: Option<f64>, shown: impl Fn(f64) -> Str
     }
 }
 
+/// A mean and half of its confidence interval, to the second digit of the latter: more would be no
+/// finding.
+pub(crate) fn mean_within(mean: f64, half: Option<f64>) -> String {
+    let decimals = half.filter(|half| *half > 0.0).map(|half| 1.0 - half.log10().floor());
+    match decimals {
+        Some(decimals) if decimals <= 8.0 => {
+            plus_minus(mean, half, |v| number(v, decimals.max(0.0) as usize))
+        }
+        _ => plus_minus(mean, half, compact),
+    }
+}
+
 /// From one value to another.
 pub(crate) fn from_to(low: f64, high: f64) -> String {
     format!("{} to {}", compact(low), compact(high))
@@ -343,6 +355,22 @@ mod tests {
         let name = "<img src=x onerror=alert(1)>\u{202e}a</b> p < 0.001";
         let expected = "&lt;img src=x onerror=alert(1)>\\u202ea&lt;/b> p < 0.001";
         assert_eq!(in_markdown(name), expected, "law: a tag is text, a comparison stays");
+    }
+
+    #[test]
+    fn a_mean_has_the_digits_that_its_interval_leaves() {
+        for (mean, half, expected) in [
+            (23.66, Some(8.104), "23.7 ± 8.1"),
+            (0.82, Some(0.4298), "0.82 ± 0.43"),
+            (2.171, Some(27.89), "2 ± 28"),
+            (1234.6, Some(321.0), "1235 ± 321"),
+            (166.0, None, "166"),
+            (3.0, Some(0.0), "3 ± 0"),
+            (3.0, Some(1e-9), "3 ± 1.00e\u{2212}9"),
+            (3.0, Some(f64::NAN), "3 ± –"),
+        ] {
+            assert_eq!(mean_within(mean, half), expected, "law: {mean} within {half:?}");
+        }
     }
 
     #[test]

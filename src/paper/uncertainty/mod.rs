@@ -363,7 +363,8 @@ fn in_words(
         );
     }
     text += match (slope.mean_mm_per_cm < 0.0, slope.p < level, page.map(|p| p.p < level)) {
-        (true, true, Some(true) | None) => ". Both say that it falls.",
+        (true, true, Some(true)) => ". Both say that it falls.",
+        (true, true, None) => ". It falls.",
         (true, true, Some(false)) => ". The slopes say that it falls, the ranks are not enough.",
         (true, false, Some(true)) => {
             ". The ranks say that it falls; by how much is not known to this confidence."

@@ -2,7 +2,7 @@
 
 use super::Figure;
 use crate::{
-    measure::statistics::mean,
+    measure::{Interval, statistics::mean},
     report::{
         ReportError, Sweep, SweepEffect, SweepFactor, SweepPoint, SweepRun,
         axis::{Axis, Scale},
@@ -10,12 +10,15 @@ use crate::{
         style::{self, Marker},
         sweep::shown,
         sweep_outcomes::{in_words, main_outcomes},
-        table::{Table, row},
+        table::{Table, counted, row},
     },
 };
 
 /// Height of a panel, in SVG units.
 const PANEL: u32 = 560;
+
+/// Half the width of an interval's end strokes by the distance from the first to the last value.
+const STROKE: f64 = 0.01;
 
 /// Most pairs of factors that get a figure.
 const MOST_PAIRS: usize = 10;
@@ -46,7 +49,7 @@ fn stem(kind: &str, path: &str) -> String {
 fn axis(factor: &SweepFactor) -> Axis {
     let numbers = factor.values.iter().map(|v| factor.number(v));
     if factor.numeric {
-        return Axis::linear(&factor.path).holding(numbers);
+        return Axis::linear(&factor.path).holding(numbers).clear_of_frame();
     }
     let names: Vec<String> =
         factor.values.iter().enumerate().map(|(n, v)| format!("{} {}", n + 1, shown(v))).collect();
@@ -80,16 +83,31 @@ fn effect_figure(
          left out of the effects, as they do not count in means."
             .to_owned()
     } else {
-        format!(
-            "Rings: every run; crosses: runs left out of the means, as they do not count in \
-             them. Discs: means over {} configurations{}, with the 95 % confidence of the mean by \
-             Student's t.",
-            of.configurations,
-            if of.design == "grid" { " and over all values of the other factors" } else { "" }
-        )
+        let left_out = match of.left_out().count() {
+            0 => "",
+            _ => "; crosses: runs left out of the means, as they do not count in them",
+        };
+        let over = match of.runs.len() < of.planned {
+            true => "the configurations run so far".to_owned(),
+            false => counted(of.configurations as usize, "configuration"),
+        };
+        let others = match of.design == "grid" && of.factors.len() > 1 {
+            true => " and over all values of the other factors",
+            false => "",
+        };
+        let bars = match has_intervals(&effects) {
+            true => "Bars: the 95 % confidence of the mean by Student's t.",
+            false => "No bars: one value gives no interval.",
+        };
+        format!("Rings: every run{left_out}. Discs: means over {over}{others}. {bars}")
     };
     let title = format!("What {} moves", factor.path);
     figure_of(&stem("effect", &factor.path), &title, caption, panels, &table)
+}
+
+/// Whether any mean of some effects has an interval.
+fn has_intervals(effects: &[&SweepEffect]) -> bool {
+    effects.iter().flat_map(|effect| &effect.means).any(|(_, e)| e.t_low.is_some())
 }
 
 /// A figure, where it has panels.
@@ -121,13 +139,16 @@ fn effect_panel(of: &Sweep, n: usize, factor: &SweepFactor, effect: &SweepEffect
     let of_values = || effect.means.iter().map(|(v, e)| (factor.number(v), e));
     let mean_points = of_values().map(|(at, e)| (at, e.mean));
     let bars = of_values().filter_map(|(at, e)| Some([(at, e.t_low?), (at, e.t_high?)]));
+    let reach = Interval::of(factor.values.iter().map(|v| factor.number(v)));
+    let stroke = reach.map_or(0.0, |i| STROKE * (i.high - i.low));
     let mut plot = Plot::new(axis(factor), Axis::linear(in_words(&effect.outcome, &of.names)));
     plot.frame_height = PANEL;
     plot.add_some("Single runs", Look::rings(), counting.into_iter().filter_map(at));
     let left_out = left_out.into_iter().filter_map(at);
     plot.add_some("Left out of the means", Look::rings().marker(Marker::Cross), left_out);
-    bars.for_each(|bar| plot.add("", Look::line(0), bar.to_vec()));
-    plot.add_some("Means, 95 % confidence", means(0, factor, Marker::Disc), mean_points);
+    bars.for_each(|ends| plot.add_interval("", Look::line(0), ends, (stroke, 0.0)));
+    let label = if has_intervals(&[effect]) { "Means, 95 % confidence" } else { "Means" };
+    plot.add_some(label, means(0, factor, Marker::Disc), mean_points);
     plot
 }
 
@@ -161,4 +182,73 @@ fn pair_figure(of: &Sweep, a: usize, b: usize) -> Result<Option<Figure>, ReportE
     let stem = stem("pair", &format!("{}-{}", first.path, second.path));
     let title = format!("{} and {} together", first.path, second.path);
     figure_of(&stem, &title, caption.to_owned(), panels, &table)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::{record::LaboratoryNames, report::SweepEstimate};
+
+    /// A sweep of one field over 1 and 2, in so many configurations of two.
+    fn sweep(configurations: u32) -> Sweep {
+        let result = |value: u32, configuration: u32| f64::from(10 * value + configuration);
+        let run = |value: u32, configuration: u32| SweepRun {
+            run: format!("point-000{value}-c{configuration}"),
+            point: format!("point-000{value}"),
+            configuration,
+            values: vec![value.into()],
+            outcomes: BTreeMap::from([("void_ratio".to_owned(), result(value, configuration))]),
+            meets_standard: Some(true),
+            valid: Some(true),
+            left_out_of_means: None,
+            failure: None,
+        };
+        let mean_of = |value: u32| {
+            let values: Vec<f64> = (1..=configurations).map(|c| result(value, c)).collect();
+            (value.into(), SweepEstimate::of(&values).expect("values"))
+        };
+        Sweep {
+            scenario: "s".into(),
+            design: "grid",
+            factors: vec![SweepFactor {
+                path: "seed".into(),
+                values: vec![1.into(), 2.into()],
+                sampled: false,
+                numeric: true,
+            }],
+            configurations: 2,
+            planned: 4,
+            runs: (1..=configurations).flat_map(|c| [run(1, c), run(2, c)]).collect(),
+            points: Vec::new(),
+            effects: vec![SweepEffect {
+                factor: "seed".into(),
+                outcome: "void_ratio".into(),
+                means: vec![mean_of(1), mean_of(2)],
+                ..SweepEffect::default()
+            }],
+            names: LaboratoryNames::default(),
+        }
+    }
+
+    /// Law: a caption speaks of what is drawn: of intervals where there are any, of runs left out and
+    /// of other factors likewise, and of the configurations that were run.
+    #[test]
+    fn a_caption_is_of_what_is_drawn() {
+        let figure = |sweep: &Sweep| of_sweep(sweep).expect("figures").remove(0);
+        let whole = figure(&sweep(2));
+        let expected = "Rings: every run. Discs: means over 2 configurations. Bars: the 95 % \
+                        confidence of the mean by Student's t.";
+        assert_eq!(whole.caption, expected, "law: nothing is left out, and no other factor");
+        assert!(whole.svg.contains("Means, 95 % confidence"), "law: the key likewise");
+        let begun = figure(&sweep(1));
+        let expected = "Rings: every run. Discs: means over the configurations run so far. No bars: \
+                        one value gives no interval.";
+        assert_eq!(begun.caption, expected, "law: half of the runs");
+        assert!(!begun.svg.contains("95 %"), "law: no interval is drawn");
+        let mut spoilt = sweep(2);
+        spoilt.runs[0].left_out_of_means = Some("not valid".to_owned());
+        assert!(figure(&spoilt).caption.starts_with("Rings: every run; crosses: runs left out"));
+    }
 }

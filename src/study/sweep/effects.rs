@@ -214,8 +214,10 @@ fn effect(
     page_p: Option<f64>,
 ) -> SweepEffect {
     let test = MeanTest::of(slopes, CONFIDENCE);
-    let size =
-        test.map(|t| (t.estimate.mean / t.standard_deviation).abs()).filter(|s| s.is_finite());
+    // Two values say next to nothing of their scatter.
+    let known = test.filter(|t| t.estimate.count >= 3);
+    let size = known.map(|t| (t.estimate.mean / t.standard_deviation).abs());
+    let size = size.filter(|s| s.is_finite());
     SweepEffect {
         factor: factor.path.clone(),
         outcome: outcome.to_owned(),
@@ -308,10 +310,13 @@ mod tests {
         let all = points(Design::Grid, &over, &[], &[], &base()).expect("points");
         let factors = [factor("a", &[json!(1), json!(2)], false)];
         let mut runs = runs(&all, &factors, |x, c| x[0] * f64::from(c));
+        let found = effects(Design::Grid, &factors, &all, &runs);
+        assert!(found[0].configurations_needed.is_some(), "law: three have a scatter: {found:?}");
         runs[5].outcomes.clear();
         runs[5].failure = Some("it broke".into());
         runs[5].valid = None;
         let found = effects(Design::Grid, &factors, &all, &runs);
+        assert_eq!(found[0].configurations_needed, None, "law: two are too few to know theirs");
         assert_eq!(found[0].means[0].1.count, 2, "law: two whole configurations are left");
         assert_slope(&found[0], 1.5);
         let row = &point_rows(&all, &runs)[1];
