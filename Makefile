@@ -138,7 +138,7 @@ referee: setup ## the contact problems solved exactly, and what engines make of 
 	@bash scripts/referee.sh
 	$(PROGRAM) referee -- $(ARGS)
 
-laboratory: setup ## standard tests against published numbers: out/laboratory.json (ARGS=--quick: half an hour)
+laboratory: setup ## standard tests against published numbers: out/laboratory.json (ARGS=--quick: ten minutes)
 	$(PROGRAM) laboratory -- $(ARGS)
 
 results: build ## compute what docs/results/ misses and fill the pages' numbers (ARGS="--check", --list, --only NAME, --older, --targets, --pictures)

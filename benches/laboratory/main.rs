@@ -34,7 +34,7 @@ use row::Row;
 #[derive(Debug, Parser)]
 #[command(name = "make laboratory ARGS=...")]
 struct Options {
-    /// Small specimens, few points, one realisation: about half an hour on two cores
+    /// Small specimens, few points, one realisation: about ten minutes on two cores
     #[arg(long, conflicts_with = "small")]
     quick: bool,
     /// Small specimens, fewer realisations: the design of docs/results/laboratory.md
