@@ -94,6 +94,10 @@ pub fn load_scenario(path: &Path, overrides: &[Override]) -> Result<Loaded, Scen
 fn grading_of(spec: &GrainsSpec) -> Option<Grading> {
     let set = match spec {
         GrainsSpec::Sieved(sieved) => return Grading::of_table(sieved),
+        // Its table has said all that there is to say: meshes are not drawn for a faulty one.
+        GrainsSpec::Meshes(meshes) if !meshes.sieve_table.is_empty() => {
+            return Grading::of_table(&meshes.as_sieved()?);
+        }
         GrainsSpec::File(named) => {
             let text = input::read(Path::new(&named.file), input::LARGEST_OF_RUN).ok()?;
             file::read_json(&text[..]).ok()?

@@ -13,8 +13,9 @@ pub struct MeshGrains {
     pub meshes: Vec<String>, length 1 to 10000;
     /// Unit of length in the files, which do not say it themselves.
     pub mesh_unit: MeshUnit;
-    /// Density of the solids, in kg/m³.
-    pub density_kg_per_m3: f64, above 0.0 to 30000.0;
+    /// Density of the solids, in kg/m³: from that of expanded polystyrene, one of the lightest solids,
+    /// so that a value in g/cm³ is refused.
+    pub density_kg_per_m3: f64, from 10.0 to 30000.0;
     /// Take the convex hull of grains that are not convex. Without it only those
     /// whose volume is at least 99 % of their hull's are taken as their hulls.
     pub hull: bool, or default;

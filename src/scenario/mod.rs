@@ -255,8 +255,9 @@ parts! {
 pub struct SievedGrains {
     /// Mass of all grains together, in grams.
     pub total_mass_g: f64, above 0.0 to 1e9;
-    /// Density of the solids, in kg/m³.
-    pub density_kg_per_m3: f64, above 0.0 to 30000.0;
+    /// Density of the solids, in kg/m³: from that of expanded polystyrene, one of the lightest solids,
+    /// so that a value in g/cm³ is refused.
+    pub density_kg_per_m3: f64, from 10.0 to 30000.0;
     /// Sieve fractions, coarsest first; each fraction's `retained_mm` is the
     /// next one's `passing_mm`, and the mass percentages add up to 100.
     pub sieve_table: Vec<SieveFraction>, length 1 to 100;

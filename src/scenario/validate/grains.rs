@@ -28,7 +28,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     check_order(table, &mut faults);
     check_sum(table, &mut faults);
     let (mass, density) = (sieved.total_mass_g, sieved.density_kg_per_m3);
-    if !(mass > 0.0 && density > 0.0) {
+    if !(mass > 0.0 && DENSITIES.contains(&density)) {
         return;
     }
     let is_sound =

@@ -108,6 +108,8 @@ fn what_nobody_typed_is_no_fault_beside_faulty_grains() {
     for (path, found, words) in [
         ("grains.density_kg_per_m3", json!("2650"), ""),
         ("grains.density_kg_per_m3", json!(0), ""),
+        // In g/cm³.
+        ("grains.density_kg_per_m3", json!(2.65), "at least 10 and at most 30000"),
         ("grains.density_kg_per_m3", Value::Null, ""),
         ("grains.total_mass_g", json!("much"), ""),
         ("grains.total_mass_g", json!(-1), ""),
