@@ -196,9 +196,10 @@ pub enum StageSpec {
         /// Ends when all of them have been let go and everything has settled, at the latest
         /// after this time.
         time_limit_s: f64, else "deposit_limit", above 0.0 to 3600.0;
-        /// Largest speed in m/s at which native contacts push an overlap apart in this stage, in
-        /// place of that in `engine.native`. Left out, it is that; but where that follows from a
-        /// load, deposits before the load have the speed that the grains alone ask for.
+        /// Largest speed in m/s at which native contacts push an overlap apart in this stage. Left
+        /// out, it is that of `engine.native`. Where that is automatic and larger because of a load,
+        /// deposits before the load have the speed without the load, unless the scenario begins with
+        /// the specimen of another run.
         max_depenetration_velocity_m_per_s: Option<f64>, skip "Option::is_none", above 0.0 to 100.0;
     }
     /// Move pieces as prescribed, then let everything come to rest where that is asked for.
