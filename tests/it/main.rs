@@ -33,6 +33,7 @@ mod load;
 mod measures;
 mod memory;
 mod motions;
+#[path = "../../src/geometry/testing/near.rs"]
 mod near;
 mod peers;
 mod picture;

@@ -1,4 +1,4 @@
-//! A number beside the one that a law gives.
+//! A number beside the one that a law gives, for tests of the library and of the program.
 
 /// Fails unless `got` is within `tolerance` of `expected`.
 #[track_caller]
