@@ -445,7 +445,7 @@ pub fn moments(run: &Run, plane: f64) -> Result<Vec<Sheared>, String> {
     Ok(first.chain(whole.map(|pair| pair[1])).map(moment).collect())
 }
 
-/// Tests at the three stresses, and that which goes further.
+/// Tests at the stresses, of which the quick design has one, and that which goes further.
 fn chart(tests: &[Test]) -> Chart {
     let mut kinds = called(&STRESSES);
     kinds.push(format!("{} kPa, twice as far", STRESSES[TRIED]));
@@ -457,7 +457,11 @@ fn chart(tests: &[Test]) -> Chart {
         tests.iter().filter_map(|test| Some((kind(test)?, &test.moments[..]))).collect();
     let seen = "Stress ratio and height of the lid against displacement, each realisation a line.";
     let panels = panels(&kinds, &curves);
-    Chart::new("direct-shear", "Direct shear at three stresses", seen, panels)
+    let title = match curves.iter().all(|(kind, _)| *kind == TRIED) {
+        true => format!("Direct shear at {} kPa", STRESSES[TRIED]),
+        false => "Direct shear at three stresses".to_owned(),
+    };
+    Chart::new("direct-shear", &title, seen, panels)
 }
 
 fn profiles(tests: &[Test]) -> Chart {
