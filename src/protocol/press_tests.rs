@@ -133,7 +133,8 @@ fn a_lid_that_nothing_carries_is_an_error_that_names_both_pieces() {
     assert!(told.contains("`lid` was pressed into `box`"), "law: who and where, got {told}");
 }
 
-/// Law: of a wall that is moved into a pressed lid it is not said that no grains carried the lid.
+/// Law: of a wall that is moved into a pressed lid both are named, and it is not said that no grains
+/// carried the lid.
 #[test]
 fn a_wall_that_is_moved_into_a_pressed_lid_is_named() {
     let _turn = crate::world::shared_turn();
@@ -143,7 +144,8 @@ fn a_wall_that_is_moved_into_a_pressed_lid_is_named() {
     let make = &crate::world::create;
     let got = run_stage(&scenario(None), make, pressed, &aside, None, &mut Unseen);
     let told = got.expect_err("law: it ends").to_string();
-    assert!(told.contains("`box` was moved into `lid`"), "law: who and where, got {told}");
+    let both = "`lid`, which is pressed, and `box`, which this stage moves, got into each other";
+    assert!(told.contains(both), "law: who and where, got {told}");
 }
 
 #[test]

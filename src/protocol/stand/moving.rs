@@ -34,8 +34,10 @@ impl Stand<'_> {
         let name = |n: usize| &self.setup.pieces[n].name;
         let (one, into) = (name(pressed), name(other));
         let what = match self.pieces.is_moved(other) {
+            // Which of them went into the other is not known.
             true => format!(
-                "`{into}` was moved into `{one}`, which is pressed: pieces do not push each other"
+                "`{one}`, which is pressed, and `{into}`, which this stage moves, got into each \
+                 other: pieces do not push each other"
             ),
             false => format!("`{one}` was pressed into `{into}`: no grains on its way carried it"),
         };
