@@ -125,7 +125,7 @@ impl GrainSet {
     }
 
     /// The distribution that the grains were made from: their sieve table. `None` of meshes that
-    /// keep their own size, and where blocks are none.
+    /// keep their own size, and of grains whose blocks are no sieve fractions.
     pub fn specified(&self) -> Option<ParticleSizeDistribution> {
         let is_own_size = |mesh: &MeshRecord| mesh.grains == 0 || mesh.scales == (1.0, 1.0);
         let own_sizes = !self.meshes.is_empty() && self.meshes.iter().all(is_own_size);
