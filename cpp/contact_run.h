@@ -11,23 +11,24 @@ namespace pluvia {
 // the pairs count by that part, choosing the part as one.
 constexpr int MOST_ITERATIONS = 256;
 
-// Among few pairs there are more iterations than asked for, until this number of packs has been
-// solved or there were so many: they cost nothing, without them a single block is half a percent of
-// its path off after it has slid, and one that meets two supports needs hundreds for the impact.
+// Among few pairs there are more iterations than asked for, until the first number of packs has
+// been solved or the second number of iterations is reached: they cost nothing, without them a
+// single block is half a percent of its path off after it has slid, and one that meets two supports
+// needs hundreds for the impact.
 constexpr int SMALL_WORK = 512;
 constexpr int SMALL_ITERATIONS = 32;
 constexpr int SMALL_IMPACT_ITERATIONS = 256;
 
-// Once fewer than one in this number of bodies change too much, iterations
-// go over the pairs of those alone, up to so many times.
+// Once fewer than one in the first number of bodies change too much, iterations
+// go over the pairs of those alone, at most the second number of times.
 constexpr int FEW = 64;
 constexpr int LOCAL_ITERATIONS = 16;
 
 // How often those beside them that were moved by it become the few, before all are looked at.
 constexpr int MOST_SPREADS = 4;
 
-// Once bodies change by no more than asked for, so many iterations at most see to approach
-// velocities: between bodies of very different masses they fall too slowly to wait for.
+// Most iterations that see to approach velocities once bodies change by no more than asked for:
+// between bodies of very different masses they fall too slowly to wait for.
 constexpr int MOST_FOR_SPEED = 4;
 
 // Share of what a body may change when all is solved, as an energy, from which on it is one that
@@ -177,7 +178,7 @@ template <class L> class Run {
     // may wander among them while nothing moves.
     //
     // A contact that bears nothing and is not approached too fast is left as it is. So those that
-    // are asleep are looked at in the first iteration, every so many, and when all others are
+    // are asleep are looked at in the first iteration, now and then, and when all others are
     // solved; they take part in all iterations from when one of their pack bears something.
     template <Solved WHAT> void iterate(N limit) {
         constexpr bool IMPACTS = WHAT == Solved::Impacts;

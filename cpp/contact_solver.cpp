@@ -15,7 +15,7 @@ namespace pluvia {
 
 namespace {
 
-// So many bodies or pairs ahead the memory is asked for them.
+// How many bodies or pairs ahead the memory is asked for them.
 constexpr std::size_t AHEAD = 4;
 
 // Steps from one whose solution is inspected to the next: one thread goes over all contacts for it.

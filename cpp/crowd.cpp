@@ -16,7 +16,7 @@ constexpr std::int32_t WIDE = -1;
 // all cells as large as itself.
 constexpr double WIDE_RADII = 3;
 
-// A grid has at most so many cells a body; where bodies are far apart, its cells are larger.
+// Most cells of a grid per body; where bodies are far apart, its cells are larger.
 constexpr double CELLS_PER_BODY = 4;
 
 bool finite(const CrowdBody &body) {

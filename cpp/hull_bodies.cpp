@@ -14,7 +14,7 @@ namespace pluvia {
 
 namespace {
 
-// So many bodies ahead the memory is asked for the object, for its proxy and
+// How many bodies ahead the memory is asked for the object, for its proxy and
 // shape, for the shape's hull and for the hull's vertices: each leads to the
 // next, and must have come before it can be followed.
 constexpr int OBJECT_AHEAD = 12;
@@ -25,8 +25,8 @@ constexpr int VERTICES_AHEAD = 2;
 // Bodies that a thread takes at once.
 constexpr std::size_t BODIES_AT_ONCE = 64;
 
-// Speeds against the bodies around are looked for where a body went so many times
-// the speculative margin in the last step: else there is little to be had.
+// Speeds against the bodies around are looked for where a body went this number of
+// speculative margins in the last step: else there is little to be had.
 constexpr double CROWD_MARGINS = 2;
 
 bool holds(const btBroadphaseProxy &proxy, const HullRange &range) {

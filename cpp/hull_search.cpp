@@ -13,10 +13,10 @@ namespace pluvia {
 
 namespace {
 
-// So many pairs ahead the memory is asked for what a pair carries.
+// How many pairs ahead the memory is asked for what a pair carries.
 constexpr std::size_t AHEAD = 6;
 
-// And so many where little is done with each.
+// The same where little is done with each.
 constexpr std::size_t FAR_AHEAD = 32;
 
 // Pairs of a block, which a thread takes at once: enough to pay for taking them, few

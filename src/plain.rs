@@ -78,7 +78,7 @@ pub fn grams(mass: f64) -> String {
     without_zeros(&format!("{mass:.decimals$}")).to_owned()
 }
 
-/// A number for tables that programs read: so many decimals, or more where they would leave less
+/// A number for tables that programs read: with these decimals, or more where they would leave less
 /// than four digits that count, as of a mass far below a gram.
 pub fn decimals_at_least(value: f64, decimals: usize) -> String {
     const DIGITS: i32 = 4;

@@ -289,7 +289,7 @@ pub const FASTER_UNDER_LOAD: f64 = 10.0;
 pub const SUBSTEP_OF_INERTIAL_TIME: f64 = 0.2;
 
 /// Share of the settling criterion's root mean square speed with which a pile is at rest. Ours: one
-/// grain that still rolls down a flank would else not count among so many at rest.
+/// grain that still rolls down a flank would else not count among all that are at rest.
 pub const RMS_OF_PILE: f64 = 0.25;
 
 /// The same of the largest speed.

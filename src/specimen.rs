@@ -288,7 +288,7 @@ impl SpecimenState {
         Cow::Owned(state)
     }
 
-    /// Whether it can be a state of so many grains. One that was read from a file may
+    /// Whether it can be a state of a number of grains. One that was read from a file may
     /// speak of others, or of places and directions that are none.
     ///
     /// # Errors

@@ -103,7 +103,7 @@ fn angle_of_repose(of: &AngleOfRepose) -> String {
     )
 }
 
-/// A number to so many decimals; what rounds to zero has no sign.
+/// A value rounded to `decimals`; what rounds to zero has no sign.
 fn rounded(value: f64, decimals: i32) -> f64 {
     let scale = 10f64.powi(decimals);
     (value * scale).round() / scale + 0.0

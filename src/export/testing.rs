@@ -29,7 +29,7 @@ pub(crate) fn laboratory() -> (Setup, Arc<GrainSet>) {
     (Setup::new(&scenario).expect("a laboratory"), grains)
 }
 
-/// Stages with so many frames each, `step` s apart: grains rise with [`SPEED`]
+/// Stages, each with its number of frames, `step` s apart: grains rise with [`SPEED`]
 /// on a table that moves along x, the second of them is gone, a funnel without
 /// lid stands in the first stage, and the plate lies from the second on.
 pub(super) fn moments(frames: &[usize], step: f64) -> Moments {

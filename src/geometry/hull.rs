@@ -24,7 +24,7 @@ pub(crate) struct Hull {
     pub left_out: f64,
 }
 
-/// The hull of finite points with at most so many vertices. `None` where the
+/// The hull of finite points, of `most_vertices` at most. `None` where the
 /// points lie in a plane within rounding.
 pub(crate) fn hull(points: &[Point], most_vertices: usize) -> Option<Hull> {
     let mean = mean(points);

@@ -45,7 +45,7 @@ impl Estimate {
         self.half_width_95().map(|half| self.mean.abs() <= half)
     }
 
-    /// The same in another unit, so many times as large.
+    /// The same in another unit: values times a factor.
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
             mean: self.mean * factor,

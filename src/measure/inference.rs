@@ -115,7 +115,7 @@ pub fn page_test(rows: &[Vec<f64>]) -> Option<PageTest> {
     Some(PageTest { l, p: p.sum() })
 }
 
-/// Probability of each L of so many independent rows: those of one row convolved.
+/// Probability of each L of a number of independent rows: those of one row convolved.
 fn l_of_rows(columns: usize, rows: usize) -> Vec<f64> {
     let one = l_of_one_row(columns);
     let mut all = vec![1.0];

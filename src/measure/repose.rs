@@ -37,8 +37,8 @@ pub const SECTORS: usize = 36;
 pub const BATCHES: usize = 6;
 /// Shares of the pile's height between which the flank is fitted.
 pub const FLANK: (f64, f64) = (0.2, 0.8);
-/// A pile is at least so many mean equivalent diameters of its grains high:
-/// below, there is no flank between top and toe.
+/// Least height of a pile in mean equivalent diameters of its grains: below, there
+/// is no flank between top and toe.
 pub const LEAST_HEIGHT_GRAINS: f64 = 3.0;
 /// Share of the sectors that must have a flank.
 const LEAST_SECTORS: f64 = 2.0 / 3.0;

@@ -69,7 +69,7 @@ impl Stated {
     }
 }
 
-/// Half of the last digit of a number with so many decimals.
+/// Half a unit in the last of a number's decimals.
 fn half_digit(decimals: i32) -> f64 {
     0.5 * 10f64.powi(-decimals)
 }

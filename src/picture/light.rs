@@ -113,7 +113,7 @@ pub fn samples_alone() -> [usize; SAMPLES / 4] {
     std::array::from_fn(|n| 4 * n + n % 4)
 }
 
-/// The n-th of so many points spread evenly over the unit disc: radius and angle
+/// The n-th of a number of points spread evenly over the unit disc: radius and angle
 /// (Hammersley's points; the equal areas of rings of equal r²).
 fn disc(n: usize, of: usize) -> (f64, f64) {
     let r = ((n as f64 + 0.5) / of as f64).sqrt();

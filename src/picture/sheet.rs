@@ -29,7 +29,7 @@ pub fn picture_width(width: u32, notes: bool) -> u32 {
     if notes { width - (KEY_SHARE * f64::from(width)) as u32 } else { width }
 }
 
-/// Panels of one size in rows of so many, named by letters where there are names,
+/// Panels of one size in rows, named by letters where there are names,
 /// with notes on the right.
 pub fn sheet(
     panels: &[(Image, String)],

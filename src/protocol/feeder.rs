@@ -9,8 +9,8 @@ use crate::grains::{self, Realisation};
 /// Places under the spout that are tried before a grain waits for the next check.
 const TRIES: usize = 16;
 
-/// A grain counts as landed so many times the time of its free fall after it
-/// was let go, and [`scale::LANDED_AFTER`] later.
+/// A grain counts as landed this number of times of free fall after it was let go, and
+/// [`scale::LANDED_AFTER`] later.
 const FALLS: f64 = 2.0;
 
 /// How grains are fed, in SI units.
@@ -118,7 +118,7 @@ pub struct Fed {
 }
 
 impl Fed {
-    /// Whether it can be of so many grains.
+    /// Whether it can be of a number of grains.
     ///
     /// # Errors
     /// What does not fit, for a reader.

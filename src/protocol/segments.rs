@@ -63,7 +63,7 @@ pub struct Midway {
 }
 
 impl Midway {
-    /// Whether a stage of so many grains can go on from here: what was read from a
+    /// Whether a stage of a number of grains can go on from here: what was read from a
     /// file may be of other grains, or hold numbers that no stage comes to.
     ///
     /// # Errors

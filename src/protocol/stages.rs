@@ -178,7 +178,7 @@ impl Laboratory<'_> {
     }
 }
 
-/// The end of a stage that waits, `after` so many s, for everything to settle, at most for a limit
+/// The end of a stage that waits, after a time in s, for everything to settle, at most for a limit
 /// in s.
 fn came_to_rest(stand: Stand<'_>, settled: bool, after: f64, limit_s: f64) -> StageOutcome {
     let mut outcome = stand.finish();

@@ -164,7 +164,7 @@ impl CheckSummary {
         }
     }
 
-    /// Of what must not be at all, found so often in so many looks.
+    /// Of what must not be at all: how often it was found, and in how many looks.
     pub fn none_of(watches: &str, unit: &str, found: u32, looks: u64) -> Self {
         let found = (looks > 0).then_some(f64::from(found));
         Self { unit: unit.to_owned(), ..Self::at_most(watches, 0.0, found, looks) }

@@ -210,7 +210,7 @@ pub struct FrameWriter {
 }
 
 impl FrameWriter {
-    /// Begins a file for so many grains in a folder; it is removed unless it is kept.
+    /// Begins a file for a number of grains in a folder; it is removed unless it is kept.
     ///
     /// # Errors
     /// When it cannot be made.

@@ -140,7 +140,7 @@ mod tests {
     use super::*;
     use crate::motion::{MotionFacts, TableMotion};
 
-    /// A run that meets everything, of which so many of its 1456 grains are missing.
+    /// A run that meets everything, of which some of its 1456 grains are missing.
     fn run(missing: Option<usize>) -> Summary {
         let of = summary(true, Some(true));
         let grains = GrainsSummary { count: 1456, missing, ..of.grains };
@@ -280,7 +280,7 @@ mod tests {
         );
     }
 
-    /// A laboratory out of which so many of ten grains have fallen, and no two of the others touch;
+    /// A laboratory out of which some of ten grains have fallen, and no two of the others touch;
     /// `worst` is the largest overlap that was seen, within its limit.
     fn emptied(fallen: usize, worst: f64, creep: Option<f64>) -> Summary {
         let of = summary(false, Some(true));

@@ -23,7 +23,7 @@ pub struct Look {
     pub width: u32,
     /// Shape of the markers; `None` without.
     pub marker: Option<Marker>,
-    /// A marker at every so many SVG units along x; `None` marks every point.
+    /// Distance of markers in SVG units along x; `None` marks every point.
     pub marker_spacing: Option<f64>,
 }
 
@@ -89,7 +89,7 @@ impl Look {
         Self { marker: Some(marker), ..self }
     }
 
-    /// With a marker at every so many SVG units.
+    /// With markers at a distance in SVG units.
     pub fn every(self, spacing: f64) -> Self {
         Self { marker_spacing: Some(spacing), ..self }
     }

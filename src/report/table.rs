@@ -29,7 +29,7 @@ impl Cell {
         Self { text: text.into(), is_number: true, ..Self::default() }
     }
 
-    /// With so many decimals; a dash where there is none.
+    /// With these decimals; a dash where there is no value.
     pub(crate) fn fixed(value: impl Into<Option<f64>>, decimals: usize) -> Self {
         Self::number(value.into().map_or_else(dash, |v| number(v, decimals)))
     }

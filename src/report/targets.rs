@@ -289,7 +289,7 @@ fn excluded(said: &str, each: impl Iterator<Item = (String, f64)>) -> Option<Str
     (!each.is_empty()).then(|| format!("{said}: {}.", each.join("; ")))
 }
 
-/// How many of so many, with the interval of their share.
+/// How many of all, with the interval of their share.
 fn share(met: usize, of: usize, interval: [f64; 2]) -> String {
     let [low, high] = interval.map(percent);
     format!("{met} of {of} ({low} to {high})")

@@ -27,7 +27,7 @@ pub(super) fn within(path: &str, value: f64) -> f64 {
     value.clamp(low, high)
 }
 
-/// A number to so many significant digits.
+/// A value to a number of significant digits.
 pub(super) fn rounded(value: f64, digits: usize) -> f64 {
     if !(value > 0.0 && value.is_finite()) {
         return value;

@@ -102,7 +102,7 @@ impl Scenario {
 /// 364 grains at rest take longer than on one (`make bench`).
 const GRAINS_PER_THREAD: usize = 700;
 
-/// Threads of a world of so many grains where none are typed and `cores` are free.
+/// Threads of a world of a number of grains where none are typed and `cores` are free.
 pub fn automatic_threads(cores: usize, grains: usize) -> u32 {
     u32::try_from(cores.min(grains / GRAINS_PER_THREAD).clamp(1, 1024)).unwrap_or(1)
 }

@@ -170,7 +170,7 @@ impl<'a> Shop<'a> {
         }
     }
 
-    /// Takes a stage from the store, or runs it on so many cores and stores it.
+    /// Takes a stage from the store, or runs it on a number of cores and stores it.
     fn finish(
         &self,
         index: usize,

@@ -16,7 +16,8 @@ const SLICE: f64 = 0.5;
 /// Layers and rings of a profile, at most.
 const MOST_SLICES: usize = 400;
 
-/// Within so many median grains of a wall, a floor or a surface grains lie otherwise than inside.
+/// Distance in median grains from a wall, a floor or a surface within which grains lie otherwise than
+/// inside.
 const EDGE: f64 = 2.0;
 
 /// The specimen with its contacts at rest: at the end of the rest test where one is run.

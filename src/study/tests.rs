@@ -80,7 +80,7 @@ fn plan(runs: &[PlannedRun]) -> Plan {
     Plan::new(runs).expect("a plan")
 }
 
-/// Works in a store on so many cores, and cannot be stopped.
+/// Works in a store on a number of cores, and cannot be stopped.
 pub(super) fn shop<'a>(
     store: &'a StageStore,
     cores: usize,

@@ -49,7 +49,7 @@ impl<'a> Bench<'a> {
         other
     }
 
-    /// The same with everything so many times as large.
+    /// The same with everything larger by a factor.
     pub fn enlarged(&self, larger: f64) -> Self {
         let mut other = self.clone();
         other.engine = self.engine.enlarged(larger);

@@ -115,7 +115,7 @@ fn table(verdicts: &[Verdict]) -> Result<Vec<u8>, csv::Error> {
     writer.into_inner().map_err(|e| e.into_error().into())
 }
 
-/// So many threads, or as many as the system gives.
+/// A pool of a number of threads, or of as many as the system gives.
 fn pool(threads: usize) -> Result<rayon::ThreadPool, SuiteError> {
     let made = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     match made {

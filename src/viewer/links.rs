@@ -31,7 +31,7 @@ pub(super) fn links(contacts: &[SavedContact]) -> Vec<Link> {
     let order = |c: &SavedContact| {
         let piece = c.between.map(|party| match party {
             Party::Other(Other::Cylinder(n) | Other::Funnel(n) | Other::Base(n)) => n,
-            // Walls of one body, too; no scenario has so many parts in a piece.
+            // Walls of one body, too; no piece has more than a thousand parts.
             Party::Other(Other::Piece(piece, part)) => 1000 * piece + part,
             _ => 0,
         });

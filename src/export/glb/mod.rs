@@ -43,7 +43,7 @@ pub struct Glb {
 const HALF_SQRT_2: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Writes the end of the last of the stages; with `every`, also how everything
-/// got there, as an animation with keys about so many s apart.
+/// got there, as an animation whose keys are about that time in s apart.
 ///
 /// # Errors
 /// When the file would be larger than the format allows.

@@ -42,7 +42,7 @@ impl Values {
         Self { kind: "Float32", components: 3, numbers: numbers.collect() }
     }
 
-    /// Every entry so many times as is said for it.
+    /// Every entry as often as is said for it.
     pub fn repeated(&self, times: &[usize]) -> Self {
         let entries = self.numbers.chunks_exact(self.components).zip(times);
         Self { numbers: entries.flat_map(|(entry, &n)| entry.repeat(n)).collect(), ..*self }

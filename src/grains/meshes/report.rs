@@ -43,7 +43,7 @@ pub struct MeshRecord {
 const USUAL_SCALES: (f64, f64) = (0.05, 20.0);
 
 impl MeshRecord {
-    /// Notes a grain of this shape, so many times the grain's size.
+    /// Notes a grain of this shape: how many times as large it is.
     pub(super) fn take(&mut self, scale: f64) {
         let (least, most) = self.scales;
         self.scales = match self.grains {

@@ -24,7 +24,7 @@ fn surface(height: impl Fn(f64, f64) -> f64) -> PileSurface {
     PileSurface { cells, cell: CELL, grain_size: GRAIN }
 }
 
-/// A circular cone of so many degrees and this height in m about an axis.
+/// A circular cone of a slope in degrees and a height in m about an axis.
 fn cone(degrees: f64, height: f64, axis: (f64, f64)) -> PileSurface {
     let slope = degrees.to_radians().tan();
     surface(|x, y| height - slope * (x - axis.0).hypot(y - axis.1))

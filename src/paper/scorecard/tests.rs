@@ -23,7 +23,7 @@ fn row<'a>(card: &'a Scorecard, id: &str) -> &'a ScoreRow {
     card.rows.iter().find(|r| r.id == id).unwrap_or_else(|| panic!("no row `{id}`: {card:#?}"))
 }
 
-/// A run likewise, with another placement of the plate, which settles by so many mm.
+/// A run likewise, with another placement of the plate, which settles by a number of mm.
 fn placed_anew(run: &RunRecord, mm: f64) -> RunRecord {
     let mut run = run.clone();
     run.kind = RunKind::VibrationPlacement;

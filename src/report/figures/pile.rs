@@ -23,7 +23,7 @@ use crate::{
     units::to_mm,
 };
 
-/// Directions within so many degrees of right and left give the drawn lines.
+/// Directions within this angle in degrees of right and left give the drawn lines.
 const SIDE_DEGREES: f64 = 30.0;
 /// Length of the scale bar in mm.
 const SCALE_BAR_MM: f64 = 50.0;

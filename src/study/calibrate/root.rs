@@ -11,8 +11,8 @@ const TRUNCATION: f64 = 0.2;
 /// Steps that it may need beyond those of halving.
 const SLACK: i32 = 1;
 
-/// Narrows a range in which a function changes its sign until it is as narrow as `width`, at most
-/// in so many steps; ends early where the function is 0. The function is asked at both ends, too.
+/// Narrows a range in which a function changes its sign until it is as narrow as `width`, in
+/// `most_steps` at most; ends early where the function is 0. The function is asked at both ends, too.
 /// Gives the range that is left: both ends the same at a root, the range itself where the sign
 /// does not change in it.
 pub(super) fn narrow<E>(

@@ -50,7 +50,7 @@ pub struct LadderDesign {
     /// Changes that all rungs have, each `path=value`.
     #[serde(default)]
     pub changes: Vec<String>,
-    /// At most so many configurations, where the ladder is costly.
+    /// Most configurations, where the ladder is costly.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1000))]
     pub configurations: Option<u32>,

@@ -37,7 +37,7 @@ pub enum Design {
     Grid,
     /// The scenario itself, then each value of each factor by itself.
     OneAtATime,
-    /// So many points that fill the ranges evenly.
+    /// A number of points that fill the ranges evenly.
     LatinHypercube(usize),
 }
 

@@ -23,7 +23,7 @@ pub struct Variation {
     pub group: String,
     /// What it changes.
     pub changes: Vec<Override>,
-    /// At most so many configurations, where they are costly.
+    /// Most configurations, where they are costly.
     pub configurations: Option<u32>,
 }
 
@@ -106,7 +106,7 @@ impl Varied {
         Ok(runs)
     }
 
-    /// What a study is asked that has every variation in so many configurations.
+    /// What a study is asked that has every variation in a number of configurations.
     pub(super) fn question(&self, configurations: u32) -> Value {
         let texts =
             |changes: &[Override]| -> Value { changes.iter().map(Override::text).collect() };
@@ -157,8 +157,8 @@ pub fn carry_out_variations(
     carry_out_in(&crate::world::create, varied, &ranges, options, so_far)
 }
 
-/// Ranges of configurations that run together: so many that every core has a run of its own, which
-/// is faster than several threads of one.
+/// Ranges of configurations that run together, large enough for every core to have a run of its own,
+/// which is faster than several threads of one.
 fn ranges(configurations: u32, variations: usize, cores: usize) -> Vec<Range<u32>> {
     let together = cores.div_ceil(variations.max(1)).max(1);
     let together = u32::try_from(together).unwrap_or(u32::MAX);

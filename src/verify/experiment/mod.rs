@@ -1,6 +1,6 @@
 //! The experiments, each a function of its numbers and a bench.
 
-/// The built-in cases of one experiment, each with its numbers; at least so many.
+/// The built-in cases of one experiment, each with its numbers, `$least` at least.
 #[cfg(test)]
 macro_rules! cases_of {
     ($experiment:ident, $least:literal) => {{

@@ -46,7 +46,7 @@ fn a_run_continued_after_an_impact_goes_on_as_in_line() {
     const STEPS: i32 = 8;
     let _turn = shared_turn();
     // Blocks above each other, a little apart, fall on each other all the time; on faces, so that
-    // a world that is made anew finds the same contact points. So many that there are no more
+    // a world that is made anew finds the same contact points. Enough of them that there are no more
     // iterations than asked for: more would forget what they began with.
     let mut bodies = vec![slab(Motion::Static)];
     bodies.extend((0..144_u8).flat_map(|column| {

@@ -176,7 +176,7 @@ fn a_dent_is_filled_only_when_asked_or_small() {
     near("convexity", set.meshes[0].convexity, 1.0 - 0.5 / 60.0, 1e-9);
 }
 
-/// A ball of so many rings of triangles, radius 10 mm, as a scan would have it.
+/// A ball of a number of rings of triangles, radius 10 mm, as a scan would have it.
 fn ball(rings: usize) -> String {
     let mut text = String::from("v 0 0 10\n");
     let count = 2 * rings;
