@@ -207,7 +207,7 @@ fn unit_after(unit: &str) -> Markup {
     }
 }
 
-/// The unit of the paper's number: that of ours, without what that is a share of.
+/// The unit of the paper's number: the simulation's, without what it is a share of.
 fn paper_unit(of: PaperValue, unit: &str) -> &str {
     let unit = unit.split_once(" of ").map_or(unit, |(unit, _)| unit);
     match of {

@@ -214,7 +214,7 @@ fn moves_most_at_ends(mut row: ScoreRow, study: &StudyView) -> ScoreRow {
 }
 
 impl ScoreRow {
-    /// With another sentence in the note where there is a value of ours that it is of.
+    /// With another sentence in the note, where the simulation has a value.
     fn noting(mut self, sentence: &str) -> Self {
         if self.ours.is_some() {
             self.add_note(sentence);

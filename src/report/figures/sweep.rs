@@ -191,7 +191,7 @@ mod tests {
     use super::*;
     use crate::{record::LaboratoryNames, report::SweepEstimate};
 
-    /// A sweep of one field over 1 and 2, in so many configurations of two.
+    /// A sweep of one field over 1 and 2, in a number of configurations of two.
     fn sweep(configurations: u32) -> Sweep {
         let result = |value: u32, configuration: u32| f64::from(10 * value + configuration);
         let run = |value: u32, configuration: u32| SweepRun {
