@@ -27,9 +27,9 @@ pub(super) fn depenetration(value: &Value, grading: &Grading, scale: &Scale) -> 
 /// and throw them about. Until the load comes, what presses is the weight, which is less.
 pub(super) fn calm_deposits(value: &mut Value, grading: &Grading, scale: &Scale) {
     let weight = weight_stress(value, grading, scale.gravity);
-    let by_weight_alone = largest_stress(value, grading, scale.gravity) <= 2.0 * weight;
+    let is_mostly_weight = largest_stress(value, grading, scale.gravity) <= 2.0 * weight;
     let is_typed = number_at(value, DEPENETRATION).is_some() || value.get("begin").is_some();
-    if is_typed || by_weight_alone || heavier(value, grading, scale) <= 1.0 {
+    if is_typed || is_mostly_weight || heavier(value, grading, scale) <= 1.0 {
         return;
     }
     let slow =
