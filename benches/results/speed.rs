@@ -10,7 +10,9 @@ fn rows(all: &Value) -> Result<&Vec<Value>, String> {
 
 /// A number with so many decimals; empty where it is not known.
 pub(super) fn number(of: &Value, decimals: usize) -> String {
-    of.as_f64().map_or_else(String::new, |x| format!("{x:.decimals$}"))
+    // Adding nothing to what is rounded to nothing takes its sign away.
+    let rounded = |x: f64| format!("{x:.decimals$}").parse::<f64>().unwrap_or(x) + 0.0;
+    of.as_f64().map_or_else(String::new, |x| format!("{:.decimals$}", rounded(x)))
 }
 
 /// Numbers of fields, each with so many decimals, written as `grains:0 growth:2`.
