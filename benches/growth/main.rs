@@ -1,7 +1,8 @@
 //! How the cost of a step grows with the number of grains in one specimen, how it falls with
 //! threads, and where it goes: 364 and 1456 grains poured and settled, 10 000 and 100 000 made
-//! of copies (`specimens.rs`), at rest, shaken and, of the first two, poured; and shaken where
-//! threads have to share cores. Writes `out/bench.json`.
+//! of copies (`specimens.rs`), at rest, shaken and, of the first two, poured; two worlds at once,
+//! which show what two cores of the machine can give; and shaken where threads have to share
+//! cores. Writes `out/bench.json`.
 //!
 //! `make bench` runs it; `--quick` leaves out 100 000 grains and measures less often. What it says
 //! on making a specimen tells whether that has come to rest: 10 000 grains of copies had not.
@@ -9,7 +10,9 @@
 #[allow(dead_code)] // each benchmark uses a part of it
 #[path = "../common/mod.rs"]
 mod common;
+mod laboratory;
 mod measured;
+mod process;
 mod rows;
 mod specimens;
 
@@ -21,15 +24,20 @@ use std::{
 use clap::{Parser, ValueEnum};
 use pluvia::record::{create_folder, write_json};
 
-use measured::{MEASURE, State, Step};
-use rows::Row;
+use measured::State;
+use process::MEASURE;
+use rows::{Kind, Row};
 use specimens::{SIZES, copies, poured};
 
 /// Folder for the specimens that one process hands to another.
 const WORKSHOP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/target/growth");
 
-/// Threads of a world.
-const THREADS: [u32; 2] = [1, 2];
+/// Worlds at once, and threads of each: one world, and two that share nothing but the machine.
+const WORLDS: [(usize, u32); 3] = [(1, 1), (1, 2), (2, 1)];
+
+/// Grains of the largest specimen that is measured in two worlds at once: twice the largest does
+/// not fit into every machine.
+const MOST_AT_ONCE: usize = 10_000;
 
 /// Grains of the largest specimen with `--quick`.
 const MOST_QUICK: usize = 10_000;
@@ -70,15 +78,14 @@ struct Options {
 struct Case {
     file: PathBuf,
     size: usize,
-    state: State,
-    threads: u32,
+    kind: Kind,
     row: Option<Row>,
 }
 
 fn main() {
     let mut args = std::env::args().skip(1);
     if args.next().as_deref() == Some(MEASURE) {
-        measured::measure(&args.collect::<Vec<_>>());
+        laboratory::measure(&args.collect::<Vec<_>>());
         return;
     }
     let options = Options::parse();
@@ -88,7 +95,7 @@ fn main() {
     // and phase the shortest time counts.
     for round in 0..rounds(0, options.quick) {
         for case in cases.iter_mut().filter(|case| round < rounds(case.size, options.quick)) {
-            eprintln!("round {}, {} grains, {} ...", round + 1, case.size, case.state);
+            eprintln!("round {}, {} grains, {} ...", round + 1, case.size, case.kind);
             measure(case);
         }
     }
@@ -110,14 +117,12 @@ fn cases(options: &Options) -> Vec<Case> {
     let mut cases = Vec::new();
     let mut add = |size: usize, file: &Path, states: &[State]| {
         let wanted = states.iter().filter(|state| options.states.contains(state));
-        let all = wanted.flat_map(|&state| THREADS.map(|threads| (state, threads)));
-        cases.extend(all.map(|(state, threads)| Case {
-            file: file.to_owned(),
-            size,
-            state,
-            threads,
-            row: None,
-        }));
+        let kinds = wanted.flat_map(|&state| {
+            let kind = |(specimens, threads)| Kind { state, specimens, threads };
+            WORLDS.map(kind)
+        });
+        let kinds = kinds.filter(|&kind| is_measured(kind, size));
+        cases.extend(kinds.map(|kind| Case { file: file.to_owned(), size, kind, row: None }));
     };
     let mut whole = None;
     let most = if options.quick { MOST_QUICK } else { usize::MAX }.min(options.most_grains);
@@ -150,22 +155,28 @@ fn cases(options: &Options) -> Vec<Case> {
     cases
 }
 
+/// Whether a kind is measured with as many grains.
+fn is_measured(kind: Kind, size: usize) -> bool {
+    let is_apart = matches!(kind.state, State::Rest | State::Shaken | State::Pour);
+    kind.specimens == 1 || is_apart && size <= MOST_AT_ONCE
+}
+
 fn measure(case: &mut Case) {
-    let measured = match measured::in_process(&case.file, case.state, case.threads) {
+    let Kind { state, specimens, threads } = case.kind;
+    let measured = match specimens {
+        1 => process::alone(&case.file, state, threads),
+        _ => process::at_once(specimens, &case.file, state, threads),
+    };
+    let measured = match measured {
         Ok(measured) => measured,
         Err(why) => {
-            println!("{}, {} threads: not measured: {why}", case.state, case.threads);
+            println!("{}: not measured: {why}", case.kind);
             return;
         }
     };
-    let row = Row::new(case.state, case.threads, measured);
+    let row = Row::new(case.kind, measured);
     case.row = Some(match case.row.take() {
         None => row,
         Some(before) => before.better(row),
     });
-}
-
-/// Time of all steps in s.
-fn sum(steps: &[Step]) -> f64 {
-    steps.iter().map(Step::took).sum()
 }

@@ -1,33 +1,56 @@
 //! What was measured, as rows of `out/bench.json` and as tables.
 
+use std::fmt;
+
 use serde_json::{Value, json};
 
-use super::{
-    measured::{Measured, State, Step},
-    sum,
-};
+use super::measured::{Measured, State, Step, sum};
 
-/// One specimen in one state on some threads.
-pub struct Row {
+/// What is measured: one specimen in one state on some threads, or several such at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Kind {
     pub state: State,
+    /// Worlds at once, each in a process of its own and with the same specimen.
+    pub specimens: usize,
+    /// Of each world.
     pub threads: u32,
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { state, specimens, threads } = self;
+        write!(f, "{state}, worlds: {specimens}, threads: {threads}")
+    }
+}
+
+/// A kind as measured with some grains.
+pub struct Row {
+    pub kind: Kind,
+    /// With several specimens, the steps of all.
     measured: Measured,
+    /// Time of a step in s of the measurement that took least in all.
+    fastest: f64,
     /// How much longer a grain-step takes than in the smallest specimen.
     growth: Option<f64>,
-    /// How many times faster than on one thread.
+    /// Of several specimens: what a grain-step takes in one world alone on one thread, in s.
+    alone: Option<f64>,
+    /// How many times as many grain-steps per second as by one world alone on one thread.
     speed_up: Option<f64>,
 }
 
 impl Row {
-    pub fn new(state: State, threads: u32, measured: Measured) -> Self {
-        Self { state, threads, measured, growth: None, speed_up: None }
+    pub fn new(kind: Kind, measured: Measured) -> Self {
+        let fastest = sum(&measured.steps) / measured.steps.len() as f64;
+        Self { kind, measured, fastest, growth: None, alone: None, speed_up: None }
     }
 
-    /// Of two worlds that began alike. Where threads share cores with others, single steps are
-    /// short by chance: then the world counts that took less in all.
+    /// Of two measurements that began alike. Where threads share cores with others, single steps
+    /// are short by chance: then the one counts that took less in all.
     pub fn better(mut self, other: Self) -> Self {
+        let Kind { state, specimens, .. } = self.kind;
+        self.fastest = self.fastest.min(other.fastest);
         let (own, others) = (&mut self.measured.steps, &other.measured.steps);
-        if matches!(self.state, State::ShakenBusy | State::ShakenOneCore) {
+        if specimens > 1 || matches!(state, State::ShakenBusy | State::ShakenOneCore) {
             if sum(others) < sum(own) {
                 own.clone_from(others);
             }
@@ -51,10 +74,14 @@ impl Row {
         self.step() / self.measured.grains as f64
     }
 
+    fn fastest_per_grain(&self) -> f64 {
+        self.fastest / self.measured.grains as f64
+    }
+
     /// Share of a step that one thread does, and by how much faster a step should be on each
-    /// number of threads; known from one thread alone.
+    /// number of threads; known from one world alone on one thread.
     fn expected(&self) -> Option<(f64, [(u32, f64); 3])> {
-        if self.threads != 1 {
+        if (self.kind.specimens, self.kind.threads) != (1, 1) {
             return None;
         }
         let (all, shared) = (self.mean(|s| s.whole), self.mean(|s| s.shared));
@@ -73,13 +100,14 @@ impl Row {
         });
         json!({
             "grains": self.measured.grains,
-            "specimens": 1,
-            "state": self.state,
-            "threads": self.threads,
+            "specimens": self.kind.specimens,
+            "state": self.kind.state,
+            "threads": self.kind.threads,
             "rate_hz": self.measured.rate_hz,
             "ms_per_step": 1e3 * self.step(),
             "us_per_grain_step": 1e6 * self.per_grain(),
             "growth": self.growth,
+            "alone_us_per_grain_step": self.alone.map(|s| 1e6 * s),
             "phases": {
                 "broadphase_ms": ms(0),
                 "collision_ms": ms(1),
@@ -97,23 +125,30 @@ impl Row {
 
 /// Fills in what follows from several rows.
 pub fn compare(rows: &mut [Row]) {
-    let known: Vec<(State, u32, usize, f64)> =
-        rows.iter().map(|r| (r.state, r.threads, r.measured.grains, r.per_grain())).collect();
-    for row in rows {
-        let (state, threads, grains) = (row.state, row.threads, row.measured.grains);
-        let smallest = known.iter().filter(|k| k.0 == state && k.1 == threads).min_by_key(|k| k.2);
-        row.growth = smallest.map(|k| row.per_grain() / k.3);
-        let alone = known.iter().find(|k| k.0 == state && k.1 == 1 && k.2 == grains);
-        row.speed_up = alone.filter(|_| threads > 1).map(|k| k.3 / row.per_grain());
+    for n in 0..rows.len() {
+        let (row, kind) = (&rows[n], rows[n].kind);
+        let smallest = rows.iter().filter(|r| r.kind == kind).min_by_key(|r| r.measured.grains);
+        let growth = smallest.map(|r| row.per_grain() / r.per_grain());
+        let alone = Kind { specimens: 1, threads: 1, ..kind };
+        let same = |r: &&Row| r.kind == alone && r.measured.grains == row.measured.grains;
+        let same = rows.iter().find(same).filter(|_| kind != alone);
+        // Whole measurements of several worlds are compared with a whole one.
+        let is_one = kind.specimens == 1;
+        let time = same.map(|r| if is_one { r.per_grain() } else { r.fastest_per_grain() });
+        let speed_up = time.map(|alone| kind.specimens as f64 * alone / row.per_grain());
+        let alone = time.filter(|_| !is_one);
+        let row = &mut rows[n];
+        (row.growth, row.alone, row.speed_up) = (growth, alone, speed_up);
     }
 }
 
 /// All rows for people.
 pub fn table(rows: &[Row]) -> String {
     let mut text = format!(
-        "{:16} {:>7} {:>7} {:>9} {:>8} {:>7} {:>28} {:>8} {:>20} {:>8} {:>8} {:>8}\n",
+        "{:16} {:>7} {:>7} {:>7} {:>9} {:>8} {:>7} {:>28} {:>8} {:>20} {:>8} {:>8} {:>8}\n",
         "state",
         "grains",
+        "worlds",
         "threads",
         "ms a step",
         "µs/grain",
@@ -137,11 +172,12 @@ pub fn table(rows: &[Row]) -> String {
             |(_, on)| on.map(|(_, times)| format!("{times:.2}")).join(" / "),
         );
         text += &format!(
-            "{:16} {:>7} {:>7} {:>9.3} {:>8.2} {:>7} {phases:>28} {:>8} {on:>20} {:>8} {:>8.2} \
-             {:>8}\n",
-            row.state.to_string(),
+            "{:16} {:>7} {:>7} {:>7} {:>9.3} {:>8.2} {:>7} {phases:>28} {:>8} {on:>20} {:>8} \
+             {:>8.2} {:>8}\n",
+            row.kind.state.to_string(),
             row.measured.grains,
-            row.threads,
+            row.kind.specimens,
+            row.kind.threads,
             1e3 * row.step(),
             1e6 * row.per_grain(),
             number(row.growth, 2),

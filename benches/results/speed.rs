@@ -66,14 +66,19 @@ pub fn peers(all: &Value) -> Result<String, String> {
     Ok(text)
 }
 
-/// A row a specimen, state and number of threads.
+/// A row a specimen, state and number of threads, or of several worlds at once.
 pub fn steps(all: &Value) -> Result<String, String> {
     let mut text = head(
         "state | grains | threads | ms per step | µs per grain and step | growth | serial share, % \
-         | faster than on one thread | KiB per grain",
+         | speed-up | KiB per grain",
     );
     for of in rows(all)? {
-        let state = of["state"].as_str().ok_or("a row without a state")?.replace('_', ", ");
+        let mut state = of["state"].as_str().ok_or("a row without a state")?.replace('_', ", ");
+        match of["specimens"].as_u64().ok_or("a row without a number of specimens")? {
+            1 => {}
+            2 => state += ", two worlds at once",
+            more => state += &format!(", {more} worlds at once"),
+        }
         let serial = of["serial_share"].as_f64();
         let serial = serial.map_or(String::new(), |share| format!("{:.0}", 100.0 * share));
         let cost = numbers(of, "grains:0 threads:0 ms_per_step:2 us_per_grain_step:1 growth:2");

@@ -18,6 +18,7 @@ mod export;
 mod faults;
 mod files;
 mod fuzz;
+mod growth;
 mod interpretations;
 mod interruption;
 #[cfg(unix)]

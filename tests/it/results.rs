@@ -32,6 +32,7 @@ mod referee;
 mod scan;
 #[path = "../../benches/results/speed.rs"]
 mod speed;
+mod steps;
 #[path = "../../benches/results/tables.rs"]
 mod tables;
 #[path = "../../benches/results/value.rs"]
