@@ -20,6 +20,22 @@ const KNOWN: [(&str, &str); 5] = [
     ("grains.json", "grains"),
 ];
 
+/// Files by which results of studies are known there; reports are those of several.
+const STUDIES: [(&str, &str); 12] = [
+    ("plan.json", "sweep"),
+    ("sweep.json", "sweep"),
+    ("targets.json", "targets"),
+    ("claims.json", "reproduce"),
+    ("interpretations.json", "interpretations"),
+    ("compare.json", "compare"),
+    ("calibrate.json", "calibrate"),
+    ("density.json", "density"),
+    ("convergence.json", "converge"),
+    ("sensitivity.json", "sensitivity"),
+    ("verify.json", "verify"),
+    ("report.html", ""),
+];
+
 /// What a command is asked where it asks nothing that this could compare.
 pub(super) const ANYTHING: Value = Value::Null;
 
@@ -59,6 +75,41 @@ pub(super) fn refuse(folder: &Path, command: &str) -> Result<(), FileError> {
     }
 }
 
+/// What a folder holds of a study, among which files of a run must not stand; none where it holds
+/// nothing of one.
+pub(super) fn study_in(folder: &Path, at_work: AtWork) -> Option<String> {
+    let is_file = |file: &str| folder.join(file).is_file();
+    // A run that took over the folder of a study that had left nothing.
+    let is_run = ["manifest.json", "unfinished.json"].into_iter().any(is_file);
+    let held = if let Some((file, of)) = STUDIES.iter().find(|(file, _)| is_file(file)) {
+        let of = match *of {
+            "" => "another command".to_owned(),
+            of => format!("`pluvia {of}`"),
+        };
+        format!("it holds the results of {of} ({file})")
+    } else if !is_run && is_there(folder, at_work) {
+        match read_json::<Value>(&folder.join(FILE)) {
+            Ok(there) => results_of(&there),
+            Err(_) => format!("it holds results whose {FILE} cannot be read"),
+        }
+    } else {
+        return None;
+    };
+    Some(with_others(held, at_work))
+}
+
+/// What a folder holds by what it says of its command.
+fn results_of(there: &Value) -> String {
+    let of = there["command"].as_str().unwrap_or_default();
+    format!("it holds the results of `pluvia {of}`")
+}
+
+/// Gives a folder that holds nothing of a study, and where none is at work, to a run.
+pub(super) fn give_up(folder: &Path) {
+    // Where it stays, the files of the run say whose the folder is.
+    let _ = std::fs::remove_file(folder.join(FILE));
+}
+
 /// What a folder holds, and whether somebody is at work there.
 fn with_others(held: String, at_work: AtWork) -> String {
     match at_work {
@@ -73,7 +124,7 @@ fn in_the_way(action: &'static str, folder: &Path, held: &str) -> FileError {
 
 /// Whether a command is at work in a folder, or has left more there than that it began: locks are
 /// nothing.
-pub(super) fn is_there(folder: &Path, at_work: AtWork) -> bool {
+fn is_there(folder: &Path, at_work: AtWork) -> bool {
     let is_left = |name: &OsStr| name != FILE && !name.to_string_lossy().starts_with('.');
     let mut entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     folder.join(FILE).is_file()
@@ -87,9 +138,8 @@ fn held(folder: &Path, command: &str, question: &Value, at_work: AtWork) -> Opti
         let Ok(there) = read_json::<Value>(&path) else {
             return Some(format!("it holds results whose {FILE} cannot be read"));
         };
-        let of = there["command"].as_str().unwrap_or_default();
-        if of != command {
-            return Some(format!("it holds the results of `pluvia {of}`"));
+        if there["command"].as_str() != Some(command) {
+            return Some(results_of(&there));
         }
         let there = &there["question"];
         let held = if there.is_null() { None } else { other_answer(command, there, question) };
@@ -295,6 +345,33 @@ mod tests {
         for command in ["grains", "export"] {
             let got = refused(command).unwrap_or_default();
             assert!(got.contains("`pluvia sweep`") && got.contains("--out"), "got `{got}`");
+        }
+    }
+
+    /// Law: what a study has left, or is at work on, is no run's; where it has left nothing, or a
+    /// run has begun since, it is.
+    #[test]
+    fn folders_of_studies_are_known() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let out = folder.path();
+        assert_eq!(study_in(out, AtWork::Nobody), None, "law: an empty folder");
+        drop(begin(out, "density", &ANYTHING).expect("law: an empty folder"));
+        assert_eq!(study_in(out, AtWork::Nobody), None, "law: nothing is left");
+        let got = study_in(out, AtWork::Somebody).unwrap_or_default();
+        assert!(got.contains("`pluvia density`") && got.contains("at work"), "law: got `{got}`");
+        fs::write(out.join("grains.json"), "").expect("written");
+        let got = study_in(out, AtWork::Nobody).unwrap_or_default();
+        assert!(got.contains("`pluvia density`"), "law: its grains are left, got `{got}`");
+        fs::write(out.join("manifest.json"), "").expect("written");
+        assert_eq!(study_in(out, AtWork::Nobody), None, "law: a run has been there since");
+        for (file, of) in STUDIES {
+            let folder = tempfile::tempdir().expect("a folder");
+            // Files of a run that stand there do not make it a run's.
+            for file in [file, "manifest.json"] {
+                fs::write(folder.path().join(file), "").expect("written");
+            }
+            let got = study_in(folder.path(), AtWork::Nobody).unwrap_or_default();
+            assert!(got.contains(file) && got.contains(of), "law: `{file}` is named, got `{got}`");
         }
     }
 

@@ -1,4 +1,5 @@
-//! Results of another run in the folder for results: they are kept unless `--force` says otherwise.
+//! Other results in the folder for those of a run: what another run left is kept unless `--force`
+//! says otherwise, what a study left is kept.
 
 use std::fs;
 
@@ -16,22 +17,10 @@ const UNFINISHED: &str = "unfinished.json";
 /// What says which scenario a folder's finished run is of.
 const MANIFEST: &str = "manifest.json";
 
-/// Files by which results of other commands are known, and runs that say of no scenario.
-const RESULTS: [&str; 13] = [
-    "summary.json",
-    "series.csv",
-    "specimen.json",
-    "grains.json",
-    "report.html",
-    "claims.json",
-    "interpretations.json",
-    "compare.json",
-    "calibrate.json",
-    "verify.json",
-    "targets.json",
-    "plan.json",
-    "scene.json",
-];
+/// Files by which results of other commands than studies are known, and runs that say of no
+/// scenario.
+const RESULTS: [&str; 5] =
+    ["summary.json", "series.csv", "specimen.json", "grains.json", "scene.json"];
 
 /// Files of a run that the next one may not write again: `--force` removes them. Grains stay,
 /// which the scenario may be read from; the run writes its own over them.
@@ -51,14 +40,18 @@ const REMOVED: [&str; 10] = [
 /// Begins a run of a scenario in a folder, unless this holds what would be written over: the
 /// results of another scenario, finished or not, or of another command. A run of the same
 /// scenario goes on, or is done again from its stored stages; several programs may do so together.
-/// The run lasts until what is given back is dropped.
+/// The run lasts until what is given back is dropped. The folder of a study is refused, by force,
+/// too: a run replaces files of a run alone, and its own would stand among those of the study.
 ///
 /// # Errors
 /// [`FileError`], refused, that says what the folder holds; the system's where it does not let
 /// the folder be written.
 pub(super) fn begin(folder: &Path, scenario: &Scenario, force: bool) -> Result<RunLock, CliError> {
     let own = serde_json::to_value(scenario).map_err(std::io::Error::other)?;
+    // No lock is left in a folder of others.
+    refuse_study(folder, AtWork::Nobody)?;
     RunLock::take(folder, |at_work| {
+        refuse_study(folder, at_work)?;
         match (held(folder, &own, at_work), at_work) {
             // Two runs that write over each other would leave the results of neither.
             (Some(held), AtWork::Somebody) => {
@@ -71,19 +64,29 @@ pub(super) fn begin(folder: &Path, scenario: &Scenario, force: bool) -> Result<R
             _ if force => remove(folder)?,
             _ => {}
         }
+        if at_work == AtWork::Nobody {
+            asked::give_up(folder);
+        }
         Ok(write_json(&folder.join(UNFINISHED), &json!({ "scenario": own }))?)
     })
 }
 
-/// Refuses at once what [`begin`] would refuse without force, though the work that comes before
-/// it takes long. What others do meanwhile is seen there.
+/// Refuses at once what [`begin`] would refuse, though the work that comes before it takes long.
+/// What others do meanwhile is seen there.
 ///
 /// # Errors
 /// [`FileError`], refused, that says what the folder holds.
-pub(super) fn refuse(folder: &Path, scenario: &Scenario) -> Result<(), CliError> {
+pub(super) fn refuse(folder: &Path, scenario: &Scenario, force: bool) -> Result<(), CliError> {
     let own = serde_json::to_value(scenario).map_err(std::io::Error::other)?;
-    let held = held(folder, &own, AtWork::Nobody);
+    refuse_study(folder, AtWork::Nobody)?;
+    let held = held(folder, &own, AtWork::Nobody).filter(|_| !force);
     held.map_or(Ok(()), |held| Err(in_the_way(folder, &held)))
+}
+
+fn refuse_study(folder: &Path, at_work: AtWork) -> Result<(), FileError> {
+    let Some(held) = asked::study_in(folder, at_work) else { return Ok(()) };
+    let why = format!("{held}; a run replaces no study, choose another folder with --out");
+    Err(error::refused(WRITE, folder, why))
 }
 
 fn in_the_way(folder: &Path, held: &str) -> CliError {
@@ -126,12 +129,8 @@ fn held(folder: &Path, own: &Value, at_work: AtWork) -> Option<String> {
             )),
         };
     }
-    if let Some(there) = RESULTS.iter().find(|name| folder.join(name).is_file()) {
-        return Some(format!("it holds the results of another command ({there})"));
-    }
-    // A command may have begun that has left no result yet.
-    let begun = || format!("another command has begun there ({})", asked::FILE);
-    asked::is_there(folder, at_work).then(begun)
+    let there = RESULTS.iter().find(|name| folder.join(name).is_file());
+    there.map(|there| format!("it holds the results of another command ({there})"))
 }
 
 /// Whether a stage is stored in a folder: a run that ended before left nothing to lose.
@@ -271,6 +270,50 @@ mod tests {
         assert!(!said.contains("differs"), "law: a name is no difference, got `{said}`");
     }
 
+    /// Law: no file of a run comes into the folder of a study, by force either, and nothing there is
+    /// removed; the refusal says what the folder holds.
+    #[test]
+    fn a_run_stays_out_of_the_folder_of_a_study() {
+        let names = |folder: &Path| {
+            let entries = fs::read_dir(folder).expect("a folder").flatten();
+            let mut names: Vec<_> = entries.map(|entry| entry.file_name()).collect();
+            names.sort();
+            names
+        };
+        let own = scenario("a", 480.0);
+        for (files, words) in [
+            // Interrupted, of this build and of one that did not say its command; finished; with a
+            // run's files among its own; of an unknown study.
+            (&[asked::FILE, "grains.json"][..], "`pluvia sweep`"),
+            (&["plan.json", "grains.json", "figures"][..], "`pluvia sweep` (plan.json)"),
+            (&[asked::FILE, "compare.json", "report.html"][..], "`pluvia compare` (compare.json)"),
+            (&["plan.json", MANIFEST, "summary.json"][..], "`pluvia sweep` (plan.json)"),
+            (&["report.html"][..], "another command (report.html)"),
+        ] {
+            let folder = tempfile::tempdir().expect("a folder");
+            let out = folder.path();
+            for file in files {
+                let asked = json!({ "command": "sweep", "question": null, "scenario": own });
+                write_json(&out.join(file), &asked).expect("written");
+            }
+            let before = names(out);
+            for force in [false, true] {
+                let begun = begin(out, &own, force).map(drop);
+                for refused in [begun, refuse(out, &own, force)] {
+                    let why = refused.expect_err("law: a run stays out");
+                    assert_eq!(why.exit_code(), 2, "law: the folder is refused, got `{why}`");
+                    let why = why.to_string();
+                    let folder = out.to_string_lossy();
+                    for words in [words, &folder, "--out"] {
+                        assert!(why.contains(words), "law: `{words}` is said, got `{why}`");
+                    }
+                    assert!(!why.contains("--force"), "law: force does not help, got `{why}`");
+                    assert_eq!(names(out), before, "law: the folder is as it was");
+                }
+            }
+        }
+    }
+
     #[test]
     fn results_of_another_command_are_kept() {
         for file in ["report.html", "grains.json"] {
@@ -282,10 +325,13 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let at_work = asked::begin(folder.path(), "density", &asked::ANYTHING).expect("it begins");
         let told = said(folder.path(), &scenario("a", 480.0));
-        for words in ["another command has begun there (command.json)", "a command is at work"] {
+        for words in ["the results of `pluvia density`", "a command is at work"] {
             assert!(told.contains(words), "law: `{words}` is said, got `{told}`");
         }
         drop(at_work);
+        assert_eq!(said(folder.path(), &scenario("a", 480.0)), "", "law: it left nothing");
+        let is_asked = folder.path().join(asked::FILE).exists();
+        assert!(!is_asked, "law: the folder is a run's from now on");
         let folder = tempfile::tempdir().expect("a folder");
         fs::write(folder.path().join(MANIFEST), "torn").expect("written");
         let said = said(folder.path(), &scenario("a", 480.0));

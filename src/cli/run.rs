@@ -9,7 +9,8 @@ use crate::study::{ReadyRun, tell_warnings};
 #[command(after_help = "\
 Leaves manifest.json, summary.json, series.csv, grains.csv, grains.json, specimen.json and figures
 in DIR. After an interruption, run the same command again to resume. A folder that holds the results
-of another scenario or command is refused, unless --force replaces them.
+of another scenario, of grains or of export is refused, unless --force replaces them; the folder of
+a study (reproduce, compare, sweep ...) is always refused.
 
 Examples:
   pluvia run scenarios/quick/pluviation.json --out out/first
@@ -44,8 +45,8 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
     context.stop_on_ctrl_c();
     // Cutting grains may take minutes. Those that are read are tried first: where they cannot be,
     // the scenario may seem to be another than that of the folder.
-    if !args.force && scenario.begin.is_none() && matches!(scenario.grains, GrainsSpec::Sieved(_)) {
-        earlier_run::refuse(&args.out, scenario)?;
+    if scenario.begin.is_none() && matches!(scenario.grains, GrainsSpec::Sieved(_)) {
+        earlier_run::refuse(&args.out, scenario, args.force)?;
     }
     // Before anything is written or removed it is known that the run can begin.
     let ready = ReadyRun::new(scenario)?;

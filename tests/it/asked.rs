@@ -113,6 +113,8 @@ fn a_sweep_is_left_alone() {
         &["export", text(small_run()), "--format", "glb", "--force"],
         &["export", text(small_run()), "--format", "vtk"],
         &["verify", "--case", "spin-slide-0"],
+        &["run", &scenario],
+        &["run", &scenario, "--force"],
     ] {
         refused(args, &out, &["`pluvia sweep`", "another folder"]);
         assert_eq!(files(), before, "law: {args:?} leaves nothing there");
