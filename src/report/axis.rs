@@ -34,8 +34,16 @@ pub struct Scale {
 /// Share of the distance between ticks that values may stand over the end.
 const HAIR: f64 = 5e-3;
 
+/// Share of the extent of the values that may stay empty beyond them at an end of a linear axis, so
+/// that it ends at a tick.
+const MOST_EMPTY: f64 = 0.05;
+
+/// Fewest ticks of a linear axis.
+const FEWEST_TICKS: usize = 4;
+
 impl Axis {
-    /// A linear axis with its ends on round numbers.
+    /// A linear axis. It ends at ticks, or, where these are not near what is drawn, at a round number
+    /// between them.
     pub fn linear(name: impl Into<String>) -> Self {
         Self { name: name.into(), ..Self::default() }
     }
@@ -107,8 +115,8 @@ impl Axis {
 }
 
 impl Scale {
-    /// A linear scale that holds all finite values, its ends on round numbers.
-    /// Without values it runs from 0 to 1.
+    /// A linear scale that holds all finite values, with little empty at its ends. Without values
+    /// it runs from 0 to 1.
     fn linear(values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = extent(values).unwrap_or((0.0, 1.0));
         // One value alone still needs a length.
@@ -119,11 +127,28 @@ impl Scale {
             (low - pad, high + pad)
         };
         let step = round_step((high - low) / 6.0);
+        let scale = Self::stepped(low, high, step);
+        let is_fine = scale.ticks.len() >= FEWEST_TICKS;
+        if is_fine { scale } else { Self::stepped(low, high, round_step(step / 2.5)) }
+    }
+
+    /// A linear scale with ticks at multiples of a step, which holds all values from `low` to
+    /// `high`. An end is at a tick that is near, else at the next tenth of a step.
+    fn stepped(low: f64, high: f64, step: f64) -> Self {
+        let most_empty = MOST_EMPTY * (high - low);
+        let tenth = step / 10.0;
         // What passes a round number by a hair does not lengthen the axis.
+        let below = |step: f64| (low / step + HAIR).floor();
+        let above = |step: f64| (high / step - HAIR).ceil();
+        let (first, last) = (below(step), above(step));
+        let begins_at_tick = low - first * step <= most_empty;
+        let ends_at_tick = last * step - high <= most_empty;
+        let from = if begins_at_tick { first * step } else { below(tenth) * tenth };
+        let to = if ends_at_tick { last * step } else { above(tenth) * tenth };
         let (first, last) =
-            ((low / step + HAIR).floor() as i64, (high / step - HAIR).ceil() as i64);
-        let ticks: Vec<f64> = (first..=last).map(|i| i as f64 * step).collect();
-        Self::with_ticks(&ticks)
+            (first as i64 + i64::from(!begins_at_tick), last as i64 - i64::from(!ends_at_tick));
+        let ticks = (first..=last).map(|i| i as f64 * step).collect();
+        Self { from, to, ticks, ..Self::default() }
     }
 
     /// The same ticks between ends that no value is near.
@@ -246,6 +271,42 @@ mod tests {
         assert_eq!(linear([-3.0, 3.0]).number(-2.0), "\u{2212}2");
     }
 
+    /// Law: an axis ends at a tick, or, where more than 5 % would stay empty, at a round number
+    /// between ticks; it holds all values and has ticks enough to read it.
+    #[test]
+    fn linear_axes_end_near_the_values() {
+        let linear = |low: f64, high: f64| Scale::linear([low, high].into_iter());
+        for (low, high, from, to, step) in [
+            (0.0, 20.32, 0.0, 20.5, 5.0),
+            (0.0, 19.4, 0.0, 20.0, 5.0),
+            (0.0, 13.0, 0.0, 13.0, 2.0),
+            (1.1, 13.2, 1.0, 13.2, 2.0),
+            (-0.31, 0.02, -0.31, 0.02, 0.1),
+        ] {
+            let got = linear(low, high);
+            for (got, expected) in
+                [(got.from, from), (got.to, to), (got.ticks[1] - got.ticks[0], step)]
+            {
+                let is_same = (got - expected).abs() < 1e-9;
+                assert!(is_same, "law: {low} to {high} gives {expected}, got {got}");
+            }
+        }
+        for n in 1..400 {
+            let high = 1.013_f64.powi(n);
+            for low in [0.0, 0.37 * high, -0.71 * high, 0.97 * high] {
+                let got = linear(low, high);
+                let (extent, hair) = (high - low, 0.01 * (high - low));
+                let empty = [low - got.from, got.to - high].map(|empty| empty / extent);
+                let is_near = |empty: &f64| (-0.01..=MOST_EMPTY).contains(empty);
+                assert!(empty.iter().all(is_near), "law: {low} to {high}: 5 % at most: {got:?}");
+                let inside = |tick: &f64| *tick >= got.from - hair && *tick <= got.to + hair;
+                let ticks = &got.ticks;
+                assert!((4..=10).contains(&ticks.len()), "law: {low} to {high}: {got:?}");
+                assert!(ticks.iter().all(inside), "law: {low} to {high}: between ends: {got:?}");
+            }
+        }
+    }
+
     /// Law: the ends stand clear of the values, and ticks stay round numbers between them.
     #[test]
     fn what_stands_at_the_ends_is_clear_of_the_frame() {
@@ -257,7 +318,7 @@ mod tests {
         assert_eq!((ends.from, ends.to), (27.5, 82.5), "law: beyond what is drawn by 4 % of 50");
         let ticks: Vec<f64> = (3..=8).map(|n| 10.0 * f64::from(n)).collect();
         assert_eq!(ends.ticks, ticks, "law: ticks from the first value to the last");
-        let inside = scale(&[13.0, 57.0], &[]);
+        let inside = scale(&[12.1, 57.9], &[]);
         assert_eq!((inside.from, inside.to), (10.0, 60.0), "law: there is room already");
         let none = scale(&[], &[]);
         assert_eq!((none.from, none.to), (0.0, 1.0), "law: nothing is drawn");

@@ -78,3 +78,40 @@ pub(crate) fn finals(runs: &[&RunRecord]) -> String {
     let said = (!found.is_empty()).then(|| format!("Final settlement {}.", found.join("; ")));
     found_in(runs, said, "these numbers", "No such run was done.")
 }
+
+#[cfg(test)]
+mod tests {
+    use roxmltree::Document;
+
+    use super::*;
+    use crate::record::canned;
+
+    /// Law: the time axis of a specimen that was shaken for 20 s and came to rest soon after ends
+    /// there, as the numbers in the figure say: the next one, 25 s, would leave a fifth of it empty.
+    #[test]
+    fn the_time_axis_ends_where_the_data_end() {
+        let run = canned::runs().remove(4);
+        let curve = settlement_curve(&run, |row| row.settlement_mm);
+        let end = curve.last().expect("a curve").0;
+        assert!((20.3..20.5).contains(&end), "expected data that end soon after 20 s, got {end}");
+        let figure = of_run(&run).expect("it can be drawn").expect("it was shaken");
+        let svg = Document::parse(&figure.svg).expect("XML");
+        // Numbers below the frame stand in the middle of their ticks, those beside it end there.
+        let ticks: Vec<(f64, f64)> = svg
+            .descendants()
+            .filter(|node| node.tag_name().name() == "text")
+            .filter(|node| node.attribute("text-anchor") == Some("middle"))
+            .filter_map(|node| {
+                let number = node.text()?.trim().parse().ok()?;
+                Some((node.attribute("x")?.parse().ok()?, number))
+            })
+            .collect();
+        let numbers: Vec<f64> = ticks.iter().map(|tick| tick.1).collect();
+        assert_eq!(numbers, [0.0, 5.0, 10.0, 15.0, 20.0], "law: no number beyond the data");
+        let (first, last) = (ticks[0], ticks[ticks.len() - 1]);
+        let right = f64::from(style::WIDTH) - f64::from(style::RIGHT);
+        let of_data = first.0 + (last.0 - first.0) * (end - first.1) / (last.1 - first.1);
+        let empty = (right - of_data) / (right - first.0);
+        assert!((-0.01..0.05).contains(&empty), "law: 5 % at most is empty, got {empty}");
+    }
+}
