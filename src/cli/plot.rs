@@ -2,6 +2,8 @@
 
 use super::picture::prepare;
 use super::*;
+use crate::export::refuse_no_run;
+use crate::record::refuse_no_folder;
 use crate::report::{ChartColumn, ChartStyle, ColumnChart, ColumnRange, ColumnTable, svg_to_png};
 use crate::scenario::{MeantStage, renamed_result};
 
@@ -128,6 +130,7 @@ pub(super) fn run(args: &PlotArgs, context: &Context) -> Result<ExitStatus, CliE
 
 /// The file of a table in a folder.
 fn table_path(folder: &Path, name: &str) -> Result<PathBuf, CliError> {
+    refuse_no_folder(folder)?;
     let stem = name.strip_suffix(".csv").unwrap_or(name);
     let path = folder.join(format!("{stem}.csv"));
     let plain = !stem.is_empty() && !stem.contains(['/', '\\']);
@@ -197,6 +200,7 @@ fn rows(
 
 /// Numbers of the stages that are asked for by number or name, as their rows have them.
 fn stage_numbers(folder: &Path, asked: &str) -> Result<Vec<String>, CliError> {
+    refuse_no_run(folder)?;
     let manifest = folder.join("manifest.json");
     let read: Value = read_json(&manifest)?;
     let stages = read["stages"].as_array().map_or(&[][..], Vec::as_slice);

@@ -3,7 +3,7 @@
 use clap::Subcommand;
 
 use super::*;
-use crate::record::{StoreReport, StoredItem, StoredState, check_store};
+use crate::record::{StoreReport, StoredItem, StoredState, check_store, refuse_no_folder};
 
 /// Manage the stored stages of an output folder
 #[derive(Debug, Args)]
@@ -28,7 +28,8 @@ have the recorded hashes, that it is the stage that its folder names, that it co
 stage before it, and that it has as many bodies as grains; the same of checkpoints. Lists what is
 half written. A damaged stage is never used: the command that needs it reports it and runs it again.
 
-Exit codes: 0 nothing is damaged; 1 something is; 2 there is no store; 4 it could not be read.
+Exit codes: 0 nothing is damaged; 1 something is; 2 DIR holds no store; 4 it is not there, or could
+not be read.
 
 Examples:
   pluvia store check out/first
@@ -48,6 +49,7 @@ pub(super) fn run(args: &StoreArgs, context: &Context) -> Result<ExitStatus, Cli
 
 /// The store of an output folder, or the folder itself where that is one.
 fn store_in(folder: &Path) -> Result<PathBuf, CliError> {
+    refuse_no_folder(folder)?;
     let below = folder.join("stages");
     if below.is_dir() {
         return Ok(below);

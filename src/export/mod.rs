@@ -23,7 +23,7 @@ pub use glb::{Glb, GlbTooLarge, glb};
 pub use moments::{DEFAULT_EVERY, Moment, Moments, StageMoments, as_state, read_moments};
 pub use parts::{Part, PartKind, parts};
 pub use playback::{Playback, PlayedStage, read_playback, read_playback_ends, read_playback_for};
-pub use run_folder::{ExportError, Exported, read_at_rest, read_run, stage_at_rest};
+pub use run_folder::{ExportError, Exported, read_at_rest, read_run, refuse_no_run, stage_at_rest};
 pub use solids::{apparatus_obj, grains_obj, grains_ply, grains_stl};
 pub use tables::{contacts_csv, grains_csv, pairs_csv};
 pub use vtk::{VTK_LISTS, VtkFiles, write_vtk};

@@ -7,8 +7,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::*;
-use crate::input::{self, Refusal};
-use crate::record::{read_file, read_unchanged};
+use crate::record::{read_file, read_unchanged, refuse_without};
 use crate::scenario::{self, MeantStage, StageSpec};
 
 /// Why a run cannot be exported.
@@ -181,6 +180,14 @@ fn without_manifest(folder: &Path) -> &'static str {
     }
 }
 
+/// Refuses what is there and is no folder of a finished run.
+///
+/// # Errors
+/// [`FileError`], refused, with what it is.
+pub fn refuse_no_run(folder: &Path) -> Result<(), FileError> {
+    refuse_without(folder, MANIFEST, without_manifest(folder))
+}
+
 /// Why a manifest of this text cannot be read: an earlier version may have written it.
 fn unreadable(path: &Path, text: &[u8], error: serde_json::Error) -> FileError {
     let value: Value = serde_json::from_slice(text).unwrap_or_default();
@@ -194,15 +201,8 @@ impl Manifest {
     /// That of a run folder. Its scenario is one that can be run:
     /// whoever reads it builds its laboratory.
     pub(super) fn of(folder: &Path) -> Result<Self, FileError> {
-        if let Err(error) = input::is_folder(folder)
-            && Refusal::within(&error).is_some()
-        {
-            return Err(FileError::unread(folder, &error));
-        }
+        refuse_no_run(folder)?;
         let path = folder.join(MANIFEST);
-        if folder.is_dir() && !path.exists() {
-            return Err(FileError::new("read", folder, without_manifest(folder)));
-        }
         let text = read_file(&path)?;
         let manifest: Result<Self, _> = serde_json::from_slice(&text);
         let manifest = manifest.map_err(|error| unreadable(&path, &text, error))?;

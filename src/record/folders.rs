@@ -1,6 +1,8 @@
-//! Folders that last: made, and the names in them brought to the disk.
+//! Folders that last: made, and the names in them brought to the disk; and those that are of
+//! another kind than is read.
 
 use super::*;
+use crate::input::Refusal;
 
 /// Creates a folder and those above it, and has their names brought to the disk.
 ///
@@ -21,6 +23,32 @@ pub fn create_folder(path: &Path) -> Result<(), FileError> {
     }
     // Of one that is there already, or something else that is in the way.
     fs::create_dir_all(path).map_err(refused)
+}
+
+/// Refuses what is there and is no folder. What is not there is none of this: whoever reads it says
+/// so.
+///
+/// # Errors
+/// [`FileError`], refused, with what it is.
+pub fn refuse_no_folder(path: &Path) -> Result<(), FileError> {
+    match input::is_folder(path) {
+        Err(error) if Refusal::within(&error).is_some() => Err(FileError::unread(path, &error)),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a folder that lacks the file by which its kind is known, and what is no folder; `what`
+/// says what it is instead. What is not there, or may not be looked into, whoever reads it says.
+///
+/// # Errors
+/// [`FileError`], refused.
+pub fn refuse_without(folder: &Path, file: &str, what: &str) -> Result<(), FileError> {
+    refuse_no_folder(folder)?;
+    let lacks = folder.is_dir() && folder.join(file).try_exists().is_ok_and(|is_there| !is_there);
+    if lacks {
+        return Err(FileError { refused: true, ..FileError::new("read", folder, what) });
+    }
+    Ok(())
 }
 
 /// The folder that holds a name.

@@ -41,7 +41,7 @@ pub use checks::{CheckSummary, Checks, OverlapWatch, StageChecks};
 pub use contacts::*;
 pub use energy::*;
 pub use file_error::FileError;
-pub use folders::create_folder;
+pub use folders::{create_folder, refuse_no_folder, refuse_without};
 pub use frames::{FRAMES_FILE, Frame, FrameWriter};
 pub use grain_table::grains_csv;
 pub use hash::{hash_bytes, hash_json};

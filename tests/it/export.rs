@@ -332,11 +332,11 @@ fn what_cannot_be_exported_is_said_in_one_line() {
     // What a folder without a manifest may be.
     let other = folder.path().join("other");
     fs::create_dir(&other).expect("a folder");
-    refused(&other, &["--format", "csv"], 4, &["other", "no folder of a run"]);
+    refused(&other, &["--format", "csv"], 2, &["other", "no folder of a run"]);
     fs::create_dir(other.join("runs")).expect("a folder");
-    refused(&other, &["--format", "csv"], 4, &["other", "several runs"]);
+    refused(&other, &["--format", "csv"], 2, &["other", "several runs"]);
     fs::write(other.join("unfinished.json"), "{}").expect("written");
-    refused(&other, &["--format", "csv"], 4, &["other", "not finished", "resume"]);
+    refused(&other, &["--format", "csv"], 2, &["other", "not finished", "resume"]);
 
     let damaged = folder.path().join("damaged");
     fs::create_dir(&damaged).expect("a folder");

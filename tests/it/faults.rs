@@ -156,6 +156,63 @@ fn each_refusal_has_one_exit_code() {
     }
 }
 
+/// Law: for each command that reads a folder, one that is there and of another kind is a wrong
+/// argument (2), as a file in its place is; one that is not there cannot be read (4).
+#[test]
+fn folders_of_another_kind_are_wrong_arguments() {
+    let folder = Folder::new();
+    for name in ["empty", "several/runs", "rows"] {
+        fs::create_dir_all(folder.path(name)).expect("made");
+    }
+    fs::write(folder.path("rows/series.csv"), "time_s,stage,a\n0,0,1\n1,1,2\n").expect("written");
+    let path = folder.scenario("small.json", &small::layer(30.0));
+    let planned = folder.path("planned");
+    let plan = program::words("--over seed=1,2 --plan-only");
+    let plan = [&["sweep", &*path][..], &plan[..]].concat();
+    let output = ended(pluvia(&plan, &planned), "a plan");
+    assert_eq!(output.status.code(), Some(0), "law: it is planned, got: {}", said(&output));
+    const NO_RUN: &str = "it is no folder of a run";
+    const NO_SWEEP: &str = "it is no folder of a sweep";
+    // Arguments with the folder as PATH, and what is said of an empty one.
+    for (line, of_empty) in [
+        ("export PATH --format csv --out out", NO_RUN),
+        ("export PATH --format glb --out out", NO_RUN),
+        ("export PATH --format vtk --out out", NO_RUN),
+        ("export PATH --format json --stage pour --out out", NO_RUN),
+        ("picture PATH --out x.png", NO_RUN),
+        ("picture PATH --grains --out x.png", NO_RUN),
+        ("picture PATH --animate x.png", NO_RUN),
+        ("view PATH --save x.html", NO_RUN),
+        ("plot PATH --list", "no table `series`"),
+        ("store check PATH", "there is no store"),
+        ("stage PATH --list", NO_SWEEP),
+        ("sweep --status --out PATH", NO_SWEEP),
+        ("sweep --collect --out PATH", NO_SWEEP),
+        ("targets --runs t=PATH --target t:void_ratio=1..2 --out out", NO_SWEEP),
+    ] {
+        let check = |name: &str, code: i32, words: &[&str]| {
+            let line = line.replace("PATH", name);
+            let mut command = program::pluvia();
+            command.args(program::words(&line)).arg("--quiet").current_dir(folder.path(""));
+            refused(command, code, words, &line);
+        };
+        check("empty", 2, &["empty", of_empty]);
+        check("small.json", 2, &["small.json"]);
+        check("nowhere", 4, &["nowhere"]);
+        if of_empty == NO_RUN {
+            check("planned", 2, &["planned", NO_RUN]);
+            check("several", 2, &["several", "it holds several runs"]);
+        }
+    }
+    let mut of_rows = program::pluvia();
+    of_rows.args(program::words("plot rows --x time_s --y a --stage pour --out x.svg"));
+    of_rows.current_dir(folder.path(""));
+    refused(of_rows, 2, &["rows", NO_RUN], "a stage of rows that are no run's");
+    for file in ["out", "x.png", "x.html", "x.svg"] {
+        assert!(!folder.path(file).exists(), "law: {file} is not made");
+    }
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn files_of_a_run_without_end_are_refused() {

@@ -3,6 +3,7 @@
 use std::{fmt::Display, iter::repeat_n};
 
 use super::*;
+use crate::record::refuse_without;
 
 /// Name of the file in the output folder.
 pub const PLAN_FILE: &str = "plan.json";
@@ -144,6 +145,7 @@ impl SweepPlan {
     /// # Errors
     /// [`StudyError::File`], [`StudyError::Scenario`] for a plan of another version.
     pub fn read(out: &Path) -> Result<Self, StudyError> {
+        refuse_without(out, PLAN_FILE, "it is no folder of a sweep: it has no plan.json")?;
         let path = out.join(PLAN_FILE);
         let json: Value = read_json(&path)?;
         let format = json.get("format").and_then(Value::as_str).unwrap_or_default();

@@ -12,7 +12,7 @@ mod together;
 
 use super::*;
 use crate::measure::{inference::wilson_interval, regression::LinearModel};
-use crate::record::read_file;
+use crate::record::{read_file, refuse_without};
 use crate::report::{ColumnTable, OUTCOMES, Target, TargetFound, TargetsFound};
 use spelling::Spellings;
 
@@ -166,7 +166,13 @@ pub fn meet_targets(
 
 /// The rows of a sweep that count in means.
 fn read(path: &Path, chance: &[String], spellings: &mut Spellings) -> Result<Runs, StudyError> {
-    let file = if path.is_dir() { path.join("sweep.csv") } else { path.to_owned() };
+    const TABLE: &str = "sweep.csv";
+    let file = if path.is_dir() {
+        refuse_without(path, TABLE, "it is no folder of a sweep with results: no sweep.csv")?;
+        path.join(TABLE)
+    } else {
+        path.to_owned()
+    };
     let table = ColumnTable::read(&file, &read_file(&file)?)?;
     let unfit = |what: &str| StudyError::Scenario(format!("{}: {what}", file.display()));
     let names = table.names();

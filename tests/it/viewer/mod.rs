@@ -217,5 +217,5 @@ fn a_file_is_saved_once() {
 #[test]
 fn a_folder_that_is_no_run_is_told_as_such() {
     let folder = tempfile::tempdir().expect("a folder");
-    refused(&["view", text(folder.path())], 4, &["manifest.json"]);
+    refused(&["view", text(folder.path())], 2, &["manifest.json"]);
 }
