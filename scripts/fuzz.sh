@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Feeds the readers of fuzz/targets.rs by coverage, with libFuzzer and
-# AddressSanitizer, for so many minutes in all.
+# AddressSanitizer, for a number of minutes in all.
 #
 #   scripts/fuzz.sh 10             ten minutes, shared by all targets
 #   scripts/fuzz.sh 10 mesh        for one of them

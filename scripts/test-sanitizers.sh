@@ -80,7 +80,7 @@ build() {
     echo "$built"
 }
 
-# Runs the unit tests that match; at least so many must have been there.
+# Runs the unit tests that match; a least number ($2) must have been there.
 tests() {
     local kind=$1 least=$2 program=$3 passed
     shift 3

@@ -44,7 +44,7 @@ scripts/slurm-here.sh start "$folder/cluster"
 trap 'scripts/slurm-here.sh stop "$folder/cluster"' EXIT
 . "$folder/cluster/env"
 
-# Waits until no job is left, at most so many seconds.
+# Waits until no job is left, at most $1 seconds.
 drained() {
     for _ in $(seq "$1"); do
         [ -z "$(squeue -h)" ] && return

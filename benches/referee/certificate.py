@@ -177,7 +177,7 @@ def answer(given):
 
 
 def block(angle, friction, corners=4):
-    """A block on a slope, carried at so many of its corners."""
+    """A block on a slope, carried at the given number of its corners."""
     weight = [np.sin(angle), 0.0, -np.cos(angle)]
     points = [[x, y, -0.5] for x in (-0.5, 0.5) for y in (-0.5, 0.5)][:corners]
     contacts = [

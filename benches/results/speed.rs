@@ -8,14 +8,14 @@ fn rows(all: &Value) -> Result<&Vec<Value>, String> {
     all.as_array().ok_or_else(|| "no rows".to_owned())
 }
 
-/// A number with so many decimals; empty where it is not known.
+/// A number with its decimals; empty where it is not known.
 pub(super) fn number(of: &Value, decimals: usize) -> String {
     // Adding nothing to what is rounded to nothing takes its sign away.
     let rounded = |x: f64| format!("{x:.decimals$}").parse::<f64>().unwrap_or(x) + 0.0;
     of.as_f64().map_or_else(String::new, |x| format!("{:.decimals$}", rounded(x)))
 }
 
-/// Numbers of fields, each with so many decimals, written as `grains:0 growth:2`.
+/// Numbers of fields, each field with its number of decimals, as in `grains:0 growth:2`.
 pub(super) fn numbers(of: &Value, fields: &str) -> Vec<String> {
     let cell = |field: &str| {
         let (name, decimals) = field.split_once(':').unwrap_or((field, "0"));

@@ -106,7 +106,7 @@ pub fn stages(out: &Path) -> usize {
     fs::read_dir(out.join("stages")).map_or(0, |entries| entries.flatten().filter(named).count())
 }
 
-/// Waits until so many stages are stored, two minutes at most.
+/// Waits until the wanted number of stages is stored, two minutes at most.
 pub fn wait_for_stages(out: &Path, wanted: usize) {
     let patience = Instant::now();
     while stages(out) < wanted && patience.elapsed() < Duration::from_secs(120) {

@@ -52,7 +52,7 @@ fn stops(mut command: Command, signal: &str, what: &str, reached: &dyn Fn() -> b
     assert_eq!(status.code(), STOPPED, "law: {what}: it says that it was stopped, got {status:?}");
 }
 
-/// Half a tonne of gravel: cutting and sieving so many grains takes minutes.
+/// Half a tonne of gravel: cutting and sieving its grains takes minutes.
 fn many() -> Value {
     json!({
         "name": "many",

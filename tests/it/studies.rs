@@ -247,7 +247,7 @@ fn hold_slopes(name: &str, table: &Value, swept: &Value) {
     assert_eq!(held, 9, "{name}: three parameters on three lengths");
 }
 
-/// Expects a design to be refused, with so many faults and these words.
+/// Expects a design to be refused, with a number of faults and these words.
 fn refused(command: &str, design: &Value, count: usize, words: &[&str]) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = write(folder.path(), design);

@@ -9,7 +9,7 @@ use pluvia::measure::statistics::least_squares_slope;
 
 /// Lowest k that is tried. Below zero grains would flow where there is no opening.
 const LEAST_K: f64 = 0.0;
-/// An opening is at least so many grains wider than k of them.
+/// Least width of an opening beyond k grains, in grains.
 const LEAST_GAP: f64 = 0.02;
 /// Values of k that are tried before the best one is closed in on.
 const TRIED: usize = 400;

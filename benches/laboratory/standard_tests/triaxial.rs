@@ -60,7 +60,7 @@ pub fn critical_state(moments: &[Triaxial], from: f64) -> Option<CriticalState> 
     })
 }
 
-/// The largest mean q/p of so many moments in succession. `None` where there are fewer.
+/// The largest mean q/p of `together` moments in succession. `None` where there are fewer.
 pub fn peak_ratio(moments: &[Triaxial], together: usize) -> Option<f64> {
     let means = moments.windows(together.max(1)).map(|w| mean_of(w.iter().map(Triaxial::ratio)));
     means.max_by(f64::total_cmp)

@@ -26,7 +26,7 @@ fn done(program: &str, args: &[&str]) -> bool {
 }
 
 impl Mounted {
-    /// A file system in memory that holds so many KiB; none where none can be mounted.
+    /// A file system in memory of a size in KiB; none where none can be mounted.
     pub fn tmpfs(place: &Path, kib: u64) -> Option<Self> {
         fs::create_dir_all(place).expect("a folder");
         let size = format!("size={kib}k");

@@ -15,7 +15,7 @@ use super::{
 
 const CLASS: &str = "kills";
 
-/// Kills a command so many times at moments drawn evenly from the time it takes, then has it
+/// Kills a command `kills` times at moments drawn evenly from the time it takes, then has it
 /// finish, and compares. One that is over before it is killed begins anew, with less time where
 /// it had been given all of it: the machine may have less to do than when it was timed.
 pub fn survives(trial: &Trial, kills: usize, ground: &mut Ground) {

@@ -80,7 +80,7 @@ fn concluded(trial: &Trial, out: &Path, what: &str, got: (&str, &str), ground: &
     ground.log.case(CLASS, phase, outcome);
 }
 
-/// So many threads and processes, the program included.
+/// A limit of threads and processes, the program included.
 fn threads(trial: &Trial, most: u64, ground: &mut Ground) {
     let phase = format!("{}, threads", trial.name);
     let out = ground.place();
@@ -93,7 +93,7 @@ fn threads(trial: &Trial, most: u64, ground: &mut Ground) {
     concluded(trial, &out, &what, (&phase, &outcome), ground);
 }
 
-/// So many MiB of addresses.
+/// A limit of addresses in MiB.
 fn addresses(trial: &Trial, mib: u64, ground: &mut Ground) {
     let phase = format!("{}, addresses", trial.name);
     let mut tried = Command::new("prlimit");
@@ -109,7 +109,7 @@ fn addresses(trial: &Trial, mib: u64, ground: &mut Ground) {
     concluded(trial, &out, &what, (&phase, &outcome), ground);
 }
 
-/// So many MiB of memory, beyond which the system kills.
+/// A limit of memory in MiB, beyond which the system kills.
 fn memory(trial: &Trial, mib: u64, ground: &mut Ground) {
     let phase = format!("{}, memory of a cgroup", trial.name);
     let out = ground.place();

@@ -2,9 +2,9 @@
 //! for by `make soak`, which notes what became of each.
 //!
 //! `PLUVIA_SOAK=MINUTES` makes them, each class for as long as the others; the class that had
-//! least time is next. `PLUVIA_SOAK_KILLS` and `PLUVIA_SOAK_INPUTS` have kills and inputs go
-//! on, after that time, until there are so many; `PLUVIA_SOAK_ONLY=kills,disk` tries those
-//! classes alone; `PLUVIA_SOAK_SEED` draws other random numbers.
+//! least time is next. `PLUVIA_SOAK_KILLS` and `PLUVIA_SOAK_INPUTS` give least numbers of kills
+//! and inputs, which go on after that time; `PLUVIA_SOAK_ONLY=kills,disk` tries those classes
+//! alone; `PLUVIA_SOAK_SEED` draws other random numbers.
 
 mod crafted;
 mod disk;

@@ -3,8 +3,8 @@
 
 use super::{case, setting, settings, verify};
 
-/// What the native solver gets of a case with so many sub-steps a second and a stiffness (N/m);
-/// `None` in a build in single precision, whose rounding is seen in steps so short.
+/// What the native solver gets of a case with a rate of sub-steps (Hz) and a stiffness (N/m); `None`
+/// in a build in single precision, whose rounding is seen in steps so short.
 fn got(id: &str, substep_rate_hz: f64, stiffness: f64) -> Option<f64> {
     if !settings().iter().any(|s| s.name == "native-480") {
         return None;
