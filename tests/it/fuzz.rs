@@ -150,7 +150,7 @@ fn a_few_mutations_of_them_are_too() {
 /// Most inputs of a reader in a round: quick ones must not make up the numbers of slow ones.
 const MOST: u64 = 2000;
 
-/// `make soak`: mutations for every reader, of each for half a second or up to this number.
+/// `make soak`: mutations for every reader, for half a second or [`MOST`] of them.
 pub fn round(ground: &mut Ground) {
     for target in TARGETS {
         let (corpus, begun) = (corpus(target.0), Instant::now());
