@@ -7,10 +7,6 @@ use crate::units::from_g;
 /// Largest number of grains the program makes.
 pub const MOST_GRAINS: usize = 1_000_000;
 
-/// How far the percentages of a sieve table may be from 100 together: lab
-/// sheets round each of a few rows to 0.1 %. The rows are scaled to 100 exactly.
-const PERCENT_TOLERANCE: f64 = 0.2;
-
 /// A validated sieve table with the number of grains of each fraction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParticleSizeDistribution {
@@ -53,6 +49,8 @@ impl ParticleSizeDistribution {
     /// total is reached. (Rounding each n alone lets the errors of several fractions add up; for
     /// the paper's table it gives 1457 where Σn is 1456.05.)
     ///
+    /// Percentages that miss 100 by the rounding of their digits are scaled to 100 exactly.
+    ///
     /// # Errors
     /// Values that are not positive, rows out of order, percentages that do not add up to 100,
     /// fractions of less than half a grain, and more than [`MOST_GRAINS`] grains.
@@ -60,7 +58,7 @@ impl ParticleSizeDistribution {
         positive("total_mass_g", spec.total_mass_g)?;
         positive("density_kg_per_m3", spec.density_kg_per_m3)?;
         check_table(&spec.sieve_table)?;
-        let sum: f64 = spec.sieve_table.iter().map(|row| row.mass_percent).sum();
+        let sum = SieveFraction::percent_sum(&spec.sieve_table);
         let mut fractions = Vec::with_capacity(spec.sieve_table.len());
         let mut quotas = Vec::with_capacity(spec.sieve_table.len());
         for row in &spec.sieve_table {
@@ -237,9 +235,8 @@ fn check_table(table: &[SieveFraction]) -> Result<(), GrainsError> {
             ));
         }
     }
-    let sum: f64 = table.iter().map(|row| row.mass_percent).sum();
-    if (sum - 100.0).abs() > PERCENT_TOLERANCE {
-        return Err(GrainsError::PercentSum(sum));
+    if !SieveFraction::add_up(table) {
+        return Err(GrainsError::PercentSum(SieveFraction::percent_sum(table)));
     }
     Ok(())
 }

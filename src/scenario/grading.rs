@@ -32,7 +32,8 @@ impl Grading {
         let is_density = DENSITIES.contains(&sieved.density_kg_per_m3);
         let sound = is_density && solids > 0.0 && solids.is_finite();
         let sizes = sizes_of(&sieved.sieve_table).filter(|_| sound)?;
-        let (mass, density) = (sieved.total_mass_g, sieved.density_kg_per_m3);
+        let density = sieved.density_kg_per_m3;
+        let mass = sieved.total_mass_g * SieveFraction::factor_to_hundred(&sieved.sieve_table);
         let count = sieved.sieve_table.iter().map(|f| f.grain_count(mass, density)).sum();
         Some(Self { sizes, density, solids, count })
     }

@@ -125,6 +125,7 @@ mod meshes;
 mod motion_file;
 mod native;
 mod overrides;
+mod percentages;
 mod pieces;
 mod rapier;
 mod renamed;
@@ -259,7 +260,8 @@ pub struct SievedGrains {
     /// so that a value in g/cm³ is refused.
     pub density_kg_per_m3: f64, from 10.0 to 30000.0;
     /// Sieve fractions, coarsest first; each fraction's `retained_mm` is the
-    /// next one's `passing_mm`, and the mass percentages add up to 100.
+    /// next one's `passing_mm`. The mass percentages add up to 100, but for half of the last digit
+    /// that is typed in each row (of 0.1 where all are whole), and are scaled to 100 exactly.
     pub sieve_table: Vec<SieveFraction>, length 1 to 100;
     /// What the grains are; left out, cells.
     pub shape: SievedShape, skip "SievedShape::is_default";

@@ -2,9 +2,6 @@
 
 use super::*;
 
-/// Allowed error of the sum of the mass percentages.
-const PERCENT_TOLERANCE: f64 = 0.01;
-
 /// More grains than this one machine cannot carry: a step of 1456 takes some
 /// 10 ms, and the time grows a little faster than the number.
 const MOST_GRAINS: f64 = 1e6;
@@ -28,6 +25,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     check_order(table, &mut faults);
     check_sum(table, &mut faults);
     let (mass, density) = (sieved.total_mass_g, sieved.density_kg_per_m3);
+    let factor = SieveFraction::factor_to_hundred(table);
     if !(mass > 0.0 && DENSITIES.contains(&density)) {
         return;
     }
@@ -36,11 +34,11 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     let mut total = 0.0;
     let mut least = 0.0_f64; // mass of which every fraction has a grain, where no share would do
     for (i, fraction) in table.iter().enumerate().filter(|(_, fraction)| is_sound(fraction)) {
-        let count = fraction.grain_count(mass, density);
+        let count = fraction.grain_count(mass * factor, density);
         total += count;
         let enough = fraction.mass_percent / count;
         if enough > 100.0 {
-            least = least.max(1.0 / fraction.grain_count(1.0, density));
+            least = least.max(1.0 / fraction.grain_count(factor, density));
             continue;
         }
         let SieveFraction { passing_mm, retained_mm, mass_percent } = fraction;
@@ -104,11 +102,12 @@ fn check_order(table: &[SieveFraction], faults: &mut Faults) {
 }
 
 fn check_sum(table: &[SieveFraction], faults: &mut Faults) {
-    let sum: f64 = table.iter().map(|f| f.mass_percent).sum();
-    // The margin keeps a sum of decimals that is off by the tolerance itself inside.
-    let wrong = !((sum - 100.0).abs() <= PERCENT_TOLERANCE + 1e-9);
-    let found = format!("a sum of {} %", short(sum));
-    let allowed = format!("100 ± {PERCENT_TOLERANCE} %");
+    let found = format!("a sum of {} %", short(SieveFraction::percent_sum(table)));
+    let allowed = format!(
+        "100 ± {} %: half of the last typed digit, {} %, in each row, and at least 0.01 % together",
+        short(SieveFraction::percent_tolerance(table)),
+        short(SieveFraction::last_digit(table))
+    );
     let why = "the mass percentages of the fractions do not add up";
-    faults.add_if(wrong, "sieve_table", found, allowed, why);
+    faults.add_if(!SieveFraction::add_up(table), "sieve_table", found, allowed, why);
 }

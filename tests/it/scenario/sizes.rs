@@ -1,8 +1,10 @@
 //! Sizes, sieve tables and numbers that no apparatus and no gravel can have.
 
+use pluvia::grains::ParticleSizeDistribution;
+use pluvia::scenario::GrainsSpec;
 use serde_json::{Value, json};
 
-use super::{expect_at, expect_one, faults, place, sound};
+use super::{expect_at, expect_one, faults, load_text, place, sound};
 
 #[test]
 fn impossible_sizes_are_refused() {
@@ -31,6 +33,38 @@ fn sieve_tables_that_make_no_sense_are_refused() {
     let mut within = sound();
     within["grains"]["sieve_table"][1]["mass_percent"] = json!(39.99);
     assert_eq!(faults(&within), [], "a sum of 99.99 is within the tolerance");
+}
+
+/// Law: a laboratory sheet of percentages rounded to one decimal is accepted, and its grains have the
+/// whole mass; one that misses 100 by more than rounding can is refused with what is allowed.
+#[test]
+fn percentages_of_a_laboratory_sheet_may_be_rounded() {
+    let sheet = |last: f64| {
+        let mut value = sound();
+        let fraction = |passing_mm: f64, retained_mm: f64, mass_percent: f64| {
+            json!({ "passing_mm": passing_mm, "retained_mm": retained_mm,
+                "mass_percent": mass_percent })
+        };
+        value["grains"]["sieve_table"] = json!([
+            fraction(16.0, 12.5, 33.3),
+            fraction(12.5, 10.0, 33.3),
+            fraction(10.0, 8.0, last)
+        ]);
+        value
+    };
+    let rounded = sheet(33.3);
+    assert_eq!(faults(&rounded), [], "law: 99.9 % of three fractions is rounding");
+    let scenario = load_text(&rounded.to_string(), &[]).expect("law: it loads");
+    let GrainsSpec::Sieved(sieved) = &scenario.grains else { panic!("sieved") };
+    let psd = ParticleSizeDistribution::new(sieved).expect("law: grains are made of it");
+    let mass: f64 = psd.fractions.iter().map(|fraction| fraction.mass).sum();
+    assert!((mass - 0.5).abs() < 1e-12, "law: together they have 500 g, got {mass} kg");
+    let found = faults(&sheet(33.2));
+    assert_eq!(found.len(), 1, "law: 99.8 % is more than rounding, got {found:?}");
+    let said = found[0].to_string();
+    for words in ["grains.sieve_table", "99.8 %", "100 ± 0.15 %", "last typed digit, 0.1 %"] {
+        assert!(said.contains(words), "law: `{words}` is said, got `{said}`");
+    }
 }
 
 #[test]
