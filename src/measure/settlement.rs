@@ -18,7 +18,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// The paper's mark for the early part of vibration (section 4, "the first
 /// five seconds of vibration"), in s.
-const EARLY: f64 = 5.0;
+pub const EARLY_SHAKING: f64 = 5.0;
 
 /// One reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,7 +69,7 @@ pub fn settlement(series: &[HeightSample], periods: &[Period]) -> Result<Settlem
     let after = |time| start - height_clamped(series, time);
     let at_end = start - series[series.len() - 1].height;
     let end = series[series.len() - 1].time;
-    let after_5_s = shaking_clock(periods, EARLY, end).map(after);
+    let after_5_s = shaking_clock(periods, EARLY_SHAKING, end).map(after);
     let end_of_shaking = after(periods[periods.len() - 1].end);
     let mut after_each_period: Vec<f64> = periods[1..].iter().map(|p| after(p.start)).collect();
     after_each_period.push(at_end);

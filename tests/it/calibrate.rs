@@ -130,6 +130,23 @@ fn a_result_that_is_not_measured_is_told_with_what_is() {
     assert_eq!(runs, 1, "law: one run is enough to tell");
 }
 
+/// Law: the settlement after five seconds is refused before anything runs where the table shakes for
+/// two, with the stage, its duration and the times that exist.
+#[test]
+fn a_time_that_the_vibration_does_not_reach_is_refused_before_anything_runs() {
+    let folder = Folder::new();
+    folder.scenario("small.json", &small::scenario(40.0, 2.0, 0.2));
+    let asked = "--unknown contact.restitution --between 0..1";
+    for target in ["settlement_mm.after_5_s", "surface_settlement_mm.share_after_5_s"] {
+        let (code, printed, err) =
+            calibrate(&folder, &words(&format!("--target {target}=3 {asked}")));
+        assert_eq!(code, Some(2), "{err}");
+        assert!(printed.is_empty() && !folder.path("out").exists(), "law: nothing is run: {err}");
+        let said = [target, "needs 5 s of vibration", "stages[3] (`vibrate`) for 2 s", "final"];
+        assert_holds(&err, &said);
+    }
+}
+
 #[test]
 fn wrong_usage_is_told_before_anything_runs() {
     let folder = folder();

@@ -8,6 +8,7 @@ mod root;
 mod search;
 #[cfg(test)]
 mod tests;
+mod times;
 mod under_way;
 
 pub use question::{CalibrationRange, CalibrationTarget, GRAIN_FRICTION};
@@ -113,6 +114,7 @@ pub fn calibrate(options: CalibrationOptions) -> Result<Study<Calibration>, Stud
     let runs = Runs { options, question };
     // A value that the scenario does not allow is reported before anything runs.
     let ends = runs.varied(&[low, high])?;
+    times::reached(&runs.options.target, &ends)?;
     refuse_repeats(&ends, REALISATIONS, runs.options.realisations)?;
     Ok(Study {
         command: "calibrate",
