@@ -15,21 +15,14 @@ const STRONGEST: f64 = 100.0;
 
 /// Fills in what is left out of a scenario's JSON and follows from its grains.
 pub(super) fn fill(value: &mut Value, grading: &Grading) {
-    let gravity = match value.get("gravity_m_per_s2") {
-        None => super::default_gravity(),
-        Some(gravity) => gravity.as_f64().unwrap_or(f64::NAN),
-    };
     if !value.is_object() {
         return;
     }
-    let is_sound = gravity > 0.0 && gravity <= STRONGEST;
-    let gravity = if is_sound { gravity } else { super::default_gravity() };
-    let scale = grading.scale_for_filling(gravity);
-    fill_apparatus(value, &scale);
+    let scale = scale_of(value, grading);
     // The apparatus follows from the grains alone, all else from gravity, too.
-    if !is_sound {
-        return;
-    }
+    let on_earth = || grading.scale_for_filling(super::default_gravity());
+    fill_apparatus(value, &scale.unwrap_or_else(on_earth));
+    let Some(scale) = scale else { return };
     fill_stages(value, &scale);
     calm_deposits(value, grading, &scale);
     for field in BY_SIZE {
@@ -40,6 +33,15 @@ pub(super) fn fill(value: &mut Value, grading: &Grading) {
         };
         put(value, field.path, default, factor);
     }
+}
+
+/// The scale that values of a scenario's JSON follow from; none where its gravity is at fault.
+pub(super) fn scale_of(value: &Value, grading: &Grading) -> Option<Scale> {
+    let gravity = match value.get("gravity_m_per_s2") {
+        None => super::default_gravity(),
+        Some(gravity) => gravity.as_f64()?,
+    };
+    (gravity > 0.0 && gravity <= STRONGEST).then(|| grading.scale_for_filling(gravity))
 }
 
 /// The value of a field that follows from the motions or loads of a scenario as well as from its

@@ -86,18 +86,20 @@ fn automatic_value(value: &Value, path: &str, grading: &Grading) -> f64 {
 /// Makes contacts as stiff as a scenario's own loads ask for, where they were softer in the run
 /// that it begins with, and nobody typed how stiff. Values that were automatic there grow with the
 /// scenario's own loads, and never shrink: with softer contacts, or in longer sub-steps, a pressed
-/// specimen would sink into itself.
+/// specimen would sink into itself. Deposits before the first load stay calm.
 pub(super) fn stiffen(value: &mut Value, run: &Map<String, Value>, grading: &Grading) {
     let run = Value::Object(run.clone());
     let listed = |value: &Value, path: &str| {
         let paths = value["begin"]["taken_over"].as_array();
         paths.is_some_and(|paths| paths.iter().any(|of| of == path))
     };
+    let mut is_speed_automatic = false;
     for path in BY_LOAD {
         let there = number_at(value, path).filter(|_| listed(value, path));
         let Some(there) = there else { continue };
         let was_automatic =
             listed(&run, path) || (there / automatic_value(&run, path, grading) - 1.0).abs() < 1e-9;
+        is_speed_automatic |= was_automatic && path == DEPENETRATION;
         let asked = automatic_value(value, path, grading);
         let pointer = format!("/{}", path.replace('.', "/"));
         if was_automatic
@@ -106,6 +108,9 @@ pub(super) fn stiffen(value: &mut Value, run: &Map<String, Value>, grading: &Gra
         {
             *field = json!(asked);
         }
+    }
+    if let Some(scale) = automatic::scale_of(value, grading).filter(|_| is_speed_automatic) {
+        calm_begun(value, &run, grading, &scale);
     }
 }
 
@@ -188,5 +193,52 @@ mod tests {
         let pressed = stiffness(own, &press);
         assert!(pressed > 1e5, "law: some hundred kN/m under 100 kPa, got {pressed}");
         assert_eq!(stiffness(own / 2.0, &press), own / 2.0, "law: what was typed stays");
+    }
+    /// Law: deposits onto a specimen that no load has been on are calm before the first load, whichever
+    /// scenario has it, as in a single run; after a load, and where the speed was typed, they have the
+    /// engine's.
+    #[test]
+    fn deposits_onto_a_specimen_without_a_load_are_calm() {
+        let grains = json!({ "total_mass_g": 100, "density_kg_per_m3": 2650, "sieve_table":
+            [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }] });
+        let grading = Grading::of_json(&grains).expect("a grading");
+        let of = |speed: f64, stages: &Value| {
+            json!({
+                "grains": grains,
+                "engine": { "native": { "max_depenetration_velocity_m_per_s": speed } },
+                "pieces": [{ "name": "lid", "shape": { "plate": { "size_mm": [50, 50, 10] } } }],
+                "stages": stages
+            })
+        };
+        let deposit = json!({ "stage": "deposit" });
+        let load = json!({ "piece": "lid", "stress_kpa": 100 });
+        let press = json!({ "stage": "press", "loads": [load] });
+        let alone = json!([deposit]);
+        let (pressed, twice) = (json!([deposit, press]), json!([deposit, deposit, press]));
+        let fast = automatic_value(&of(1.0, &pressed), DEPENETRATION, &grading);
+        let slow = automatic_value(&of(1.0, &alone), DEPENETRATION, &grading);
+        assert!(fast > 9.0 * slow, "law: faster under a load, got {fast} and {slow} m/s");
+        // The engine's speed and that of the first deposit, in µm/s.
+        let speeds = |there: f64, of_run: &Value, after: &[&str], stages: &Value| {
+            let run = of(there, of_run);
+            let mut value = of(there, stages);
+            value["begin"] =
+                json!({ "specimen": "run", "after": after, "taken_over": [DEPENETRATION] });
+            stiffen(&mut value, run.as_object().expect("an object"), &grading);
+            let both = [number_at(&value, DEPENETRATION), value["stages"][0][OWN_SPEED].as_f64()];
+            both.map(|speed| speed.map(|m_per_s| (m_per_s * 1e6).round()))
+        };
+        let micro = |m_per_s: f64| Some((m_per_s * 1e6).round());
+        let (calm, onto) = ([micro(fast), micro(slow)], ["deposit"]);
+        assert_eq!(speeds(fast, &twice, &onto, &pressed), calm, "law: the run's load came later");
+        assert_eq!(speeds(fast, &twice, &onto, &alone), calm, "law: there alone, too");
+        assert_eq!(speeds(slow, &alone, &onto, &pressed), calm, "law: the first load is its own");
+        let unloaded = [micro(slow), None];
+        assert_eq!(speeds(slow, &alone, &onto, &alone), unloaded, "law: no load, no higher speed");
+        let loaded = ["deposit", "deposit", "press"];
+        let after = [micro(fast), None];
+        assert_eq!(speeds(fast, &twice, &loaded, &pressed), after, "law: it has been under a load");
+        let typed = [micro(2.0 * fast), None];
+        assert_eq!(speeds(2.0 * fast, &twice, &onto, &pressed), typed, "law: typed for the run");
     }
 }

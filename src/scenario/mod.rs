@@ -110,6 +110,7 @@ mod begin;
 mod begun;
 mod by_load;
 mod by_motion;
+mod calm;
 mod cells;
 mod engine;
 mod fault;
@@ -177,8 +178,8 @@ use crate::scale::{Law, Scale};
 use crate::units::{from_g, from_mm, to_mm};
 use fields::{field, field_path, number_at, read};
 use {
-    automatic::*, by_load::*, by_motion::*, fault::*, filled_numbers::*, grading::*, sized::*,
-    source::*, stress::*,
+    automatic::*, by_load::*, by_motion::*, calm::*, fault::*, filled_numbers::*, grading::*,
+    sized::*, source::*, stress::*,
 };
 
 parts! {

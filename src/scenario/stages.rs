@@ -196,10 +196,11 @@ pub enum StageSpec {
         /// Ends when all of them have been let go and everything has settled, at the latest
         /// after this time.
         time_limit_s: f64, else "deposit_limit", above 0.0 to 3600.0;
-        /// Largest speed in m/s at which native contacts push an overlap apart in this stage. Left
-        /// out, it is that of `engine.native`. Where that is automatic and larger because of a load,
-        /// deposits before the load have the speed without the load, unless the scenario begins with
-        /// the specimen of another run.
+        /// Largest speed in m/s at which native contacts push an overlap apart in this stage; other
+        /// contacts do not read it. Left out, it is that of `engine.native`. Where that is automatic
+        /// and larger because of a load, deposits before the first load have the speed without a load;
+        /// loads on a specimen that is begun with count. One that is typed for the engine holds in
+        /// deposits, too, with a warning if it is more than 4 times as large.
         max_depenetration_velocity_m_per_s: Option<f64>, skip "Option::is_none", above 0.0 to 100.0;
     }
     /// Move pieces as prescribed, then let everything come to rest where that is asked for.

@@ -41,10 +41,12 @@ pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
     for field in BY_SIZE {
         judged.check_field(field, faults);
     }
+    judged.check_unread(faults);
     if let Some(grading) = grading {
         if !faults.has(STIFFNESS) {
             judged.check_load(&grading, faults);
         }
+        judged.check_deposits(&grading, faults);
         unusual_apparatus(scenario, &grading, faults);
         unusual_pieces(scenario, &grading, faults);
     }
@@ -102,6 +104,63 @@ impl Judged<'_> {
         );
         faults.add_if(wrong, STIFFNESS, short(typed), allowed, why);
     }
+
+    /// Deposits before the first load that push overlaps apart at another speed than grains without a
+    /// load do: one of their own, or the engine's.
+    fn check_deposits(&self, grading: &Grading, faults: &mut Faults) {
+        if !self.engine.is_native() {
+            return;
+        }
+        let usual = speed_before_a_load(self.value, grading, &self.scale);
+        let allowed = format!("{} for these grains", short(usual));
+        let of_engine = self.engine.native.max_depenetration_velocity_m_per_s;
+        let engine_is_told = faults.has(DEPENETRATION);
+        for n in deposits_before_a_load(self.value) {
+            let Some(own) = self.value["stages"][n][OWN_SPEED].as_f64() else {
+                let wrong = of_engine > usual * UNUSUAL && !engine_is_told;
+                let why = format!(
+                    "left out, it is that of engine.native, {} m/s, more than {UNUSUAL} times what \
+                     these grains ask for before a load: overlaps burst and throw grains apart",
+                    short(of_engine)
+                );
+                faults.add_if(wrong, &own_speed(n), "", &*allowed, why);
+                continue;
+            };
+            let (is_low, is_high) = (own < usual / UNUSUAL, own > usual * UNUSUAL);
+            let goes_wrong = match is_low {
+                true => "overlaps that impacts leave last",
+                false => "overlaps burst and throw grains apart",
+            };
+            let why = format!(
+                "the value differs by more than a factor of {UNUSUAL} from what these grains ask for \
+                 before a load: {goes_wrong}"
+            );
+            faults.add_if(is_low || is_high, &own_speed(n), short(own), &*allowed, why);
+        }
+    }
+
+    /// Speeds of deposits that only native contacts read.
+    fn check_unread(&self, faults: &mut Faults) {
+        if self.engine.is_native() {
+            return;
+        }
+        let who = match self.engine.backend {
+            Backend::Rapier => "rapier, whose own is engine.rapier.corrective_speed_m_per_s",
+            Backend::Bullet => "stock Bullet contacts, which have none",
+        };
+        let stages = self.value["stages"].as_array().into_iter().flatten().enumerate();
+        let typed = stages.filter_map(|(n, stage)| Some((n, stage[OWN_SPEED].as_f64()?)));
+        for (n, speed) in typed {
+            let allowed = "the field left out, or native contacts on Bullet";
+            let why = format!("without effect: this speed is not read by {who}");
+            faults.add(&own_speed(n), short(speed), allowed, why);
+        }
+    }
+}
+
+/// Path of the speed at which a deposit pushes overlaps apart.
+fn own_speed(stage: usize) -> String {
+    format!("stages[{stage}].{OWN_SPEED}")
 }
 
 /// A cylinder that runs over, or a funnel that jams.

@@ -283,6 +283,85 @@ fn fields_that_nothing_reads_are_not_warned_of() {
     }
 }
 
+/// A box with a deposit that is pressed later: what is said of the speed at which overlaps are
+/// pushed apart, with engine settings and a speed of the deposit's own.
+fn said_of_deposit(engine: Value, own: Option<f64>, is_pressed: bool) -> Vec<String> {
+    let mut scenario = json!({
+        "name": "pressed",
+        "grains": small::fine(20.0),
+        "pieces": [
+            { "name": "box", "shape": { "box": { "inner_mm": [50, 50, 50] } } },
+            { "name": "lid", "shape": { "plate": { "size_mm": [48, 48, 5] } }, "at_mm": [0, 0, 100] }
+        ],
+        "engine": engine,
+        "stages": [
+            { "stage": "deposit", "at_mm": [0, 0, 60], "area_mm": [40, 40], "rate_g_per_s": 50 },
+            { "stage": "press", "loads": [{ "piece": "lid", "stress_kpa": 50 }] }
+        ]
+    });
+    if let Some(own) = own {
+        scenario["stages"][0]["max_depenetration_velocity_m_per_s"] = json!(own);
+    }
+    if !is_pressed {
+        scenario["stages"][1] = json!({ "stage": "rest", "duration_s": 1 });
+    }
+    let said = reported(&scenario).into_iter();
+    said.filter(|warning| warning.contains("max_depenetration_velocity_m_per_s")).collect()
+}
+
+/// Law: a speed typed for a load is warned of where a deposit before the load has it, and so is one of
+/// the deposit's own that does not suit grains without a load; what suits them, or nobody typed, is
+/// not.
+#[test]
+fn deposits_before_a_load_at_the_speed_of_the_load_are_warned_of() {
+    let typed = |speed: f64| json!({ "native": { "max_depenetration_velocity_m_per_s": speed } });
+    let own = "stages[0].max_depenetration_velocity_m_per_s: ";
+    let all = "engine.native.max_depenetration_velocity_m_per_s: ";
+    // Grains of 8 to 10 mm: 0.3 m/s, and 3 m/s under the load.
+    for (engine, of_deposit, is_pressed, expected) in [
+        (json!({}), None, true, None),
+        (typed(3.0), None, true, Some((own, "engine.native, 3 m/s"))),
+        (typed(3.0), Some(0.3), true, None),
+        (typed(0.9), None, true, None),
+        (typed(30.0), None, true, Some((all, "burst"))),
+        (json!({}), Some(3.0), true, Some((own, "burst"))),
+        (json!({}), Some(0.05), true, Some((own, "impacts leave last"))),
+        (json!({}), Some(3.0), false, Some((own, "burst"))),
+        (typed(3.0), None, false, Some((all, "burst"))),
+    ] {
+        let said = said_of_deposit(engine.clone(), of_deposit, is_pressed);
+        let case = format!("{engine}, a deposit with {of_deposit:?}, pressed: {is_pressed}");
+        match expected {
+            None => assert!(said.is_empty(), "law: {case} is usual: {said:?}"),
+            Some((path, words)) => assert!(
+                said.len() == 1 && said[0].starts_with(path) && said[0].contains(words),
+                "law: {case} is warned of at `{path}` with `{words}`: {said:?}"
+            ),
+        }
+    }
+}
+
+/// Law: rapier and stock contacts do not read a deposit's own speed, and say so; native contacts do.
+#[test]
+fn a_speed_of_a_deposit_that_contacts_do_not_read_is_warned_of() {
+    for (engine, who) in [
+        (json!({ "backend": "rapier" }), "engine.rapier.corrective_speed_m_per_s"),
+        (json!({ "contact_solver": "stock" }), "stock Bullet contacts"),
+    ] {
+        let said = said_of_deposit(engine.clone(), Some(0.3), false);
+        let path = "stages[0].max_depenetration_velocity_m_per_s: without effect";
+        assert!(
+            said.len() == 1 && said[0].starts_with(path) && said[0].contains(who),
+            "law: {engine} does not read it: {said:?}"
+        );
+        assert!(said_of_deposit(engine, None, false).is_empty(), "law: what nobody typed");
+    }
+    assert!(
+        said_of_deposit(json!({}), Some(0.3), false).is_empty(),
+        "law: native contacts read it"
+    );
+}
+
 /// Law: openings of less than five grain diameters are warned of before the run.
 #[test]
 fn openings_that_are_narrow_for_the_grains_are_warned_of() {
