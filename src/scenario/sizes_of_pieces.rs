@@ -110,6 +110,31 @@ impl ShapeSpec {
     }
 }
 
+impl ShapeSpec {
+    /// Of a container: the area in mm² that the room within its walls shows along a unit vector in its
+    /// own frame, on which grains stand that weigh along that, and what it holds in mm³.
+    pub(super) fn room(&self, along: [f64; 3]) -> Option<[f64; 2]> {
+        let [x, y, z] = along.map(f64::abs);
+        let circle = |diameter: f64| PI / 4.0 * diameter * diameter;
+        let area = match self {
+            Self { r#box: Some(b), .. } => {
+                let [a, w, h] = b.inner_mm;
+                x * w * h + y * a * h + z * a * w
+            }
+            Self { cylinder: Some(c), .. } => {
+                let side = c.inner_diameter_mm * c.height_mm;
+                circle(c.inner_diameter_mm) * z + side * x.hypot(y)
+            }
+            Self { drum: Some(d), .. } => {
+                let side = d.inner_diameter_mm * d.length_mm;
+                circle(d.inner_diameter_mm) * y + side * x.hypot(z)
+            }
+            _ => return None,
+        };
+        Some([area, self.holds_mm3()?])
+    }
+}
+
 impl super::VaneSpec {
     /// Distance from the axis in mm at which its blades part.
     pub(super) fn core_mm(&self) -> f64 {

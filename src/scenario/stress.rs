@@ -6,7 +6,7 @@ use super::*;
 use crate::units::{from_deg, from_kpa};
 
 /// Largest stress in Pa under weight, plate and pressed pieces, arching left out: everything rests
-/// on the floor of the cylinder, or of the pile. A table that shakes up and down makes weights so
+/// on the floor of the cylinder, of the pile, or of the pieces that hold grains. A table that shakes up and down makes weights so
 /// much heavier as it accelerates; a load that seats the plate is taken off before.
 pub(super) fn largest_stress(value: &Value, grading: &Grading, gravity: f64) -> f64 {
     let seated = weight_stress(value, grading, gravity) + seating_stress(value);
@@ -40,13 +40,35 @@ fn piece(value: &Value, name: &str) -> Option<PieceSpec> {
     list(value, "pieces").filter_map(read::<PieceSpec>).find(|piece| piece.name == name)
 }
 
+/// A direction in the frame of a piece, as it was put up.
+fn in_frame(piece: &PieceSpec, direction: Vector) -> Option<[f64; 3]> {
+    let [x, y, z] = piece.rotation_deg.map(from_deg);
+    let turn = UnitQuaternion::from_euler_angles(x, y, z);
+    Some((turn.inverse() * direction.try_normalize(0.0)?).into())
+}
+
 /// Area in m² that a piece of a name, as it was put up, shows along a direction.
 fn shown_area(value: &Value, name: &str, direction: Vector) -> Option<f64> {
     let piece = piece(value, name)?;
-    let [x, y, z] = piece.rotation_deg.map(from_deg);
-    let turn = UnitQuaternion::from_euler_angles(x, y, z);
-    let along = turn.inverse() * direction.try_normalize(0.0)?;
-    Some(piece.shape.shows_mm2(along.into())? * 1e-6)
+    Some(piece.shape.shows_mm2(in_frame(&piece, direction)?)? * 1e-6)
+}
+
+/// Height in m at which a volume of solids in m³ would stand without voids in the pieces that hold
+/// grains: in the one where that is highest, as all of it may be in any, but no more than it holds.
+/// Where none holds all, they may stand on each other: it is the height over the narrowest. None
+/// without such pieces.
+fn height_in_pieces(value: &Value, solids: f64) -> Option<f64> {
+    let room = |piece: PieceSpec| -> Option<[f64; 2]> {
+        let [area, volume] = piece.shape.room(in_frame(&piece, Vector::z())?)?;
+        Some([area * 1e-6, volume * 1e-9]).filter(|[area, _]| *area > 0.0)
+    };
+    let rooms: Vec<[f64; 2]> =
+        list(value, "pieces").filter_map(read::<PieceSpec>).filter_map(room).collect();
+    let holds_all = rooms.iter().any(|[_, volume]| *volume >= solids);
+    let height = |[area, volume]: &[f64; 2]| {
+        if holds_all { solids.min(*volume) / area } else { solids / area }
+    };
+    rooms.iter().map(height).max_by(f64::total_cmp)
 }
 
 /// The largest of stresses that are numbers; 0 without any.
@@ -99,10 +121,13 @@ fn area(diameter_mm: f64) -> f64 {
     PI / 4.0 * from_mm(diameter_mm).powi(2)
 }
 
-/// The stress in Pa of the weight of all grains and the top plate on the floor of the cylinder, or of
-/// the pile.
+/// The stress in Pa of the weight of all grains and the top plate on the floor of the cylinder, of the
+/// pile, or of the pieces that hold grains.
 pub(super) fn weight_stress(value: &Value, grading: &Grading, gravity: f64) -> f64 {
     let number = |path: &str, default: f64| number_at(value, path).unwrap_or(default);
+    if let Some(height) = height_in_pieces(value, grading.solids) {
+        return grading.density * gravity * height;
+    }
     let base = stages(value, "slow_pluviation").find_map(|s| s["base_diameter_mm"].as_f64());
     let cylinder =
         number("apparatus.cylinder.inner_diameter_mm", CylinderSpec::default().inner_diameter_mm);
@@ -188,5 +213,47 @@ mod tests {
         let shaken = stress(&[0.0], 20.0);
         assert!(shaken > 2.0 * weights, "law: by 79 m/s², from {weights} to {shaken} Pa");
         near("taken off before it shakes", stress(&[1.0], 20.0), shaken);
+    }
+    /// Law: in a laboratory grains weigh on the floor of the piece that holds them, however wide the
+    /// built-in cylinder is: of several that could, where they stand highest.
+    #[test]
+    fn grains_weigh_on_the_floor_of_the_piece_that_holds_them() {
+        // 1 kg, 400 cm³ of solids.
+        let grading = Grading {
+            sizes: crate::scale::GrainSizes::PAPER,
+            density: 2500.0,
+            solids: 4e-4,
+            count: 1000.0,
+        };
+        let stress = |pieces: Value| {
+            let value = json!({
+                "apparatus": { "cylinder": { "inner_diameter_mm": 50 } }, "pieces": pieces
+            });
+            weight_stress(&value, &grading, 10.0)
+        };
+        let box_of = |inner: [f64; 3]| json!({ "box": { "inner_mm": inner } });
+        let piece = |shape: Value| json!({ "name": "a", "shape": shape });
+        let near = |what: &str, got: f64, expected: f64| near(what, got, expected, 1e-9 * expected);
+        let wide = box_of([200.0, 100.0, 50.0]);
+        near("10 N on 200 cm²", stress(json!([piece(wide.clone())])), 500.0);
+        let mut on_its_side = piece(wide.clone());
+        on_its_side["rotation_deg"] = json!([90, 0, 0]);
+        near("put up on a side of 100 cm²", stress(json!([on_its_side])), 1000.0);
+        let tube = json!({ "cylinder": { "inner_diameter_mm": 80, "height_mm": 150 } });
+        let circle = PI / 4.0 * 0.08_f64.powi(2);
+        near("10 N in a tube", stress(json!([piece(tube.clone())])), 10.0 / circle);
+        let both = json!([piece(wide.clone()), piece(tube)]);
+        near("a tube on a tray", stress(both), 10.0 / circle);
+        let drum = json!({ "drum": { "inner_diameter_mm": 100, "length_mm": 80 } });
+        near("a drum, by its middle", stress(json!([piece(drum)])), 1250.0);
+        // A ring of 4 cm³ bears what fits into it; of two halves each may bear all.
+        let ring = box_of([20.0, 20.0, 10.0]);
+        near("a low ring on a tray", stress(json!([piece(wide), piece(ring)])), 500.0);
+        let half = box_of([60.0, 60.0, 70.0]);
+        near("two halves", stress(json!([piece(half.clone()), piece(half)])), 10.0 / 36e-4);
+        let plate = json!({ "plate": { "size_mm": [500, 500, 10] } });
+        let of_cylinder = 10.0 / (PI / 4.0 * 0.05_f64.powi(2));
+        near("nothing holds grains", stress(json!([piece(plate)])), of_cylinder);
+        near("no pieces", stress(json!([])), of_cylinder);
     }
 }
