@@ -112,7 +112,8 @@ impl ShapeSpec {
 
 impl ShapeSpec {
     /// Of a container: the area in mm² that the room within its walls shows along a unit vector in its
-    /// own frame, on which grains stand that weigh along that, and what it holds in mm³.
+    /// own frame, on which grains stand that weigh along that, and what it holds in mm³. A hopper
+    /// counts as wide as its top: what does not stand on its opening stands on its slope.
     pub(super) fn room(&self, along: [f64; 3]) -> Option<[f64; 2]> {
         let [x, y, z] = along.map(f64::abs);
         let circle = |diameter: f64| PI / 4.0 * diameter * diameter;
@@ -128,6 +129,14 @@ impl ShapeSpec {
             Self { drum: Some(d), .. } => {
                 let side = d.inner_diameter_mm * d.length_mm;
                 circle(d.inner_diameter_mm) * y + side * x.hypot(z)
+            }
+            Self { hopper: Some(h), .. } => {
+                let (top, opening, height) =
+                    (h.top_diameter_mm, h.opening_diameter_mm, h.height_mm());
+                let cone = PI / 12.0 * height * (top * top + top * opening + opening * opening);
+                let side = top * (height + h.collar_mm);
+                let area = circle(top) * z + side * x.hypot(y);
+                return Some([area, cone + circle(top) * h.collar_mm]);
             }
             _ => return None,
         };

@@ -251,6 +251,13 @@ mod tests {
         near("a low ring on a tray", stress(json!([piece(wide), piece(ring)])), 500.0);
         let half = box_of([60.0, 60.0, 70.0]);
         near("two halves", stress(json!([piece(half.clone()), piece(half)])), 10.0 / 36e-4);
+        let bin = json!({ "hopper": { "opening_diameter_mm": 80, "top_diameter_mm": 160,
+            "half_angle_deg": 45, "collar_mm": 100 } });
+        let of_top = 10.0 / (PI / 4.0 * 0.16_f64.powi(2));
+        near("a bin as wide as its top", stress(json!([piece(bin.clone())])), of_top);
+        let low = json!({ "hopper": { "opening_diameter_mm": 30, "top_diameter_mm": 50,
+            "half_angle_deg": 89 } });
+        near("a ring in its floor", stress(json!([piece(bin), piece(low)])), of_top);
         let plate = json!({ "plate": { "size_mm": [500, 500, 10] } });
         let of_cylinder = 10.0 / (PI / 4.0 * 0.05_f64.powi(2));
         near("nothing holds grains", stress(json!([piece(plate)])), of_cylinder);
