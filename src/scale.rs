@@ -276,6 +276,12 @@ quantities! {
 /// holds: the paper's specimen and plate press with 8.
 pub const STRESS_OF_DEFAULT: f64 = 10.0;
 
+/// Most iterations in a sub-step that a load asks for: beyond them those that `solver_tolerance`
+/// adds suffice. Below, they grow with the stress as the stiffness does, since a force has the more
+/// contacts to go through: with the 8 of the default, 1456 grains that stood 42 layers high between
+/// frictionless walls had a numerical creep of 10 to 50 µm/s, with 24 none, in less time.
+pub const MOST_ITERATIONS_OF_LOAD: f64 = 40.0;
+
 /// By how much overlaps are pushed apart faster where a load presses more than that. The limit of
 /// the speed is one of the force, v (c + h k) with damping c and sub-step h: by default ten times
 /// the mean force of a contact under the stress that the stiffness follows from. Grains at the ends

@@ -33,6 +33,8 @@ pub(super) fn fill(value: &mut Value, grading: &Grading) {
         };
         put(value, field.path, default, factor);
     }
+    let default = f64::from(NativeSettings::default().iterations);
+    put(value, ITERATIONS, default, iterations(value, grading, &scale) / default);
 }
 
 /// The scale that values of a scenario's JSON follow from; none where its gravity is at fault.
@@ -57,6 +59,7 @@ pub(super) fn by_scenario(
         STIFFNESS => stiffness,
         DEPENETRATION => depenetration,
         SUBSTEPS => substep_rate,
+        ITERATIONS => iterations,
         RMS_SPEED => rms_speed,
         LARGEST_SPEED => largest_speed,
         _ => return None,
@@ -79,7 +82,7 @@ const OF_APPARATUS: [&str; 9] = [
 
 /// Paths of the fields that are automatic where they are left out, those of stages aside.
 pub(super) fn automatic_paths() -> impl Iterator<Item = &'static str> {
-    BY_SIZE.iter().map(|field| field.path).chain(OF_APPARATUS)
+    BY_SIZE.iter().map(|field| field.path).chain([ITERATIONS]).chain(OF_APPARATUS)
 }
 
 /// What is automatic of stages where it is left out: stage, field, law and default.
@@ -152,11 +155,16 @@ fn fill_stages(value: &mut Value, scale: &Scale) {
     }
 }
 
+/// A number as it is written to a field; none where it is none.
+pub(super) fn written(path: &str, number: f64) -> Option<Number> {
+    if path == ITERATIONS { Some((number as u64).into()) } else { Number::from_f64(number) }
+}
+
 /// Sets a field that is left out to its default times a factor; nothing where that is the
 /// default, or where something else stands in the way.
 fn put(value: &mut Value, path: &str, default: f64, factor: f64) {
-    let number = within(path, default * factor);
-    let Some(number) = Number::from_f64(number).filter(|_| factor != 1.0) else { return };
+    let number = written(path, within(path, default * factor));
+    let Some(number) = number.filter(|_| factor != 1.0) else { return };
     let (parents, name) = path.rsplit_once('.').unwrap_or(("", path));
     let mut at = value;
     for step in parents.split('.').filter(|step| !step.is_empty()) {
@@ -200,7 +208,13 @@ mod tests {
 
     #[test]
     fn what_is_filled_in_is_what_the_schema_calls_automatic() {
-        let mut value = json!({ "stages": stages() });
+        // A load, for what follows from loads alone.
+        let mut value = json!({
+            "pieces": [{ "name": "lid", "shape": { "plate": { "size_mm": [500, 500, 10] } } }],
+            "stages": stages(),
+        });
+        let press = json!({ "stage": "press", "loads": [{ "piece": "lid", "stress_kpa": 100 }] });
+        value["stages"].as_array_mut().expect("stages").push(press);
         fill(&mut value, &larger());
         let schema = schema::typed();
         let parts = [

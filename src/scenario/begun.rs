@@ -79,8 +79,9 @@ fn automatic_value(value: &Value, path: &str, grading: &Grading) -> f64 {
         fields.remove(name);
     }
     automatic::fill(&mut free, grading);
-    let field = BY_SIZE.iter().find(|field| field.path == path);
-    number_at(&free, path).or(field.map(BySize::default_value)).unwrap_or(f64::NAN)
+    let by_size = || BY_SIZE.iter().find(|field| field.path == path).map(BySize::default_value);
+    let whole = || (path == ITERATIONS).then(|| f64::from(NativeSettings::default().iterations));
+    number_at(&free, path).or_else(by_size).or_else(whole).unwrap_or(f64::NAN)
 }
 
 /// Makes contacts as stiff as a scenario's own loads ask for, where they were softer in the run
@@ -106,7 +107,7 @@ pub(super) fn stiffen(value: &mut Value, run: &Map<String, Value>, grading: &Gra
             && asked > there
             && let Some(field) = value.pointer_mut(&pointer)
         {
-            *field = json!(asked);
+            *field = automatic::written(path, asked).map_or(Value::Null, Value::Number);
         }
     }
     if let Some(scale) = automatic::scale_of(value, grading).filter(|_| is_speed_automatic) {

@@ -2,10 +2,12 @@
 //! its grains.
 
 use super::*;
-use crate::scale::{FASTER_UNDER_LOAD, STRESS_OF_DEFAULT, SUBSTEP_OF_INERTIAL_TIME};
+use crate::scale::{
+    FASTER_UNDER_LOAD, MOST_ITERATIONS_OF_LOAD, STRESS_OF_DEFAULT, SUBSTEP_OF_INERTIAL_TIME,
+};
 
 /// Fields that follow from the largest stress as well as from the grains.
-pub(super) const BY_LOAD: [&str; 3] = [STIFFNESS, DEPENETRATION, SUBSTEPS];
+pub(super) const BY_LOAD: [&str; 4] = [STIFFNESS, DEPENETRATION, SUBSTEPS, ITERATIONS];
 
 /// Stiffness of a contact point in N/m, to two digits: that of the law, and so much more as
 /// the largest stress exceeds what the default is for.
@@ -34,6 +36,12 @@ pub(super) fn substep_rate(value: &Value, grading: &Grading, scale: &Scale) -> f
     let inertial_time = scale.sizes.smallest * (scale.density / stress).sqrt();
     let loaded = rounded(1.0 / (SUBSTEP_OF_INERTIAL_TIME * inertial_time), 2);
     if loaded > default { loaded } else { default }
+}
+
+/// Iterations in a sub-step: more by as much as contacts are stiffer under the largest stress.
+pub(super) fn iterations(value: &Value, grading: &Grading, scale: &Scale) -> f64 {
+    let default = f64::from(NativeSettings::default().iterations);
+    (default * heavier(value, grading, scale)).round().min(MOST_ITERATIONS_OF_LOAD)
 }
 
 /// By how much the largest stress exceeds what the default stiffness is for; 1 where it does not.
@@ -72,6 +80,27 @@ mod tests {
         // 0.3 m/s × √3.
         assert!((wide - 0.5196).abs() < 1e-4, "law: that of the size, got {wide} m/s");
         assert_eq!(narrow, 10.0 * wide, "law: ten times that under a load");
+    }
+
+    /// Law: eight iterations where little presses, more in proportion to the stress, 40 at most.
+    #[test]
+    fn a_load_asks_for_more_iterations() {
+        let scale = larger().scale_for_filling(9.81);
+        let value = |diameter: f64| {
+            json!({ "apparatus": { "cylinder": { "inner_diameter_mm": diameter } } })
+        };
+        let of = |diameter: f64| iterations(&value(diameter), &larger(), &scale);
+        assert_eq!(of(3000.0), 8.0, "law: the default where little weighs on a grain");
+        let stiffer = |diameter: f64| stiffness(&value(diameter), &larger(), &scale) / 67_000.0;
+        let narrow = 400.0;
+        let (got, expected) = (of(narrow), 8.0 * stiffer(narrow));
+        assert!(got > 8.0 && got < 40.0, "law: between the bounds, {got} of {narrow} mm");
+        assert!((got - expected).abs() < 0.8, "law: as the stiffness, {expected}, got {got}");
+        assert_eq!(of(50.0), 40.0, "law: no more than 40");
+        let mut filled = value(narrow);
+        automatic::fill(&mut filled, &larger());
+        let whole = &filled["engine"]["native"]["iterations"];
+        assert_eq!(whole.as_u64(), Some(got as u64), "law: a whole number, {whole}");
     }
 
     /// Law: under a load a sub-step lasts a fifth of d √(ρ/P) at most; else the law of the size holds.

@@ -13,9 +13,10 @@ pub struct NativeSettings {
     /// length as it takes. Lower: impacts, shaking and high stacks are followed more
     /// coarsely; higher: slower.
     pub substep_rate_hz: f64 = 1440.0, from 30.0 to 1e6;
-    /// Iterations over all contacts in a sub-step, there and back in turn, at least: they
-    /// go on until `solver_tolerance` is met, up to 256 times there and back. Fewer: loads
-    /// do not get through the packing; more: slower.
+    /// Iterations over all contacts in a sub-step, alternately forwards and backwards, at
+    /// least: they go on until `solver_tolerance` is met, up to 256 times forwards and
+    /// backwards. Fewer: high stacks and loads are not carried exactly, and creep
+    /// numerically; more: slower.
     pub iterations: u32 = 8, from 1 to 10000;
     /// Share of what contacts change of a body in a sub-step, on average, by which the
     /// last iteration may still change any body, in the kinetic norm. Lower: forces

@@ -126,6 +126,9 @@ pub(super) const RMS_SPEED: &str = "settle.rms_speed_mm_per_s";
 pub(super) const LARGEST_SPEED: &str = "settle.largest_speed_mm_per_s";
 pub(super) const SUBSTEPS: &str = "engine.native.substep_rate_hz";
 
+/// Path of the iterations in a sub-step, a whole number that follows from the loads alone.
+pub(super) const ITERATIONS: &str = "engine.native.iterations";
+
 impl Of {
     /// Whether a scenario's contacts are among them.
     pub fn holds(self, engine: &EngineSettings) -> bool {

@@ -46,6 +46,7 @@ pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
         if !faults.has(STIFFNESS) {
             judged.check_load(&grading, faults);
         }
+        judged.check_iterations(&grading, faults);
         judged.check_deposits(&grading, faults);
         unusual_apparatus(scenario, &grading, faults);
         unusual_pieces(scenario, &grading, faults);
@@ -103,6 +104,19 @@ impl Judged<'_> {
              by some {percent} % of their size"
         );
         faults.add_if(wrong, STIFFNESS, short(typed), allowed, why);
+    }
+
+    /// Iterations too few for the loads.
+    fn check_iterations(&self, grading: &Grading, faults: &mut Faults) {
+        let typed = f64::from(self.engine.native.iterations);
+        let automatic = iterations(self.value, grading, &self.scale);
+        let wrong = self.engine.is_native() && typed < automatic / UNUSUAL;
+        let allowed = format!("{automatic} for these loads, or the field left out");
+        let why = format!(
+            "less by more than a factor of {UNUSUAL} than what these loads ask for: they are not \
+             carried exactly, and the packing creeps numerically"
+        );
+        faults.add_if(wrong, ITERATIONS, short(typed), allowed, why);
     }
 
     /// Deposits before the first load that push overlaps apart at another speed than grains without a
