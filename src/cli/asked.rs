@@ -98,6 +98,18 @@ pub(super) fn study_in(folder: &Path, at_work: AtWork) -> Option<String> {
     Some(with_others(held, at_work))
 }
 
+/// The study whose `runs` a folder is or is in, there or not yet: its folder, and what that holds.
+pub(super) fn study_around(folder: &Path) -> Option<(PathBuf, String)> {
+    let folder = folder.canonicalize().or_else(|_| std::path::absolute(folder)).ok()?;
+    let runs = folder.ancestors().take(2).find(|above| above.ends_with("runs"))?;
+    let study = runs.parent()?;
+    // A report alone, beside a folder of this name, may be anybody's.
+    let named = STUDIES.iter().filter(|(_, of)| !of.is_empty()).map(|(file, _)| *file);
+    let is_known = named.chain([FILE]).any(|file| study.join(file).is_file());
+    let held = study_in(study, at_work_in(study)).filter(|_| is_known)?;
+    Some((study.to_owned(), held))
+}
+
 /// What a folder holds by what it says of its command.
 fn results_of(there: &Value) -> String {
     let of = there["command"].as_str().unwrap_or_default();

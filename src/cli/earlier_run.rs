@@ -41,7 +41,8 @@ const REMOVED: [&str; 10] = [
 /// results of another scenario, finished or not, or of another command. A run of the same
 /// scenario goes on, or is done again from its stored stages; several programs may do so together.
 /// The run lasts until what is given back is dropped. The folder of a study is refused, by force,
-/// too: a run replaces files of a run alone, and its own would stand among those of the study.
+/// too: a run replaces files of a run alone, and its own would stand among those of the study. So is
+/// the folder of a run of a study ([`refuse_run_of_study`]).
 ///
 /// # Errors
 /// [`FileError`], refused, that says what the folder holds; the system's where it does not let
@@ -83,7 +84,23 @@ pub(super) fn refuse(folder: &Path, scenario: &Scenario, force: bool) -> Result<
     held.map_or(Ok(()), |held| Err(in_the_way(folder, &held)))
 }
 
+/// Refuses the `runs` of a study and every folder in it, there or not yet: what stands there is
+/// taken for the study's.
+///
+/// # Errors
+/// [`FileError`], refused, that says what the study holds.
+pub(super) fn refuse_run_of_study(folder: &Path) -> Result<(), FileError> {
+    let Some((study, held)) = asked::study_around(folder) else { return Ok(()) };
+    let held = held.trim_start_matches("it ");
+    let study = study.display();
+    let why = format!(
+        "it belongs to the runs of a study: {study} {held}; choose another folder with --out"
+    );
+    Err(error::refused(WRITE, folder, why))
+}
+
 fn refuse_study(folder: &Path, at_work: AtWork) -> Result<(), FileError> {
+    refuse_run_of_study(folder)?;
     let Some(held) = asked::study_in(folder, at_work) else { return Ok(()) };
     let why = format!("{held}; a run replaces no study, choose another folder with --out");
     Err(error::refused(WRITE, folder, why))
@@ -312,6 +329,47 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Law: the runs of a study are its own: no other run replaces one of them or stands among them,
+    /// by force either, whether its folder is there or not. Beside what is no study `runs` is a name
+    /// like any other.
+    #[test]
+    fn a_run_stays_out_of_the_runs_of_a_study() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (study, own) = (folder.path(), scenario("a", 480.0));
+        let out = study.join("runs/point-0001-c1");
+        let absent = study.join("runs/mine");
+        fs::create_dir_all(&out).expect("made");
+        fs::write(study.join("report.html"), "").expect("written");
+        drop(begin(&out, &own, false).expect("law: no study is known there"));
+        write_json(&out.join(MANIFEST), &json!({ "scenario": own })).expect("written");
+        finished(&out);
+        fs::write(study.join("plan.json"), "").expect("written");
+        let before = fs::read(out.join(MANIFEST)).expect("it is there");
+        for (at, name) in [(&out, "a"), (&out, "b"), (&absent, "a"), (&study.join("runs"), "a")] {
+            let of = scenario(name, 480.0);
+            for force in [false, true] {
+                let begun = begin(at, &of, force).map(drop);
+                for refused in [begun, refuse(at, &of, force)] {
+                    let why = refused.expect_err("law: a run stays out");
+                    assert_eq!(why.exit_code(), 2, "law: the folder is refused, got `{why}`");
+                    let why = why.to_string();
+                    for words in [
+                        "the runs of a study",
+                        "holds the results of `pluvia sweep` (plan.json)",
+                        "--out",
+                    ] {
+                        assert!(why.contains(words), "law: `{words}` is said, got `{why}`");
+                    }
+                }
+            }
+        }
+        let after = fs::read(out.join(MANIFEST)).expect("law: it is there still");
+        assert!(after == before && !absent.exists(), "law: the study's runs are as they were");
+        let aside = study.join("mine/runs/a");
+        fs::create_dir_all(&aside).expect("made");
+        assert_eq!(said(&aside, &own), "", "law: not of that study");
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::study::{ReadyRun, tell_warnings};
 Leaves manifest.json, summary.json, series.csv, grains.csv, grains.json, specimen.json and figures
 in DIR. After an interruption, run the same command again to resume. A folder that holds the results
 of another scenario, of grains or of export is refused, unless --force replaces them; the folder of
-a study (reproduce, compare, sweep ...) is always refused.
+a study (reproduce, compare, sweep ...), and its runs/, are always refused.
 
 Examples:
   pluvia run scenarios/quick/pluviation.json --out out/first
@@ -41,6 +41,8 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
     let scenario = &loaded.scenario;
     tracing::info!(files = ?loaded.files, "the scenario `{}` is sound", scenario.name);
     tell_warnings([scenario], context.progress.as_ref());
+    // Not even an empty folder is left among the runs of a study.
+    earlier_run::refuse_run_of_study(&args.out)?;
     output_folder::prepare(&args.out)?;
     context.stop_on_ctrl_c();
     // Cutting grains may take minutes. Those that are read are tried first: where they cannot be,

@@ -119,6 +119,11 @@ fn a_sweep_is_left_alone() {
         refused(args, &out, &["`pluvia sweep`", "another folder"]);
         assert_eq!(files(), before, "law: {args:?} leaves nothing there");
     }
+    for out in ["out/runs", "out/runs/point-0001-c1"] {
+        let words = ["the runs of a study", "`pluvia sweep`", "another folder"];
+        refused(&["run", &scenario, "--force"], &folder.out(out), &words);
+        assert_eq!(files(), before, "law: nor is a folder left among its runs");
+    }
 }
 
 /// Law: the option is named that was typed, and no folder is made for what cannot be.
