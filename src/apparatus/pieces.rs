@@ -397,6 +397,38 @@ mod tests {
         assert!(!is_solid_at(&hopper, [side(height) + 1.0, 0.0, height + 0.1]), "law: its top");
     }
 
+    /// Law: what a scenario takes for the volume of a piece before it is built is what is built.
+    #[test]
+    fn shapes_have_the_volumes_that_the_scenario_knows() {
+        for shape in [
+            r#"{ "box": { "inner_mm": [100, 60, 80], "wall_mm": 5 } }"#,
+            r#"{ "box": { "inner_mm": [100, 60, 80], "open": ["bottom", "low_x", "high_y"] } }"#,
+            r#"{ "cylinder": { "inner_diameter_mm": 80, "height_mm": 100 } }"#,
+            r#"{ "cylinder": { "inner_diameter_mm": 80, "height_mm": 100, "wall_mm": 3,
+                "sides": 8, "open_top": false, "open_bottom": true } }"#,
+            r#"{ "plate": { "size_mm": [10, 20, 30] } }"#,
+            r#"{ "disc": { "diameter_mm": 20, "thickness_mm": 5, "sides": 8 } }"#,
+            r#"{ "hopper": { "opening_diameter_mm": 40, "top_diameter_mm": 120,
+                "half_angle_deg": 30, "sides": 4 } }"#,
+            r#"{ "hopper": { "opening_diameter_mm": 40, "top_diameter_mm": 90, "wall_mm": 4,
+                "half_angle_deg": 60, "collar_mm": 30 } }"#,
+            r#"{ "wedge": { "size_mm": [10, 20, 30] } }"#,
+            r#"{ "vane": { "diameter_mm": 40, "height_mm": 30, "blades": 2 } }"#,
+            r#"{ "vane": { "diameter_mm": 40, "height_mm": 30, "blades": 6, "blade_mm": 3 } }"#,
+            r#"{ "drum": { "inner_diameter_mm": 100, "length_mm": 40 } }"#,
+            r#"{ "drum": { "inner_diameter_mm": 100, "length_mm": 40, "wall_mm": 6,
+                "lifters": 4, "lifter_mm": 8 } }"#,
+            r#"{ "mesh": { "parts": [{
+                "vertices_mm": [[1, 2, 3], [31, 2, 3], [1, 42, 3], [1, 2, 53]],
+                "faces": [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] }] } }"#,
+        ] {
+            let spec: ShapeSpec = serde_json::from_str(shape).expect("a shape");
+            let (got, built) = (spec.solid_mm3().expect("it is known"), volume(&built(shape)));
+            let is_near = (got / built - 1.0).abs() < 1e-9;
+            assert!(is_near, "law: {built} mm³ as it is built, got {got} of {shape}");
+        }
+    }
+
     #[test]
     fn solids_have_their_volumes() {
         for (shape, expected) in [

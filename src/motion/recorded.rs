@@ -160,6 +160,25 @@ impl RecordedMotion {
         most.norm()
     }
 
+    /// Largest acceleration upwards in m/s²: of splines, whose is largest at a row; of straight lines,
+    /// whose velocity jumps, the mean from the middle of a line to the middle of the next.
+    pub fn upward_acceleration(&self) -> f64 {
+        let speed = |i: usize| (self.places[i + 1].z - self.places[i].z) / self.interval(i);
+        match self.interpolation {
+            Interpolation::Cubic => self.bends.iter().map(|bend| bend.z).fold(0.0, f64::max),
+            Interpolation::Linear => (1..self.times.len() - 1)
+                .map(|i| {
+                    2.0 * (speed(i) - speed(i - 1)) / (self.interval(i - 1) + self.interval(i))
+                })
+                .fold(0.0, f64::max),
+        }
+    }
+
+    /// Time in s from a row to the next.
+    fn interval(&self, i: usize) -> f64 {
+        self.times[i + 1] - self.times[i]
+    }
+
     /// Largest speed in m/s looked for at and between the rows, largest acceleration in m/s²,
     /// which is at a row, and largest jump of the velocity in m/s at one.
     pub(super) fn peaks(&self) -> (f64, f64, f64) {

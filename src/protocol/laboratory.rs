@@ -2,15 +2,12 @@
 
 use super::*;
 use crate::plain::three_decimals;
-use crate::scenario::DepositKind;
+use crate::scenario::{DepositKind, PIECE_DENSITY};
 use crate::specimen::TurnState;
 use crate::units::{from_kpa, to_g};
 
 /// Places of a lattice that are tried for each grain before there counts as no room.
 const TRIES: usize = 1000;
-
-/// Density in kg/m³ that pressed pieces have whose mass is not given: that of aluminium.
-const LID_DENSITY: f64 = 2700.0;
 
 /// A specimen with its laboratory: at the beginning pieces are put up, and every grain waits.
 pub(super) fn begun(setup: &Setup, mut specimen: Specimen) -> Specimen {
@@ -233,7 +230,7 @@ impl Laboratory<'_> {
             let force = before.force_n;
             // A force that the approach holds down must be able to come back.
             let change = if before.arrived { (target - force).abs() } else { target.max(force) };
-            let mass = load.mass_g.map_or_else(|| piece.volume() * LID_DENSITY, from_g);
+            let mass = load.mass_g.map_or_else(|| piece.volume() * PIECE_DENSITY, from_g);
             let place = |about: Vector| state.pose.inverse() * Point::from(about);
             let turns = about.map(|about| TurnState {
                 about,
@@ -275,7 +272,7 @@ impl Laboratory<'_> {
         let states = &mut specimen.state.pieces;
         let at: Vec<Option<Pose>> =
             states.iter().map(|piece| piece.present.then_some(piece.pose)).collect();
-        let mass_of = |n: usize| mass_g.map_or_else(|| solid[n].volume() * LID_DENSITY, from_g);
+        let mass_of = |n: usize| mass_g.map_or_else(|| solid[n].volume() * PIECE_DENSITY, from_g);
         let others = states.iter().enumerate().filter(|(n, _)| !pieces.contains(n));
         let others: f64 = others.filter_map(|(_, piece)| Some(piece.free?.mass_kg)).sum();
         let all = others + pieces.iter().map(|&n| mass_of(n)).sum::<f64>();

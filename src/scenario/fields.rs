@@ -19,6 +19,19 @@ pub(super) fn field<'a>(value: &'a Value, pointer: &str) -> &'a Value {
     value.pointer(pointer).unwrap_or(&Value::Null)
 }
 
+/// The elements of a list of an object; none of what is no list.
+pub(super) fn elements<'a>(value: &'a Value, name: &str) -> impl Iterator<Item = &'a Value> {
+    value[name].as_array().into_iter().flatten()
+}
+
+/// The stages of a kind.
+pub(super) fn stages_of<'a>(
+    value: &'a Value,
+    kind: &'static str,
+) -> impl Iterator<Item = &'a Value> {
+    elements(value, "stages").filter(move |stage| stage["stage"] == kind)
+}
+
 /// The number at a dotted path; none where there is none.
 pub(super) fn number_at(value: &Value, path: &str) -> Option<f64> {
     field(value, &format!("/{}", path.replace('.', "/"))).as_f64()

@@ -56,6 +56,16 @@ impl MeshPieceSpec {
         part.faces.iter().filter_map(face).sum::<f64>() / 2.0
     }
 
+    /// Lowest and highest coordinates of its corners in mm; none without any.
+    pub(super) fn extent_mm(&self) -> Option<[[f64; 3]; 2]> {
+        let corners = self.parts().iter().flat_map(|part| &part.vertices_mm);
+        corners
+            .map(|corner| Vector::from(*corner))
+            .map(|corner| [corner, corner])
+            .reduce(|[low, high], [corner, _]| [low.inf(&corner), high.sup(&corner)])
+            .map(|ends| ends.map(Into::into))
+    }
+
     /// Largest distance of a corner from the origin in mm.
     pub(super) fn reach_mm(&self) -> f64 {
         let corners = self.parts().iter().flat_map(|part| &part.vertices_mm);

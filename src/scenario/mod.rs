@@ -120,6 +120,7 @@ mod filled_numbers;
 mod grading;
 mod index_densities;
 mod load;
+mod loads_of_pieces;
 mod meant;
 mod mesh_pieces;
 mod meshes;
@@ -141,6 +142,7 @@ mod structure;
 mod until;
 mod unusual;
 mod validate;
+mod volumes_of_pieces;
 
 pub use begin::BeginSpec;
 pub use cells::{CellShape, LEAST_ROUNDING, SievedShape};
@@ -176,10 +178,10 @@ use crate::input;
 use crate::motion::{Interpolation, RecordedMotion};
 use crate::scale::{Law, Scale};
 use crate::units::{from_g, from_mm, to_mm};
-use fields::{field, field_path, number_at, read};
+use fields::{elements, field, field_path, number_at, read, stages_of};
 use {
     automatic::*, by_load::*, by_motion::*, calm::*, fault::*, filled_numbers::*, grading::*,
-    sized::*, source::*, stress::*,
+    loads_of_pieces::*, sized::*, source::*, stress::*,
 };
 
 parts! {

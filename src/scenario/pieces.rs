@@ -2,6 +2,10 @@
 
 use super::*;
 
+/// Density in kg/m³ of pieces whose mass is not given where they are pressed or let go: that of
+/// aluminium.
+pub const PIECE_DENSITY: f64 = 2700.0;
+
 /// A side of a box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]

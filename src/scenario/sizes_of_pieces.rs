@@ -1,6 +1,61 @@
 //! How large pieces are, as far as checks ask.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use nalgebra::UnitQuaternion;
+
 use super::*;
+use crate::units::from_deg;
+
+impl PieceSpec {
+    /// How it is turned, as it is put up.
+    fn turn(&self) -> UnitQuaternion<f64> {
+        let [x, y, z] = self.rotation_deg.map(from_deg);
+        UnitQuaternion::from_euler_angles(x, y, z)
+    }
+
+    /// A unit vector along a direction in its own frame, as it is put up; none of no direction.
+    pub(super) fn in_frame(&self, direction: Vector) -> Option<[f64; 3]> {
+        Some((self.turn().inverse() * direction.try_normalize(0.0)?).into())
+    }
+
+    /// Area in m² that it shows along a direction, as it is put up.
+    pub(super) fn shows_m2(&self, direction: Vector) -> Option<f64> {
+        Some(self.shape.shows_mm2(self.in_frame(direction)?)? * 1e-6)
+    }
+
+    /// Whether grains within it stand on it: in a container with a floor, in a hopper or a drum, as it
+    /// is put up. None of what has no inside.
+    pub(super) fn bears_within(&self) -> Option<bool> {
+        let upright = self.in_frame(Vector::z()).map_or(0.0, |[_, _, z]| z);
+        // On its side a wall is below.
+        let is_upright = upright > FRAC_1_SQRT_2;
+        match &self.shape {
+            ShapeSpec { r#box: Some(b), .. } => {
+                Some(!(is_upright && b.open.contains(&BoxSide::Bottom)))
+            }
+            ShapeSpec { cylinder: Some(c), .. } => Some(!(is_upright && c.open_bottom)),
+            ShapeSpec { hopper: Some(_), .. } | ShapeSpec { drum: Some(_), .. } => Some(true),
+            _ => None,
+        }
+    }
+
+    /// Lowest and highest coordinates in mm of a box around it, as it is put up.
+    pub(super) fn extent_mm(&self) -> Option<[Vector; 2]> {
+        let ends = self.shape.extent_mm()?;
+        let (turn, at) = (self.turn(), Vector::from(self.at_mm));
+        let corner = |n: usize| {
+            let [x, y, z] = [0, 1, 2].map(|axis: usize| ends[(n >> axis) & 1][axis]);
+            at + turn * Vector::new(x, y, z)
+        };
+        let first = corner(0);
+        Some(
+            (1..8)
+                .map(corner)
+                .fold([first, first], |[low, high], corner| [low.inf(&corner), high.sup(&corner)]),
+        )
+    }
+}
 
 impl ShapeSpec {
     /// How many kinds are given: one of a sound shape.
@@ -63,6 +118,39 @@ impl ShapeSpec {
         let vane = self.vane.as_ref()?;
         let arm = vane.diameter_mm / 2.0;
         Some(f64::from(vane.blades) * vane.height_mm * arm * arm / 2.0)
+    }
+
+    /// Lowest and highest coordinates in mm of a box around it, in its own frame.
+    fn extent_mm(&self) -> Option<[[f64; 3]; 2]> {
+        let about = |[x, y]: [f64; 2], low: f64, high: f64| Some([[-x, -y, low], [x, y, high]]);
+        let middle = |[x, y, z]: [f64; 3]| about([x / 2.0, y / 2.0], -z / 2.0, z / 2.0);
+        match self {
+            Self { r#box: Some(b), .. } => {
+                let ([x, y, z], wall) = (b.inner_mm, b.wall_mm);
+                about([x / 2.0 + wall, y / 2.0 + wall], -wall, z + wall)
+            }
+            Self { cylinder: Some(c), .. } => {
+                let radius = c.inner_diameter_mm / 2.0 + c.wall_mm;
+                about([radius; 2], -c.wall_mm, c.height_mm + c.wall_mm)
+            }
+            Self { plate: Some(p), .. } => middle(p.size_mm),
+            Self { disc: Some(d), .. } => middle([d.diameter_mm, d.diameter_mm, d.thickness_mm]),
+            Self { hopper: Some(h), .. } => {
+                let radius = h.top_diameter_mm.max(h.opening_diameter_mm) / 2.0 + h.wall_mm;
+                about([radius; 2], 0.0, h.height_mm() + h.collar_mm)
+            }
+            Self { wedge: Some(w), .. } => {
+                let [x, y, z] = w.size_mm;
+                about([x / 2.0, y / 2.0], 0.0, z)
+            }
+            Self { mesh: Some(m), .. } => m.extent_mm(),
+            Self { vane: Some(v), .. } => middle([v.diameter_mm, v.diameter_mm, v.height_mm]),
+            Self { drum: Some(d), .. } => {
+                let across = d.inner_diameter_mm + 2.0 * d.wall_mm;
+                middle([across, d.length_mm + 2.0 * d.wall_mm, across])
+            }
+            _ => None,
+        }
     }
 
     /// A length in mm from its origin that nothing of it exceeds.
@@ -164,4 +252,35 @@ impl super::HopperSpec {
 /// The lowest height in mm that pieces may reach where they begin.
 pub(super) fn lowest_mm<'a>(pieces: impl Iterator<Item = &'a PieceSpec>) -> Option<f64> {
     pieces.map(|piece| piece.at_mm[2] - piece.shape.reach_mm()).min_by(f64::total_cmp)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Law: the box around a piece is that of its walls, turned and put up with it.
+    #[test]
+    fn the_box_around_a_piece_is_turned_with_it() {
+        let ends = |shape: Value, turn: [f64; 3]| {
+            let piece = json!({ "name": "a", "shape": shape, "at_mm": [1, 2, 3],
+                "rotation_deg": turn });
+            let piece: PieceSpec = read(&piece).expect("a piece");
+            // Without the rounding of turns.
+            let [low, high] = piece.extent_mm().expect("a box").map(|end| end.map(f64::round));
+            [<[f64; 3]>::from(low), high.into()]
+        };
+        let plate = json!({ "plate": { "size_mm": [100, 50, 10] } });
+        let got = ends(plate.clone(), [0.0; 3]);
+        assert_eq!(got, [[-49.0, -23.0, -2.0], [51.0, 27.0, 8.0]], "law: a plate about its middle");
+        let got = ends(plate, [0.0, 0.0, 90.0]);
+        assert_eq!(got, [[-24.0, -48.0, -2.0], [26.0, 52.0, 8.0]], "law: turned");
+        let cup = json!({ "cylinder": { "inner_diameter_mm": 80, "height_mm": 100 } });
+        let got = ends(cup, [0.0; 3]);
+        assert_eq!(got, [[-49.0, -48.0, -7.0], [51.0, 52.0, 113.0]], "law: with its walls");
+        let mesh = json!({ "mesh": { "parts": [{
+            "vertices_mm": [[0, 0, 0], [30, 0, 0], [0, 40, 0], [0, 0, 50]],
+            "faces": [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] }] } });
+        let got = ends(mesh, [180.0, 0.0, 0.0]);
+        assert_eq!(got, [[1.0, -38.0, -47.0], [31.0, 2.0, 3.0]], "law: its corners");
+    }
 }
