@@ -82,7 +82,7 @@ fn compile_shims(bullet: &pkg_config::Library) {
     if let Err(error) = build.try_get_compiler() {
         fail(&format!("no C++ compiler works here: {error}"), "sudo apt-get install g++");
     }
-    // -isystem: warnings in Bullet's own headers are not ours to mend. The
+    // -isystem: warnings in Bullet's own headers are not ours to fix. The
     // compiler's own system folder must not be named again: that would change
     // its place in the order and hide the C headers from the C++ ones.
     for path in bullet.include_paths.iter().filter(|p| !p.ends_with("usr/include")) {

@@ -24,13 +24,13 @@ use common::{FALLING_HEIGHT_MM, QUARTER, WHOLE, filled, scenario, settled, sieve
 /// which the table is in the middle again and does not jump back to it.
 const MEASURED: f64 = 1.0 / 6.0;
 
-/// Engines to compare, and the settings that a step costs with. Bullet's own
+/// Engines to compare, and the settings that a step costs with. Stock Bullet
 /// contacts meet the accuracy standard at no setting; 960 steps of ten
 /// iterations are the best of what is commonly used.
 fn engines() -> Vec<(&'static str, EngineSettings)> {
     let native = EngineSettings::default();
     let threads = NativeSettings { threads: Some(2), ..native.native.clone() };
-    let bullets_own = EngineSettings {
+    let stock = EngineSettings {
         contact_solver: ContactSolver::Stock,
         rate_hz: 960.0,
         iterations: 10,
@@ -41,7 +41,7 @@ fn engines() -> Vec<(&'static str, EngineSettings)> {
     let all = [
         ("native", native),
         ("native, two threads", two_threads),
-        ("bullet's own, 960 Hz x 10", bullets_own),
+        ("stock Bullet, 960 Hz x 10", stock),
         ("rapier", rapier),
     ];
     all.into_iter().filter(|(_, e)| world::built_in().contains(&e.backend)).collect()

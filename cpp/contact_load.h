@@ -103,7 +103,7 @@ template <class L> void copy_lane(const Pack<L> &from, int from_lane, Pack<L> &t
 
 // Puts the pairs of pack number `i` into its lanes. They begin with what the last sub-step
 // of the step before bore, less its impacts: what is thrown away has to be found again in a
-// few iterations, and the packing creeps while it is not.
+// few iterations, and the packing creeps numerically while it is not.
 template <class L> void load(const Contacts &contacts, std::size_t i, Problem<L> &problem) {
     using N = typename Lane<L>::Number;
     const Moves moves = contacts.moves;

@@ -21,7 +21,7 @@ struct PairSettings {
     double approach;
     // Last step's feature is kept while no other has a gap wider by this.
     // Without it, features of nearly equal depth alternate, the solver's
-    // impulses are thrown away, and a packing at rest creeps.
+    // impulses are thrown away, and a packing at rest creeps numerically.
     double hysteresis;
     // Points of a face contact stay where they are on their bodies while
     // nothing has moved further than this since they were found.

@@ -86,7 +86,7 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     HullSearch search_;
     ContactSolver solver_;
     PartFilter part_filter_{solver_};
-    // Bodies that are driven in the step that is being made, and where to.
+    // Kinematic bodies that move in the step that is being made, and where to.
     std::vector<Kinematic> drives_now_;
     // Those that the next step drives, as told since the last one.
     std::vector<Kinematic> drives_next_;

@@ -54,7 +54,7 @@ false) said="standard missed" ;;
 esac
 echo "load: $grains grains, $seconds s of $((60 * limit_minutes)) s, peak memory $peak_mib MiB of" \
     "$limit_mib MiB, $said: overlap $(field mean_percent) / $(field p99_percent) % (mean /" \
-    "99th percentile), creep $(field creep_um_per_s) µm/s, void ratio $(field void_ratio)"
+    "99th percentile), numerical creep $(field creep_um_per_s) µm/s, void ratio $(field void_ratio)"
 
 missed=0
 miss() {

@@ -54,7 +54,7 @@ python_package() { # name version
     "$python" -c "import $1" >>"$log" 2>&1 || fail "$1 cannot be loaded: $(tail -1 "$log")"
 }
 
-bare_bullet() { # name of the library for pkg-config, and of the program
+stock_bullet() { # name of the library for pkg-config, and of the program
     local program="$workshop/$1" source=benches/peers/bullet.cpp
     if [ "$program" -nt "$source" ] && [ "$program" -nt benches/peers/json.h ] &&
         [ "$program" -nt benches/peers/peer.h ]; then
@@ -63,7 +63,7 @@ bare_bullet() { # name of the library for pkg-config, and of the program
     pkg-config --exists "$1" || fail "pkg-config does not know $1; Debian has it in libbullet-dev"
     # shellcheck disable=SC2046
     g++ -O3 -std=c++17 $(pkg-config --cflags "$1") "$source" -o "$program" \
-        $(pkg-config --libs "$1") >>"$log" 2>&1 || fail "bare Bullet does not compile: see $log"
+        $(pkg-config --libs "$1") >>"$log" 2>&1 || fail "stock Bullet does not compile: see $log"
 }
 
 # The C source comes with a crate, which cargo checks; it is built as its makers build it.
@@ -110,8 +110,8 @@ box3d() { # name of the program: box3d or box3d-patched
 }
 
 case "$1" in
-bullet) bare_bullet bullet-float64 ;;
-bullet-single) bare_bullet bullet ;;
+bullet) stock_bullet bullet-float64 ;;
+bullet-single) stock_bullet bullet ;;
 box3d | box3d-2-threads) box3d box3d ;;
 box3d-patched | box3d-patched-2-threads) box3d box3d-patched ;;
 mujoco) python_package mujoco "$mujoco" ;;

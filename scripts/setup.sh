@@ -19,7 +19,7 @@
 # Several of these words may stand together.
 #
 # Says nothing and changes nothing when all is there, so that every make
-# target can call it. What cannot be mended ends with one sentence and one
+# target can call it. What cannot be fixed ends with one sentence and one
 # command to type.
 set -euo pipefail
 

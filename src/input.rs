@@ -1,4 +1,4 @@
-//! The one way in which files that users name are read: regular files alone, and no
+//! How files that users name are read, all of them: regular files alone, and no
 //! larger than can be meant. A device, a pipe or a file of the system may go on for
 //! ever, and would be read until there is no memory left. And the hash by which a file is
 //! known to be as it was.

@@ -26,7 +26,7 @@ export function colourAt(name, share) {
   return stops[k].map((from, c) => from + (place - k) * (stops[k + 1][c] - from));
 }
 
-// The colour of a fraction among so many.
+// The colour of a fraction, by its number among all of them.
 export function fractionColour(n, count) {
   const all = STONES.length;
   const place = count <= all ? (count === 1 ? 2 : Math.round((n * (all - 1)) / (count - 1))) : n % all;

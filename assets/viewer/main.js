@@ -403,7 +403,7 @@ function offer(viewer) {
 async function begin() {
   try {
     const run = await loadRun();
-    // Kept out of the way of the run's own faults: this one the watcher can mend.
+    // Kept apart from the run's own faults: the watcher can fix this one.
     if (!document.createElement("canvas").getContext("webgl2")) {
       outside.error = "no WebGL 2";
       return trouble("The browser offers no WebGL 2, with which this page draws. Switch hardware acceleration on in its settings, or take another browser: Firefox, Chromium, Chrome, Edge and Safari of recent years have it.");

@@ -91,7 +91,7 @@ export class Timeline {
     this.show();
   }
 
-  // Goes on by so many seconds of the watcher's time.
+  // Goes on by a time in seconds as the watcher sees it.
   advance(seconds) {
     if (!this.playing) return;
     const now = this.playback;

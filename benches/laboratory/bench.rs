@@ -139,8 +139,8 @@ impl Bench {
 
 impl Run {
     /// Why nothing is to be read of the run, if so. Tests that are read in motion have no rest test:
-    /// that their creep is not known is nothing against them. Where they begin with a rest, as
-    /// triaxial compression does, the check watches the creep of that.
+    /// that their numerical creep is not known is nothing against them. Where they begin with a rest,
+    /// as triaxial compression does, the check watches the numerical creep of that.
     fn why_left_out(&self) -> Result<Option<String>, String> {
         let summary: Summary =
             read_json(&self.folder.join("summary.json")).map_err(|e| e.to_string())?;

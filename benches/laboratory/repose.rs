@@ -19,7 +19,7 @@ const RIGID: f64 = 10.0;
 /// Axis of the tilting box in m along x.
 const AXIS: f64 = 0.060;
 
-/// A way of measuring.
+/// A method of measuring.
 struct Method {
     id: &'static str,
     name: &'static str,

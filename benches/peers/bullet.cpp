@@ -1,4 +1,4 @@
-// Bare Bullet: a scene in a stock btDiscreteDynamicsWorld, with the settings
+// Stock Bullet: a scene in a stock btDiscreteDynamicsWorld, with the settings
 // that docs/peers.md gives reasons for.
 //
 //   bullet SCENE.json RESULT.json RATE_HZ ITERATIONS SECONDS LIMIT_S

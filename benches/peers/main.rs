@@ -1,4 +1,4 @@
-//! The same specimens in Pluvia, bare Bullet and other engines: what a second
+//! The same specimens in Pluvia, stock Bullet and other engines: what a second
 //! of simulated time costs, and what the grains look like afterwards.
 //!
 //! `make bench-peers` runs it; `docs/peers.md` says how each engine is set and
@@ -80,7 +80,7 @@ enum SceneName {
 }
 
 impl SceneName {
-    /// Simulated time in s. Creep is that of the second half of `rest`.
+    /// Simulated time in s. Numerical creep is that of the second half of `rest`.
     fn duration(self) -> f64 {
         if self == Self::Rest { 2.0 } else { 1.0 }
     }

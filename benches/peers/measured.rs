@@ -100,7 +100,7 @@ pub fn measure(
         ));
     }
     if result.simulated_s < ENOUGH - 1e-9 {
-        notes.push("too little simulated to measure overlap or creep".to_owned());
+        notes.push("too little simulated to measure overlap or numerical creep".to_owned());
         return Measured { row, notes };
     }
     let (specimen, kept) = specimen(scene, &result);

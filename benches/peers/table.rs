@@ -37,7 +37,7 @@ fn cells(row: &Row) -> [String; 6] {
     ]
 }
 
-/// All rows, scene by scene, with how many times faster than bare Bullet each
+/// All rows, scene by scene, with how many times faster than stock Bullet each
 /// is (the first engine, where it was run).
 pub fn of(rows: &[Row]) -> String {
     let mut text = String::new();
@@ -73,5 +73,6 @@ pub fn of(rows: &[Row]) -> String {
             );
         }
     }
-    text + "\nx bullet: how many times faster than bare Bullet in double precision\n"
+    text + "\nx bullet: how many times faster than stock Bullet in double precision\n\
+            creep: numerical creep in the second half of `rest`\n"
 }

@@ -81,7 +81,7 @@ void check_slide(Checks &checks) {
         const double acceleration =
             ratio > 1 ? 0 : GRAVITY * (std::sin(angle) - friction * std::cos(angle));
         const Grain &end = pour.scene().grains[0];
-        checks.equal("way of a block on a slope", end.position.x(),
+        checks.equal("displacement of a block on a slope", end.position.x(),
                      acceleration * duration * (duration + step) / 2, 3e-6);
         checks.equal("its height", end.position.z(), 0.005, 1e-5);
         checks.below("its turn", end.spin.norm(), 1e-6);

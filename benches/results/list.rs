@@ -147,7 +147,7 @@ pub const KEPT: &[Kept] = &[
             ),
         ],
         made: Made::Pluvia(&["converge --out OUT"]),
-        takes: "two hours",
+        takes: "one to two hours",
     },
     Kept {
         name: "calibration",
@@ -341,7 +341,7 @@ pub const KEPT: &[Kept] = &[
         made: Made::Once(
             "parts of `make referee ARGS=\"--only pours --pours 40\"`, put together by hand",
         ),
-        takes: "a day",
+        takes: "hours",
     },
     Kept {
         name: "robustness",

@@ -19,7 +19,7 @@ pub fn missed(all: &Value) -> Result<String, String> {
             cases.push(case);
         }
     }
-    let mut text = head(&format!("case | law and tolerance | {}", SETTINGS.join(" | ")));
+    let mut text = head(&format!("case | expected ± tolerance | {}", SETTINGS.join(" | ")));
     for case in cases {
         let of = |setting: &str| {
             verdicts.iter().find(|v| v["case"] == case && v["setting"] == setting).copied()

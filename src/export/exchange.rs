@@ -98,7 +98,7 @@ pub struct TableSamples {
 }
 
 /// x(t) = A sin(2πft) along x in each period, x = 0 between periods; t begins with the scene. With
-/// a ramp r, A grows in each period as (1 - cos πt/r)/2 and dies away at its end in the same way.
+/// a ramp r, A grows in each period as (1 - cos πt/r)/2 and dies away so at its end.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct TableLaw {
     /// A, half the stroke.

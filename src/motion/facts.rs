@@ -85,7 +85,7 @@ impl MotionFacts {
     }
 }
 
-/// Largest way in m from one frame to the next.
+/// Largest displacement in m from one frame to the next.
 fn largest_frame(motion: &TableMotion, rate: f64) -> f64 {
     let frames = (motion.duration * rate).ceil().clamp(1.0, MOST_POINTS) as u64;
     let place = |n: u64| motion.frame(n as f64, rate);

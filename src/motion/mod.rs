@@ -137,7 +137,7 @@ impl TableMotion {
     }
 
     /// A speed in m/s that the table never exceeds when an engine takes steps of a length in s:
-    /// set from frame to frame, it covers a frame's way in one of them.
+    /// set from frame to frame, it covers a frame's displacement in one of them.
     pub fn peak_speed_in_steps(&self, step: f64) -> f64 {
         match self.frames_per_s {
             Some(rate) => self.peak_speed() * (1.0 / (rate * step)).max(1.0),

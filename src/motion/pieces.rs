@@ -174,7 +174,10 @@ mod tests {
             let got = motion.displacement(2.0).translation.x;
             assert!((got - expected).abs() < 1e-15, "law: v (T − r), {ramp} s, got {got} m");
             let half = motion.displacement(1.0).translation.x;
-            assert!((half - expected / 2.0).abs() < 1e-15, "law: half the way at half the time");
+            assert!(
+                (half - expected / 2.0).abs() < 1e-15,
+                "law: half of the displacement at half the time"
+            );
             assert_eq!(motion.displacement(9.0), motion.displacement(2.0), "law: it stays");
         }
     }

@@ -255,7 +255,7 @@ fn video_frames_hold_a_pose_and_jump_to_the_next_in_one_step() {
         near(&format!("the pose of frame {frame} at step {n}"), got, expected, 1e-12);
         let velocity = motion.velocity(time, STEP).x;
         let way = got - motion.displacement(time - STEP).x;
-        assert!((velocity * STEP - way).abs() < 1e-15, "law: the whole way in one step");
+        assert!((velocity * STEP - way).abs() < 1e-15, "law: the whole displacement in one step");
         jumps += u32::from(way.abs() > 1e-12);
         assert!(velocity.abs() <= motion.peak_speed_in_steps(STEP), "law: the peak is one");
     }

@@ -1,4 +1,4 @@
-//! The paper's numbers as intervals, each with the way it is read.
+//! The paper's numbers as intervals, each with how it is read.
 
 use serde::{Deserialize, Serialize};
 

@@ -134,7 +134,7 @@ fn a_motion_ends_by_its_way_and_dies_away() {
         assert!(found.reached && outcome.warnings.is_empty(), "law: {found:?}");
         let held = found.at_s.expect("a time");
         assert!((held - at).abs() < 1e-9, "law: the first look after 0.249 s, of {piece}, {held}");
-        let (moved, share) = (found.found.moved_mm.expect("a way"), wanted / 19.9);
+        let (moved, share) = (found.found.moved_mm.expect("a displacement"), wanted / 19.9);
         let expected = 100.0 * (at - 0.05) * share;
         assert!((moved - expected).abs() < 1e-9, "law: v (T − r/2), got {moved} mm");
         assert!((outcome.simulated - at - 0.1).abs() < 1e-9, "law: T + r, {} s", outcome.simulated);
@@ -203,7 +203,7 @@ fn any_of_several_conditions_ends_a_stage_or_all_of_them() {
         assert_eq!(held(&outcome), (expected(ends), each), "law: {:?}", outcome.until);
         assert!(outcome.warnings.is_empty(), "law: it held, {:?}", outcome.warnings);
         let found = outcome.until.expect("conditions");
-        let moved = found.conditions[0].found.moved_mm.expect("a way");
+        let moved = found.conditions[0].found.moved_mm.expect("a displacement");
         let expected = 100.0 * (at(ends) - 0.05);
         assert!((moved - expected).abs() < 1e-9, "law: its last value, got {moved} mm");
         let line = found.line();
@@ -281,13 +281,13 @@ fn stages_with_a_condition_go_on_from_a_checkpoint_with_the_same_bits() {
             assert_eq!(got.until, whole.until, "law: told alike from step {steps}");
         }
         if let [force, way] = &found.conditions[..] {
-            assert!(!force.reached && way.reached, "law: the way is reached, {found:?}");
+            assert!(!force.reached && way.reached, "law: the displacement is reached, {found:?}");
         } else if let Some(force) = found.found.force_n {
             assert!((12.0..14.0).contains(&force), "law: 12 N and little more, got {force} N");
             let press = whole.specimen.state.pieces[1].press.expect("pressed");
             assert!(press.force_n < press.target_n, "law: before the whole force is on it");
         } else {
-            let moved = found.found.moved_mm.expect("a way");
+            let moved = found.found.moved_mm.expect("a displacement");
             assert!((2.0..2.6).contains(&moved), "law: 2 mm and at most a look, got {moved} mm");
             let way = whole.specimen.state.pieces[0].pose.translation.z;
             assert!(way < from_mm(20.0 * 3.0), "law: before its limit, {way} m");

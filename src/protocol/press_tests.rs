@@ -96,7 +96,7 @@ fn the_floor_bears_the_pressed_stress_and_the_weight_of_the_grains() {
     near("nothing sideways together, N", aside, 0.0, 0.01 * force);
     assert!(
         outcome.warnings.is_empty(),
-        "law: it settles, and no energy comes from nowhere, {:?}",
+        "law: it settles, and no energy is without a source, {:?}",
         outcome.warnings
     );
     assert_eq!(outcome.watch.energy.beyond, 0, "law: as the watch has it");

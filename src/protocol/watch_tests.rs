@@ -54,7 +54,10 @@ fn a_fall_and_a_blow_of_the_table_cost_nothing() {
     let (watch, findings) = watched(&shaken, 0.4);
     assert!(findings.iter().all(|f| *f == Ok(None)), "{findings:?}");
     let got = watch.energy.worst;
-    assert!(got < 1e-15, "law: ½ m (2V)² is V times the momentum 2mV, got {got} J from nowhere");
+    assert!(
+        got < 1e-15,
+        "law: ½ m (2V)² is V times the momentum 2mV, got {got} J without a source"
+    );
 }
 
 #[test]
@@ -70,7 +73,7 @@ fn unexplained_energy_is_told_and_then_ends_it() {
     let share = watch.energy.worst / available;
     assert!((share - 1.01).abs() < 1e-12, "law: m g z of the rise, expected 1.01, got {share}");
     assert_eq!(watch.energy.first_beyond_s, Some(1.0));
-    // The same momentum, from a table at rest, is from nowhere.
+    // The same momentum, from a table at rest, has no source.
     let (_, findings) = watched(&[(moving(0.0, 0.0), 0.0), (moving(0.0, 0.8), 0.0)], 0.4);
     assert!(matches!(findings[0], Ok(Some(_))), "{findings:?}");
 }

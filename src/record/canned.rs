@@ -122,7 +122,8 @@ pub fn pile(configuration: u32, degrees: Option<f64>) -> RunRecord {
     run
 }
 
-/// The rows of a rest test: 2 s in which the surface sinks by one and a half times the creep.
+/// The rows of a rest test: 2 s in which the surface sinks by one and a half times the numerical
+/// creep.
 fn at_rest(last: SeriesRow, configuration: u32) -> Vec<SeriesRow> {
     let creep = creep_um_per_s(configuration);
     let row = |i: u32| {
@@ -137,7 +138,7 @@ fn at_rest(last: SeriesRow, configuration: u32) -> Vec<SeriesRow> {
     (0..=25).map(row).collect()
 }
 
-/// The third configuration creeps too much.
+/// The third configuration creeps numerically by too much.
 fn creep_um_per_s(configuration: u32) -> f64 {
     if configuration == 3 { 45.0 } else { 0.8 * f64::from(configuration) }
 }
@@ -285,7 +286,7 @@ pub fn sieve_summary() -> SieveSummary {
 }
 
 fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
-    // The third configuration creeps and overlaps too much.
+    // The third configuration creeps numerically, and overlaps, too much.
     let bad = configuration == 3;
     let creep = creep_um_per_s(configuration);
     Summary {

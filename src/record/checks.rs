@@ -17,7 +17,7 @@ pub struct StageChecks {
     pub energy: Watched,
     /// Overlap of grains.
     pub overlap: OverlapWatch,
-    /// Sinking rate of the mean grain height at rest, up or down, in µm/s.
+    /// Numerical creep: the rate at which the mean grain height sinks at rest, up or down, in µm/s.
     pub creep: Watched,
 }
 
@@ -72,7 +72,7 @@ pub struct Checks {
     pub overlap_mean: CheckSummary,
     /// 99th percentile of the overlap.
     pub overlap_p99: CheckSummary,
-    /// Creep at rest.
+    /// Numerical creep at rest.
     pub creep: CheckSummary,
     /// How well the contacts were solved; null in summaries from before it was watched.
     #[serde(default)]
@@ -96,7 +96,7 @@ impl Checks {
         each
     }
 
-    /// In a line: `all 8 passed`, or which did not.
+    /// In a line: `8 of 8 passed`, or which did not.
     pub fn line(&self) -> String {
         let beyond: Vec<&str> =
             self.each().iter().filter(|(_, g)| g.passed == Some(false)).map(|(n, _)| *n).collect();

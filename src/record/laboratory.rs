@@ -322,7 +322,7 @@ mod tests {
         assert_eq!(text(&[stressed, row(true)], &names), expected);
     }
 
-    /// Law: two forces of 3 N and 1 N down at x = 0 and x = 1 m are 4 N, with the moment of a lever
+    /// Law: two forces of 3 N and 1 N down at x = 0 and x = 1 m are 4 N, with the moment of an arm
     /// about x = 0.5 m; pieces that are gone do not count.
     #[test]
     fn a_group_has_the_force_and_the_moment_of_its_pieces() {

@@ -67,8 +67,8 @@ impl Summary {
 
     /// Whether grains have run out of a laboratory until no two of them touch, so that its end has
     /// no overlap to judge: what flowed counts if the overlap was within the standard while they
-    /// touched, at the ends of stages. The creep of those that are left is judged as ever, by its
-    /// check.
+    /// touched, at the ends of stages. The numerical creep of those that are left is judged as ever,
+    /// by its check.
     pub fn ran_out(&self) -> bool {
         // Where grains never touched every look found 0.
         let within = |check: &CheckSummary| {

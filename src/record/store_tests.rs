@@ -403,7 +403,7 @@ fn an_error_says_what_is_kept() {
     assert!(said(&store).contains("are gone too"), "{}", said(&store));
 }
 
-/// Damages the stage of a store and puts a sound one in its place, in a way of its own.
+/// Damages the stage of a store and puts a sound one in its place, as `exchange` does.
 fn replaced_by(exchange: fn(&Path, &Path) -> bool) -> (Option<StoredStage>, usize) {
     let [root, other] = [(), ()].map(|()| tempfile::tempdir().expect("a folder"));
     let (store, _, folder) = store_one(root.path());

@@ -86,7 +86,8 @@ pub struct Summary {
     pub creep_um_per_s: Option<f64>,
     /// The rest test in full.
     pub rest_test: Option<RestTest>,
-    /// Whether overlap and creep are measured and meet the accuracy standard (docs/accuracy.md).
+    /// Whether overlap and numerical creep are measured and meet the accuracy standard
+    /// (docs/accuracy.md).
     pub meets_standard: bool,
     /// Whether the standard is met, or was met before the grains ran out of a laboratory, no
     /// run-time check found anything, and everything had settled where heights and settlement are
@@ -316,9 +317,9 @@ pub struct AzimuthAngle {
 /// in files, where no grain is left.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Overlap {
-    /// Number of touching pairs of grains.
+    /// Number of overlapping pairs of grains.
     pub pairs: usize,
-    /// Mean over touching pairs.
+    /// Mean over overlapping pairs.
     #[serde(deserialize_with = "nan_where_null")]
     pub mean_percent: f64,
     /// 99th percentile.

@@ -57,9 +57,9 @@ pub struct RunRow {
     pub overlap_mean_percent: Option<f64>,
     /// Its 99th percentile.
     pub overlap_p99_percent: Option<f64>,
-    /// Creep in the rest test in µm/s.
+    /// Numerical creep in the rest test in µm/s.
     pub creep_um_per_s: Option<f64>,
-    /// Whether overlap and creep meet the accuracy standard.
+    /// Whether overlap and numerical creep meet the accuracy standard.
     pub meets_standard: Option<bool>,
     /// Whether the standard is met and no run-time check found anything.
     pub valid: Option<bool>,
@@ -160,8 +160,8 @@ fn experiment(scenario: &Scenario) -> String {
 }
 
 /// One variation: means over its runs. Lengths and void ratios are over those that count in
-/// means; overlap, creep, grains outside and cost, by which runs are judged, over all that
-/// have them, or a setting would look good by what it spoils.
+/// means; overlap, numerical creep, grains outside and cost, by which runs are judged, over all
+/// that have them, or a setting would look good by what it spoils.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VariationRow {
     /// Its name.
@@ -190,7 +190,7 @@ pub struct VariationRow {
     pub runs: usize,
     /// How many of them failed; they do not count in the means.
     pub failed: usize,
-    /// How many of them meet the accuracy standard for overlap and creep.
+    /// How many of them meet the accuracy standard for overlap and numerical creep.
     pub meeting_standard: usize,
     /// How many of them are valid: they meet it, and no run-time check found anything.
     pub valid: usize,
@@ -210,7 +210,8 @@ pub struct VariationRow {
     pub overlap_mean_percent: Option<Estimate>,
     /// Its 99th percentile.
     pub overlap_p99_percent: Option<Estimate>,
-    /// Creep in µm/s without its sign: sinking in one run does not make up for rising in another.
+    /// Numerical creep in µm/s without its sign: sinking in one run does not make up for rising in
+    /// another.
     pub creep_um_per_s: Option<Estimate>,
     /// Wall time over simulated time.
     pub wall_s_per_simulated_s: Option<Estimate>,
@@ -379,7 +380,7 @@ mod tests {
         let height = a.poured_height_mm.expect("two heights");
         assert_eq!((height.mean, height.count), (161.0, 2), "law: the mean of those that ran");
         let creep = a.creep_um_per_s.expect("two").mean;
-        assert_eq!(creep, 1.0, "law: -1 and 1 µm/s are a creep of 1, not of 0");
+        assert_eq!(creep, 1.0, "law: -1 and 1 µm/s are a numerical creep of 1, not of 0");
         let none = VariationRow::of(&[row("c", 1, None)]);
         assert_eq!(none[0].poured_height_mm, None, "nothing ran, nothing is made up");
     }

@@ -305,7 +305,7 @@ fn ladder_table(rows: &[&ConvergenceRow], of: &Convergence) -> Table {
         "overlap mean / p99, %" => [v.overlap_mean_percent, v.overlap_p99_percent]
             .map(|e| Cell::fixed(mean(e), 2).text)
             .join(" / "),
-        "creep, µm/s" => Cell::fixed(mean(v.creep_um_per_s), 2),
+        "numerical creep, µm/s" => Cell::fixed(mean(v.creep_um_per_s), 2),
         "s a simulated s" => Cell::compact(mean(v.wall_s_per_simulated_s)),
         "standard" => verdict(row),
     })

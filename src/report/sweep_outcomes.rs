@@ -27,7 +27,7 @@ pub const OUTCOMES: [(&str, &str); 19] = [
     ("coordination_number", "Coordination number"),
     ("overlap.mean_percent", "Mean overlap (%)"),
     ("overlap.p99_percent", "99th percentile of the overlap (%)"),
-    ("creep_um_per_s", "Creep (µm/s)"),
+    ("creep_um_per_s", "Numerical creep (µm/s)"),
     ("grains.spilled", "Grains spilled"),
     ("grains.left_in_funnel", "Grains left in the funnel"),
     ("grains.escaped", "Grains through walls"),

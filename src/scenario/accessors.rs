@@ -160,7 +160,7 @@ impl StageSpec {
         sound.then_some(PieceMotion { path, duration, ramp })
     }
 
-    /// What may end the stage; none of one that ends in its own way.
+    /// What may end the stage; none of one that has an end of its own.
     pub fn until(&self) -> Option<&UntilSpec> {
         match self {
             Self::Move { until, .. }

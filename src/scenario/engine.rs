@@ -42,7 +42,7 @@ pub struct EngineSettings {
     /// Steps per second of simulated time. Lower: grains sink into each
     /// other; higher: slower.
     pub rate_hz: f64 = 480.0, from 30.0 to 100000.0;
-    /// Iterations per step of Bullet's own solver. Fewer: contacts give way; more: slower.
+    /// Iterations per step of stock Bullet contacts. Fewer: contacts give way; more: slower.
     pub iterations: u32 = 20, from 1 to 10000;
     /// Engine length units in a metre. Bullet's absolute tolerances are made
     /// for bodies of about one unit; 100 makes a 10 mm grain one unit.
@@ -90,7 +90,7 @@ impl<'de> Deserialize<'de> for EngineSettings {
 
 /// What is written of settings is what the engine reads: rapier's are left out where Bullet
 /// carries the grains, those of the native contact solver where contacts are Bullet's, those of
-/// Bullet's own contacts and the leave for coarse steps everywhere, if they are the defaults.
+/// stock Bullet contacts and the leave for coarse steps everywhere, if they are the defaults.
 impl Serialize for EngineSettings {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let written = Self::serialize(self, serde_json::value::Serializer);

@@ -223,8 +223,8 @@ pub struct Scenario {
     pub configuration: u32, else "default_configuration", from 1 to 1_000_000;
     /// What is done, in order.
     pub stages: Vec<StageSpec>, length 1 to 100;
-    /// Length in seconds of the rest test that measures how far the
-    /// finished specimen creeps when nothing moves; 0 leaves it out.
+    /// Length in seconds of the rest test, which measures the numerical creep
+    /// of the finished specimen when nothing moves; 0 leaves it out.
     pub rest_test_s: f64, else "default_rest_test", from 0.0 to 600.0;
     /// Sizes, density and number of grains that have no sieve table, as they were found
     /// when the scenario was loaded; it is no part of what is written.

@@ -61,7 +61,8 @@ pub struct RapierSettings {
     pub wall_contact_damping_ratio: f64 = 1.0, from 0.0 to 1000.0;
     /// Share of the last step's impulses, of friction too, with which the
     /// solver starts. Below 1: each step forgets some of the forces of the
-    /// last, which makes a packing creep in other solvers; 1 is rapier's own.
+    /// last, which makes a packing creep numerically in other solvers; 1 is
+    /// rapier's own.
     pub warm_start: f64 = 1.0, from 0.0 to 1.0;
     /// Length of one engine unit in mm. The collision library's tolerances are
     /// in engine units: it keeps contact points until they shift by more than

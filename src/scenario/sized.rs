@@ -98,8 +98,8 @@ by_size! {
         high "every stage that settles is simulated for longer than it needs";
     engine.rapier.contact_frequency_hz => Rate, Rapier:
         low "grains sink into each other";
-        high "the packing jitters and creeps unless engine.rapier.substeps is raised, which \
-              costs time";
+        high "the packing jitters and creeps numerically unless engine.rapier.substeps is raised, \
+              which costs time";
     engine.rapier.wall_contact_frequency_hz => Rate, Rapier:
         low "grains sink into the funnel";
         high "grains jitter in the funnel unless engine.rapier.substeps is raised, which costs \
@@ -114,7 +114,7 @@ by_size! {
         low "overlaps that impacts leave last";
         high "overlaps burst and throw grains apart";
     engine.rapier.recycling_distance_mm => Fine, Rapier:
-        low "contact points change for nothing, and the packing creeps";
+        low "contact points change for nothing, and the packing creeps numerically";
         high "contact normals are out of date";
 }
 

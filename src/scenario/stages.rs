@@ -52,9 +52,9 @@ pub struct VerticalSpec {
     pub phase_deg: f64, or default, schemars(range(min = -360.0, max = 360.0));
 }
 
-/// A table that is set from pose to pose, each in one engine step, in which it has the speed
-/// of the whole way, and stands still in the others: as an animation program moves a body once
-/// a video frame.
+/// A table that is set from pose to pose, each in one engine step, in which it covers the whole
+/// displacement, and stands still in the others: as an animation program moves a body once a
+/// video frame.
 #[derive(Copy)]
 pub struct VideoFramesSpec {
     /// Poses in a second.

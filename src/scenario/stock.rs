@@ -1,4 +1,4 @@
-//! Settings that only Bullet's own contact solver has, as a person types them.
+//! Settings that only stock Bullet contacts have, as a person types them.
 
 use super::*;
 

@@ -15,8 +15,8 @@ pub struct Opening {
 }
 
 impl Opening {
-    /// 1 where a point went through it in its direction, −1 where it went the other way,
-    /// 0 where it did not, on a straight way between two places.
+    /// 1 where a point went through it in its direction, −1 where it went against it,
+    /// 0 where it did not, on a straight line between two places.
     pub fn passed(&self, before: &Vector, after: &Vector) -> f64 {
         let along = |p: &Vector| self.direction.dot(&(p - self.middle));
         let (a, b) = (along(before), along(after));

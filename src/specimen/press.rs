@@ -20,7 +20,7 @@ pub struct PressState {
     pub target_n: f64,
     /// How fast the force grows or falls towards that, in N/s.
     pub rate_n_per_s: f64,
-    /// Speed in m/s along the direction above which it is not driven on until the whole force is
+    /// Speed in m/s along the direction above which it is not pushed on until the whole force is
     /// on it.
     pub approach_m_per_s: f64,
     /// Whether the whole force that was wanted has been on it and grains bore it.

@@ -4,7 +4,7 @@
 use super::*;
 
 /// The accuracy standard at a scale (docs/accuracy.md): 0.5 % of the equivalent
-/// diameter on average, 3 % at the 99th percentile, and creep that grows as speeds do.
+/// diameter on average, 3 % at the 99th percentile, and numerical creep that grows as speeds do.
 pub fn standard(scale: &Scale) -> Standard {
     Standard {
         overlap_mean_percent: 0.5,
@@ -19,7 +19,7 @@ pub(super) struct AtEnd<'a> {
     pub grains: usize,
     /// Their overlap; none where no two of them touch.
     pub overlap: Option<&'a Overlap>,
-    /// Their creep in µm/s; none without a rest test, or without grains.
+    /// Their numerical creep in µm/s; none without a rest test, or without grains.
     pub creep_um_per_s: Option<f64>,
 }
 
@@ -91,8 +91,8 @@ mod tests {
         assert!(stiffer(0.2, 2.0).contains("about 0.6"), "law: of fine grains, too");
     }
 
-    /// Law: the standard is met where overlap and creep are measured and within it, and not where
-    /// one of them is not measured; what is missing is reported.
+    /// Law: the standard is met where overlap and numerical creep are measured and within it, and
+    /// not where one of them is not measured; what is missing is reported.
     #[test]
     fn what_is_not_measured_does_not_meet_the_standard() {
         let (limits, engine) = (standard(&Scale::PAPER), EngineSettings::default());

@@ -1,4 +1,4 @@
-//! Checks that need measures: overlap while a stage goes on, creep where it
+//! Checks that need measures: overlap while a stage goes on, numerical creep where it
 //! rests; and what all checks of a run found together.
 
 use super::*;
@@ -13,7 +13,8 @@ const RESIDUAL_LIMIT: f64 = 0.05;
 /// Times in s that differ by less are the same.
 const ROUNDING: f64 = 1e-9;
 
-/// Share by which a rest may miss the shortest that tells of creep: people type few digits.
+/// Share by which a rest may miss the shortest that tells of numerical creep: people type few
+/// digits.
 const TYPED: f64 = 1e-3;
 
 /// Whether grains are held to the standard of overlap all through a stage, being
@@ -79,7 +80,7 @@ fn measure_overlap(watch: &mut OverlapWatch, specimen: &Specimen, time: f64) -> 
     })
 }
 
-/// Creep wherever a stage rests, from its rows, against what the scale allows.
+/// Numerical creep wherever a stage rests, from its rows, against what the scale allows.
 pub(super) fn creep(stage: &StageSpec, rows: &[SeriesRow], scale: &Scale) -> Watched {
     let limit = standard(scale).creep_um_per_s;
     let shortest = scale::SHORTEST_REST.at(scale);
@@ -362,7 +363,7 @@ mod tests {
         let got = creep_um_per_s(&rows).expect("a creep");
         assert!((got - 2.0).abs() < 1e-6, "law: 2 µm/s in the second half, got {got}");
         assert_eq!(creep_um_per_s(&rows[..1]), None, "law: one row tells nothing");
-        // Creep that never ends shows in full.
+        // Numerical creep that never ends shows in full.
         let for_ever = [row(0.0, 80.0), row(1.0, 79.0), row(2.0, 78.0)];
         let got = creep_um_per_s(&for_ever).expect("a creep");
         assert!((got - 1000.0).abs() < 1e-6, "law: 1000 µm/s, got {got}");

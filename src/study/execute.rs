@@ -68,7 +68,7 @@ pub struct Shop<'a> {
 }
 
 impl<'a> Shop<'a> {
-    /// With the cores, the progress and the way to stop that these options give.
+    /// With the cores, the progress and the means to stop that these options give.
     pub fn new(store: &'a StageStore, make_world: WorldMaker<'a>, options: &'a RunOptions) -> Self {
         let RunOptions { jobs, cancel, progress, .. } = options;
         Self { store, make_world, cancel, progress: progress.as_ref(), cores: (*jobs).max(1) }

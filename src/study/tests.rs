@@ -201,8 +201,8 @@ fn same_bits_on_one_thread_or_two_and_when_resumed_in_the_middle() {
         plausible: &|_| Ok(()),
     };
     assert!(store.load(&asked).1.is_some_and(|why| why.contains("specimen.json")));
-    let mended = bits(&carry_out(&plan, two.path(), 1).expect("done"));
-    assert_eq!(serial, mended);
+    let again = bits(&carry_out(&plan, two.path(), 1).expect("done"));
+    assert_eq!(serial, again);
 }
 
 #[test]

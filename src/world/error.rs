@@ -14,8 +14,8 @@ pub enum WorldError {
     /// No body of that number is in the world.
     #[error("there is no body {0:?} in this world")]
     NoSuchBody(BodyId),
-    /// Only kinematic bodies can be driven.
-    #[error("body {0:?} is not driven")]
+    /// Only kinematic bodies can be moved.
+    #[error("body {0:?} is not kinematic")]
     NotKinematic(BodyId),
     /// Only pressed bodies have a force.
     #[error("body {0:?} is not pressed")]

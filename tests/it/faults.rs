@@ -280,7 +280,7 @@ fn threads_that_are_not_there_change_no_bit() {
 fn the_last_line_of_a_run_that_is_not_valid_says_so() {
     let folder = Folder::new();
     let mut scenario = small::scenario(40.0, 0.5, 0.2);
-    // Creep is not measured then, which the standard asks for.
+    // Numerical creep is not measured then, which the standard asks for.
     scenario["rest_test_s"] = json!(0);
     let path = folder.scenario("unmeasured.json", &scenario);
     // Also quietly: nothing else is said then.

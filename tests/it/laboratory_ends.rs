@@ -234,7 +234,7 @@ fn a_recorded_motion_moves_pieces_and_is_checked_beforehand() {
     expect(folder, &value, "stages[1].duration_s", "ends with its last");
     expect(folder, &value, "stages[1].ramp_s", "ends with its last");
     value["stages"][1]["velocity_mm_per_s"] = json!([0, 0, 1]);
-    expect(folder, &value, "stages[1].velocity_mm_per_s", "pieces move in one way");
+    expect(folder, &value, "stages[1].velocity_mm_per_s", "a `move` has one motion");
     // Ended early, within a ramp.
     let mut value = recorded("down.csv");
     value["stages"][1]["ramp_s"] = json!(0.1);

@@ -74,7 +74,7 @@ fn a_deposit_that_misses_its_box_is_no_specimen() {
     for field in ["meets_standard", "valid"] {
         assert_eq!(summary[field], false, "law: {field} of nothing");
     }
-    assert_eq!(summary["creep_um_per_s"], Value::Null, "law: no creep of nothing");
+    assert_eq!(summary["creep_um_per_s"], Value::Null, "law: no numerical creep of nothing");
     let height = &summary["standing_height_mm"]["mean_surface"];
     assert_eq!(*height, Value::Null, "law: nothing stands");
     for path in [

@@ -40,7 +40,7 @@ fn a_load_within_its_limits_passes_and_says_all_in_one_line() {
     assert_eq!(code, Some(0), "law: it is within all limits, got {said}");
     assert_eq!(said.lines().count(), 1, "law: one line, got {said}");
     assert_holds(&said, &["10000 grains", "300 s of 5400 s", "of 1024 MiB", "standard met"]);
-    assert_holds(&said, &["0.14 / 0.73 %", "creep 0.5 µm/s", "void ratio 0.9"]);
+    assert_holds(&said, &["0.14 / 0.73 %", "numerical creep 0.5 µm/s", "void ratio 0.9"]);
 }
 
 #[test]

@@ -217,8 +217,8 @@ fn grains_in_a_turning_drum_lie_off_its_axis() {
         ],
     );
     let moment = recipe.mean(1, 1.2, "drum", |piece| piece.moment_n_m.y);
-    let lever = moment / recipe.weight() * 1e3;
-    within("against the turn, mm off the axis", lever, -70.0, -15.0);
+    let arm = moment / recipe.weight() * 1e3;
+    within("against the turn, mm off the axis", arm, -70.0, -15.0);
 }
 
 #[test]

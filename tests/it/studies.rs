@@ -90,7 +90,10 @@ fn convergence_holds_every_rung_against_the_finest() {
     assert!(left_out.iter().all(|r| r["valid"] == false), "law: nothing is missing here");
     let counted = rows.iter().filter_map(|r| r["result"]["left_out"].as_u64()).sum::<u64>();
     assert_eq!(counted, left_out.len() as u64, "law: rungs count what their runs are");
-    assert!(!left_out.is_empty(), "law: ten iterations of Bullet's own creep: {rows:?}");
+    assert!(
+        !left_out.is_empty(),
+        "law: stock Bullet contacts with ten iterations creep numerically: {rows:?}"
+    );
     let page = fs::read_to_string(out.join("convergence.md")).expect("a page");
     assert!(page.contains("no valid run") && page.contains("left out"), "law: told: {page}");
     assert_eq!(table["runs"].as_array().map(Vec::len), Some(6));

@@ -62,7 +62,7 @@ fn contact_solvers_and_engines_are_factors_like_any_other() {
         let effects = found["effects"].as_array().expect("effects");
         let words = effects.iter().find(|e| e["factor"] == factor).expect("an effect");
         assert_eq!(words["slope"], Value::Null, "law: words have no slope");
-        // stock Bullet contacts may creep: what is not valid has no mean.
+        // stock Bullet contacts may creep numerically: what is not valid has no mean.
         let left_out = runs.iter().filter(|r| r["left_out_of_means"] != Value::Null).count();
         let means = words["means"].as_array().map(Vec::len);
         let expected = if left_out > 0 { 0 } else { 2 };

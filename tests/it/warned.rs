@@ -232,7 +232,7 @@ fn typed_values_are_warned_of_in_both_directions() {
         (&rapier, "engine_unit_mm", 12.5, "needlessly", "no longer there"),
         (&rapier, "prediction_mm", 0.375, "before they are met", "costs time"),
         (&rapier, "corrective_speed_m_per_s", 3.35, "last", "burst"),
-        (&rapier, "recycling_distance_mm", 0.25, "creeps", "out of date"),
+        (&rapier, "recycling_distance_mm", 0.25, "creeps numerically", "out of date"),
     ];
     for (typed, field, automatic, low, high) in cases {
         for (factor, words) in [(0.2, Some(low)), (0.3, None), (3.3, None), (5.0, Some(high))] {

@@ -1,6 +1,6 @@
 //! Grains from meshes: scanned grains, read, checked, made convex, and drawn by sieve fractions.
 //!
-//! The way of a mesh: a file is read into objects ([`read`]); of each the
+//! The path of a mesh: a file is read into objects ([`read`]); of each the
 //! vertices are joined and the surface is checked ([`surface`]); it becomes a
 //! convex polyhedron, if it is not one already ([`shape`]); grains
 //! are drawn and scaled ([`draw`]). All faults of all files are reported at once.

@@ -101,7 +101,7 @@ fn a_whole_study_is_shown_whole() {
         assert!(page.contains(&run.name), "{} is not on the page", run.name);
     }
     let page = page.replace('\u{a0}', " ");
-    // Configuration 3 creeps by 45 µm/s: 1.035 mm of 20 mm in the 23 s of four periods.
+    // Configuration 3 creeps numerically by 45 µm/s: 1.035 mm of 20 mm in the 23 s of four periods.
     let all = [
         "6 of 18 runs have numerical creep",
         "45.0 µm/s",

@@ -192,7 +192,9 @@ fn creep(study: &StudyView, counting: &StudyView) -> String {
     let mm = vibrated.filter_map(over_vibration).reduce(f64::max);
     let meanwhile = mm.map_or_else(String::new, |mm| {
         let mm = at_most(mm);
-        format!("; shaken specimens would creep by {mm} mm in the time of their vibration")
+        format!(
+            "; shaken specimens would creep numerically by {mm} mm in the time of their vibration"
+        )
     });
     format!("Numerical creep at rest: {} µm/s{meanwhile}.", at_most(most))
 }

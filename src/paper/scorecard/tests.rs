@@ -328,8 +328,8 @@ fn what_is_missed_is_said_with_a_reason() {
         "Not reproduced: settlement of the plate after 20 s of vibration (6.0 mm [6.0 … 6.0], less than \
          the paper's 14 to 19.61 mm);",
         // 0.8 µm/s for the 23 s of four periods with their rests.
-        "Numerical creep at rest: at most 0.80 µm/s; shaken specimens would creep by at most 0.02 \
-         mm in the time of their vibration.",
+        "Numerical creep at rest: at most 0.80 µm/s; shaken specimens would creep numerically by at \
+         most 0.02 mm in the time of their vibration.",
         MOVES_SETTLEMENT,
         MOVES_QUICK_SETTLEMENT,
         "What moves it was not investigated: the plate moves most",
@@ -357,8 +357,8 @@ fn creep_is_said_and_a_shared_reason_once() {
         }
     }
     let text = paragraph(&runs);
-    let creep = "Numerical creep at rest: less than 0.01 µm/s; shaken specimens would creep by \
-                 less than 0.01 mm in the time of their vibration.";
+    let creep = "Numerical creep at rest: less than 0.01 µm/s; shaken specimens would creep \
+                 numerically by less than 0.01 mm in the time of their vibration.";
     assert!(text.contains(creep), "{text}");
     assert_eq!(text.matches(MOVES_SETTLEMENT).count(), 1, "law: of three rows once: {text}");
     runs.iter_mut().for_each(|run| run.summary.creep_um_per_s = None);

@@ -135,7 +135,7 @@ pub struct SettledRun {
     pub surface_mm: Option<f64>,
     /// Numerical creep in the rest test in µm/s; null where none was run.
     pub creep_um_per_s: Option<f64>,
-    /// That creep over as long as the vibration took, in mm.
+    /// That numerical creep over as long as the vibration took, in mm.
     pub creep_over_vibration_mm: Option<f64>,
     /// Drop of the plate in the whole rest test, in mm.
     pub rest_test_plate_drop_mm: Option<f64>,

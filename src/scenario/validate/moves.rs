@@ -39,7 +39,7 @@ fn check_move(spec: &StageSpec, faults: &mut Faults) {
     let recorded = motion_file.is_some() || motion_rows.is_some();
     if count(&[velocity_mm_per_s.is_some(), rotation.is_some(), sine.is_some(), recorded]) != 1 {
         let allowed = "one of `velocity_mm_per_s`, `rotation`, `sine` and `motion_file`";
-        return faults.add("velocity_mm_per_s", "", allowed, "pieces move in one way");
+        return faults.add("velocity_mm_per_s", "", allowed, "a `move` has one motion");
     }
     if recorded {
         let both = motion_rows.as_ref().and(motion_file.as_ref()).map(|_| "both");

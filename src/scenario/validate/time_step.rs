@@ -184,7 +184,7 @@ fn motions(parts: &Parts) -> Vec<Fast> {
             let motion = spec.motion()?;
             let speed = motion.peak_speed();
             let what = "the shaking table at its fastest".to_owned();
-            // What is set from frame to frame covers that way in a step of whatever length.
+            // What is set from frame to frame covers that displacement in a step of whatever length.
             let moves = speed.is_finite() && motion.frames_per_s.is_none();
             moves.then_some(Fast { stage: i, speed, what })
         }

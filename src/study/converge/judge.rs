@@ -145,8 +145,8 @@ fn judged(row: ConvergenceRow, standard: &Standard) -> ConvergenceRow {
     let error_over_limit = known.then_some(largest);
     let good = quality.iter().map(|(value, limit)| value.map(|e| e.mean < *limit));
     let passed = all(good.chain(deviations.iter().map(|d| d.within)));
-    // A setting does not pass by what is left out of its means: overlap and creep are of all
-    // its runs, and one in which a run-time check found something counts as one that failed.
+    // A setting does not pass by what is left out of its means: overlap and numerical creep are of
+    // all its runs, and one in which a run-time check found something counts as one that failed.
     let meets = if is_spoilt(v) { Some(false) } else { passed };
     let open = any(deviations.iter().map(|d| d.open));
     ConvergenceRow { error_over_limit, meets, open, ..row }

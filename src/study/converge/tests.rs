@@ -17,7 +17,7 @@ fn standard() -> Standard {
     crate::study::standard(&Scale::PAPER)
 }
 
-/// A good run: overlap and creep within the standard.
+/// A good run: overlap and numerical creep within the standard.
 fn run(variation: &str, configuration: u32, height: f64, cost: f64) -> RunRow {
     RunRow {
         configuration,

@@ -14,7 +14,7 @@
 //! where Poisson's and Stronge's are the same). Because U may be large, gravity leaves the rebound
 //! visible. This value is exact in both directions; "at most e u" also holds for a solver that
 //! never rebounds. A block that sinks therefore counts only if more than half of the gap is left
-//! before it is let down, and if the same block, caught in the same way and met by the floor,
+//! before it is let down, and if the same block, caught likewise and met by the floor,
 //! rebounds with at least half of e and at most half as much again.
 
 use super::*;

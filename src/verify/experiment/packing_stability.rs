@@ -81,7 +81,7 @@ impl OfGrains {
     }
 
     /// How far in mm a vertex gets beyond a wall's or the floor's face, at the worst of [`ORDERS`]
-    /// packings of the same grains: how hard a grain is driven against a wall is chance.
+    /// packings of the same grains: how hard a grain is pressed against a wall is chance.
     pub(super) fn beyond(&self, bench: &Bench) -> Measured {
         let mut outcome = Outcome::new("Time (s)", "Furthest vertex beyond a wall (mm)");
         outcome.law("Law", vec![(0.0, 0.0), (self.duration_s, 0.0)]);

@@ -154,7 +154,7 @@ mod bridge {
     }
 
     /// How a kinematic body goes through a step: velocities in its middle, and how
-    /// they change all the way.
+    /// they change from its beginning to its end.
     struct DriveRead {
         id: u32,
         velocity: [f64; 3],

@@ -132,7 +132,7 @@ fn an_impact_in_any_sub_step_does_not_warm_start_the_next_step() {
                 continue;
             }
             impacts += 1;
-            // What has not risen by a third of a step's way was hit in the last sub-step.
+            // What has not risen by a third of a step's displacement was hit in the last sub-step.
             let gap = states(&world)[id.0 as usize].pose.translation.z - 0.005;
             late += u32::from(gap < 0.3 * 0.5 * SPEED / 480.0);
             let begins: f64 = touching.iter().map(|c| c.warm_start * c.force.norm() / 480.0).sum();

@@ -43,7 +43,7 @@ impl Engine {
         create(&self.settings, gravity, table).expect("a world")
     }
 
-    /// Bullet's own solver moves bodies once a step, the others once a sub-step.
+    /// Stock Bullet contacts move bodies once a step, the others once a sub-step.
     fn moves_a_step(&self) -> u32 {
         match (self.backend, self.settings.contact_solver) {
             (Backend::Bullet, ContactSolver::Stock) => 1,

@@ -45,7 +45,7 @@ fn a_kinematic_wall_gives_its_velocity_to_what_lies_on_it() {
         engine.expect("carried by friction", velocity.x, grain_now.linear_velocity.x, 1e-3);
         engine.expect("lifted by the contact", velocity.z, grain_now.linear_velocity.z, 1e-3);
         // The impact that lifts it, w in speed, gives it μ w along the table at once; it then
-        // slides until it has the table's speed, by (v - μ w)² / 2μg, give or take a step's way.
+        // slides until it has the table's speed, by (v - μ w)² / 2μg, give or take a step's displacement.
         let slid = velocity.x * time - grain_now.pose.translation.x;
         let behind = velocity.x - 0.5 * velocity.z;
         let expected = behind * behind / (2.0 * 0.5 * 9.81);
@@ -83,7 +83,7 @@ fn a_sliding_block_stops_by_coulombs_law() {
             let way = end.pose.translation.vector;
             // The speed falls in steps: the way is off by half a step's, 0.5 % here. While the
             // block tips on to its front edge it bears more than its weight, early, where that
-            // costs most way: Bullet's comes 2.1 % short. A wrong rule of friction is off by 20 %.
+            // costs most displacement: Bullet's comes 2.1 % short. A wrong rule of friction is off by 20 %.
             let step = 2.0 * speed * world.time_step();
             engine.expect(
                 &format!("stops after v²/2μg, heading {heading}"),
@@ -110,7 +110,7 @@ fn a_body_rebounds_with_the_pairs_restitution() {
         steps(world.as_mut(), 48);
         let got = state(world.as_ref(), grain).linear_velocity.z / impact;
         // Bullet lets a body that comes near close the gap in one step and takes restitution from
-        // what is left of the approach: up to one step's way over the gap at which contacts are
+        // what is left of the approach: up to one step's displacement over the gap at which contacts are
         // made too much or too little. Rapier takes the speed of approach itself, and iterations
         // once over the four corners, of which the later take from the earlier.
         let tolerance = match engine.backend {
@@ -154,7 +154,7 @@ fn contacts_carry_the_weight_and_hold_by_friction() {
             let tolerance = 0.01 * mass(&body) * 9.81;
             engine.expect(&format!("floor force along {axis}"), *expected, *got, tolerance);
         }
-        // Creep down the slope, if there is any, is not friction's failure.
+        // Numerical creep down the slope, if there is any, is not friction's failure.
         let way = state(world.as_ref(), grain).pose.translation.x;
         engine.expect("and the block stays", 0.0, way, 1e-3);
     });

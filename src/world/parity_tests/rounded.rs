@@ -28,7 +28,7 @@ fn a_rounded_block_rests_on_its_face() {
             .sum();
         let weight = 9.81 * mass(&body);
         engine.expect("the floor bears the weight, N", weight, force, 0.02 * weight);
-        // Bullet's own contacts gather points over steps, and drop some.
+        // Stock Bullet contacts gather points over steps, and drop some.
         let native = engine.backend == Backend::Bullet
             && engine.settings.contact_solver == ContactSolver::Native;
         let least = if native { 4 } else { 3 };

@@ -244,7 +244,7 @@ fn slide(model: FrictionModel, sides: Vector, heading: f64) -> (f64, f64) {
 }
 
 /// Known faults of rapier 0.36: the reason for the default, and what it still
-/// gets wrong. A version that mends them fails here, and is to be welcomed.
+/// gets wrong. A version that fixes them fails here, and is to be welcomed.
 #[test]
 fn friction_is_turned_away_from_the_direction_of_sliding() {
     let square = Vector::new(0.03, 0.03, 0.01);
@@ -264,7 +264,7 @@ fn friction_is_turned_away_from_the_direction_of_sliding() {
     assert!((along - 1.0).abs() < 0.02, "a long block slides v²/2μg to 2 %, got {along} of it");
     assert!(
         (0.05..0.12).contains(&aside),
-        "known fault: a long block slides 9 % of its way aside, got {aside}"
+        "known fault: a long block slides 9 % of its displacement aside, got {aside}"
     );
 }
 

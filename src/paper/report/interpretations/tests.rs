@@ -164,7 +164,7 @@ fn what_is_not_valid_is_marked_and_never_mixed() {
     let left_out = row("runs left out of means");
     let words: Vec<&str> = left_out.cells.iter().map(|c| c.words.as_str()).collect();
     assert_eq!(words, ["0 of 18", "6 of 18", "18 of 18"]);
-    // Overlap and creep, by which runs are judged, are of all.
+    // Overlap and numerical creep, by which runs are judged, are of all.
     assert_eq!(row("numerical creep at rest").cells[1].left_out, 0);
 
     let out = tempfile::tempdir().expect("a folder");
