@@ -6,7 +6,7 @@ use super::measured::Row;
 pub fn line(row: &Row) -> String {
     let [cost, mean, p99, creep, standard, memory] = cells(row);
     format!(
-        "{cost} s a simulated s, overlap {mean} / {p99} %, numerical creep {creep} µm/s, \
+        "{cost} s per simulated s, overlap {mean} / {p99} %, numerical creep {creep} µm/s, \
          standard {standard}, {memory} MiB"
     )
 }

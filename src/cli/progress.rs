@@ -39,7 +39,7 @@ fn ticks(seconds: f64) -> u64 {
     (seconds.max(0.0) * 1000.0) as u64
 }
 
-/// Simulated seconds a second, for people.
+/// Simulated seconds per second, for people.
 pub(super) fn speed(simulated: f64, began: Instant) -> String {
     let speed = simulated / began.elapsed().as_secs_f64().max(1e-3);
     let digits = if speed < 0.1 { 3 } else { 2 };

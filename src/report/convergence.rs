@@ -270,7 +270,7 @@ fn cheapest(of: &Convergence) -> [Block; 2] {
             true => ", which is what all others are compared with",
             false => "",
         };
-        format!("**{name}** ({} s a simulated second{finest})", compact(cost))
+        format!("**{name}** ({} s per simulated second{finest})", compact(cost))
     };
     let standard = format!(
         "The whole standard: overlap below {} % in the mean and {} % at its 99th percentile, numerical \
@@ -306,7 +306,7 @@ fn ladder_table(rows: &[&ConvergenceRow], of: &Convergence) -> Table {
             .map(|e| Cell::fixed(mean(e), 2).text)
             .join(" / "),
         "numerical creep, µm/s" => Cell::fixed(mean(v.creep_um_per_s), 2),
-        "s a simulated s" => Cell::compact(mean(v.wall_s_per_simulated_s)),
+        "s per simulated s" => Cell::compact(mean(v.wall_s_per_simulated_s)),
         "standard" => verdict(row),
     })
 }
@@ -323,7 +323,7 @@ fn against_the_study(of: &Convergence) -> Table {
     rows.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
     table!(rows.iter().map(|row| (row, &row.result, row.from_study)), |(row, v, from)| {
         "setting" => setting(row, of),
-        "s a simulated s" => Cell::compact(mean(v.wall_s_per_simulated_s)),
+        "s per simulated s" => Cell::compact(mean(v.wall_s_per_simulated_s)),
         "height, %" => deviation(&from.height, v, v.poured_height_mm, row.finest_of_study),
         "plate, %" => deviation(&from.plate, v, v.plate_settlement_mm, row.finest_of_study),
         "surface, %" => deviation(&from.surface, v, v.surface_settlement_mm, row.finest_of_study),

@@ -47,7 +47,7 @@ pub struct EngineSettings {
     /// Engine length units in a metre. Bullet's absolute tolerances are made
     /// for bodies of about one unit; 100 makes a 10 mm grain one unit.
     pub length_scale: f64 = 100.0, from 1.0 to 10000.0;
-    /// Friction directions a contact: 2 resists sliding in every direction of
+    /// Friction directions per contact: 2 resists sliding in every direction of
     /// the contact plane, 1 (Bullet's default) only along the sliding direction.
     pub friction_directions: u32 = 2, from 1 to 2;
     /// Distance up to which a contact is kept, in mm.

@@ -35,11 +35,11 @@ pub struct RapierSettings {
     /// contacts give way, and springs stiffer than a quarter of the sub-steps'
     /// rate shake the packing; more: slower.
     pub substeps: u32 = 4, from 1 to 1000;
-    /// Iterations over all contacts a sub-step that push overlaps apart
+    /// Iterations over all contacts per sub-step that push overlaps apart
     /// (`num_internal_pgs_iterations`). One, because sub-steps do more for the
     /// same cost; more: slower.
     pub iterations: u32 = 1, from 1 to 1000;
-    /// Iterations a sub-step that take the speed of that pushing away again and
+    /// Iterations per sub-step that take the speed of that pushing away again and
     /// solve friction (`num_internal_stabilization_iterations`). 0: that speed
     /// stays; 1: the packing sinks by 10 µm/s, with 2 by 1 µm/s; more: slower.
     pub relaxing_iterations: u32 = 2, from 0 to 1000;

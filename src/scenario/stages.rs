@@ -246,7 +246,7 @@ pub enum StageSpec {
     /// grains do, and does so in all later stages until it is pressed otherwise, moved, locked or
     /// removed. Native contacts of Bullet alone can do this.
     Press {
-        /// One load a piece.
+        /// One load per piece.
         loads: Vec<LoadSpec>, length 1 to 100;
         /// Time in s in which a force grows from what it was to what is wanted, once the piece
         /// meets grains.
