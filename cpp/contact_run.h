@@ -174,8 +174,8 @@ template <class L> class Run {
     //
     // The worst body counts, not all together: where one grain lags behind the forces on it, it
     // swings, and is never at rest. With few that might change by twice as much, grains under a
-    // lid of 200 kPa crept. Bodies count, not impulses: where several points hold a body, impulses
-    // may wander among them while nothing moves.
+    // lid of 200 kPa crept numerically. Bodies count, not impulses: where several points hold a
+    // body, impulses may wander among them while nothing moves.
     //
     // A contact that bears nothing and is not approached too fast is left as it is. So those that
     // are asleep are looked at in the first iteration, now and then, and when all others are

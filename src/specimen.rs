@@ -177,7 +177,8 @@ pub struct GrainState {
 pub enum Fate {
     /// It takes part in the simulation.
     Present,
-    /// It went over the rim of cylinder or funnel, fell outside and was taken away.
+    /// It went over the rim of cylinder or funnel, rolled off a pile's base or fell below all
+    /// pieces of a laboratory, and was taken away.
     Spilled,
     /// It passed through a wall or the floor, which no grain should.
     ThroughWall,

@@ -37,7 +37,7 @@ pub struct Watch {
     pub checks: u64,
     /// Grains that passed through a wall or a floor.
     pub through_walls: u32,
-    /// Largest speed of grains and plate in m/s.
+    /// Largest speed of grains, plate, and pressed and free pieces in m/s.
     pub speed: Watched,
     /// Unexplained energy gain in J.
     pub energy: Watched,

@@ -186,7 +186,7 @@ pub(super) fn of_run<'a>(
             checks,
         ),
         speed: CheckSummary::of(
-            "largest speed of grains and plate, against 1.5 times that of free fall and table; 5 times ends the run",
+            "largest speed of grains, plate, and pressed and free pieces, against 1.5 times that of free fall and table; 5 times ends the run",
             "m/s",
             &watched(|g| g.speed),
         ),

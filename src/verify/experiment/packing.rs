@@ -3,7 +3,7 @@
 use super::*;
 use crate::grains::{GrainSet, streams};
 
-/// Friction and restitution of the gravel (paper, section 4).
+/// Friction and restitution of the gravel (paper, section 3).
 pub(super) const FRICTION: f64 = 0.793;
 const RESTITUTION: f64 = 0.315;
 /// Inner width of the box in m: about four grains.

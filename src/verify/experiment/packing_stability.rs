@@ -3,7 +3,7 @@
 use super::packing::{FRICTION, OfGrains, Packing, WIDTH};
 use super::*;
 
-/// The paper's vibration: 3 Hz, 25 mm to either side (sections 3 and 4).
+/// The paper's vibration: 3 Hz, 25 mm to either side (sections 2 and 3).
 const FREQUENCY: f64 = 3.0;
 const AMPLITUDE: f64 = 0.025;
 /// Orders in which the grains of a packing are added.
