@@ -61,7 +61,7 @@ pub struct RunRow {
     pub creep_um_per_s: Option<f64>,
     /// Whether overlap and numerical creep meet the accuracy standard.
     pub meets_standard: Option<bool>,
-    /// Whether the standard is met and no run-time check found anything.
+    /// Whether the run is valid, as its summary has it.
     pub valid: Option<bool>,
     /// Why the result is left out of means; none where it counts (`counts_in_means`).
     pub left_out_of_means: Option<String>,
@@ -192,7 +192,7 @@ pub struct VariationRow {
     pub failed: usize,
     /// How many of them meet the accuracy standard for overlap and numerical creep.
     pub meeting_standard: usize,
-    /// How many of them are valid: they meet it, and no run-time check found anything.
+    /// How many of them are valid, as their summaries have it.
     pub valid: usize,
     /// How many of them have a result that is left out of the means.
     pub left_out: usize,

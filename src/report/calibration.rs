@@ -30,7 +30,7 @@ pub struct CalibrationRun {
     pub meets_standard: Option<bool>,
     /// Wall time in s of all its stages, whenever they were computed.
     pub wall_s: Option<f64>,
-    /// Whether the standard is met and no run-time check found anything.
+    /// Whether the run is valid, as its summary has it.
     pub valid: Option<bool>,
     /// Why the result is left out, as that of a run that failed; none where it counts.
     pub left_out_of_means: Option<String>,

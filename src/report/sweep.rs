@@ -46,8 +46,7 @@ pub struct SweepRun {
     pub outcomes: BTreeMap<String, f64>,
     /// Whether overlap and numerical creep meet the accuracy standard; none without result.
     pub meets_standard: Option<bool>,
-    /// Whether the standard is met and no run-time check found anything; none
-    /// without result.
+    /// Whether the run is valid, as its summary has it; none without result.
     pub valid: Option<bool>,
     /// Why its result is left out of means and effects; none where it counts, or has none.
     pub left_out_of_means: Option<String>,
