@@ -64,7 +64,8 @@ const HOW_TO_READ: &str = "Every point is run in the same configurations, each a
      interval over configurations; where values were drawn from ranges, it is the coefficient in a \
      linear model of all of them. The test by ranks (Page 1963) asks whether results rise or fall \
      from value to value without assuming a line. A run is valid if it meets the accuracy standard, \
-     no run-time check found anything, and grains had settled where heights are read. Means and effects leave out runs that are not valid, \
+     no run-time check found anything, and grains had settled where heights are read. Means and \
+     effects leave out runs that are not valid, \
      and runs of which too many grains are missing (docs/accuracy.md); each point says how many. \
      Configurations needed: the number that would show a slope of this size among this scatter with \
      a probability of 80 %, where at least three were run. Every run stands in sweep.csv, the \

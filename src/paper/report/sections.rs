@@ -233,7 +233,8 @@ pub(super) fn runs(study: &StudyView) -> Vec<Block> {
         return vec![Block::Text("No run is finished.".to_owned())];
     }
     let reading = "Valid: the accuracy standard is met, no run-time check found anything, and grains \
-                   had settled where heights and settlement are read. Heights in mm above the floor: mean of the surface, its 95th percentile, highest \
+                   had settled where heights and settlement are read. Heights in mm above the \
+                   floor: mean of the surface, its 95th percentile, highest \
                    point of any grain. e: void ratio to the mean surface. Settlement in mm at the end, \
                    of the plate and of the mean surface, and the plate's share after 5 s. Overlap in % \
                    of the equivalent diameter. Numerical creep in µm/s, and the drop of the mean grain height \
