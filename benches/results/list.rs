@@ -279,6 +279,16 @@ pub const KEPT: &[Kept] = &[
         takes: "",
     },
     Kept {
+        name: "tall",
+        what: "1456 grains that stand 42 layers high, at rest for 3 s with five numbers of iterations",
+        files: &[("tall.csv", "")],
+        made: Made::Once(
+            "scenarios/validation/tall-column.json with --set engine.native.iterations=8; begun with \
+             its stage pour, its rests with --set engine.native.iterations=8, 12, 16, 24, 40",
+        ),
+        takes: "",
+    },
+    Kept {
         name: "laboratory",
         what: "Standard tests of granular material against published numbers",
         files: &[
@@ -471,6 +481,7 @@ pub const SOURCES: &[(&str, &str)] = &[
     ("twins", "scale/twins.csv"),
     ("laboratory", "laboratory.json"),
     ("under-load", "under-load.csv"),
+    ("tall", "tall.csv"),
     ("referee", "referee.json"),
     ("bench", "bench.json"),
     ("peers", "peers.json"),

@@ -3,7 +3,7 @@
 
 use std::ffi::OsStr;
 
-use super::earlier_run::first_difference;
+use super::difference::first_difference;
 use super::*;
 use crate::record::{AtWork, RunLock, at_work_in, write_json};
 use crate::study::{AT_LEAST, MEANWHILE};

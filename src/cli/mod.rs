@@ -9,6 +9,7 @@ mod completions;
 mod context;
 mod converge;
 mod density;
+mod difference;
 mod earlier_run;
 mod embedded;
 mod error;

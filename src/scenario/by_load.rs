@@ -86,13 +86,11 @@ mod tests {
     #[test]
     fn a_load_asks_for_more_iterations() {
         let scale = larger().scale_for_filling(9.81);
-        let value = |diameter: f64| {
-            json!({ "apparatus": { "cylinder": { "inner_diameter_mm": diameter } } })
-        };
+        let value = |diameter: f64| json!({ "apparatus": { "cylinder": { "inner_diameter_mm": diameter } } });
         let of = |diameter: f64| iterations(&value(diameter), &larger(), &scale);
         assert_eq!(of(3000.0), 8.0, "law: the default where little weighs on a grain");
         let stiffer = |diameter: f64| stiffness(&value(diameter), &larger(), &scale) / 67_000.0;
-        let narrow = 400.0;
+        let narrow = 200.0;
         let (got, expected) = (of(narrow), 8.0 * stiffer(narrow));
         assert!(got > 8.0 && got < 40.0, "law: between the bounds, {got} of {narrow} mm");
         assert!((got - expected).abs() < 0.8, "law: as the stiffness, {expected}, got {got}");
