@@ -103,11 +103,8 @@ fn check_order(table: &[SieveFraction], faults: &mut Faults) {
 
 fn check_sum(table: &[SieveFraction], faults: &mut Faults) {
     let found = format!("a sum of {} %", short(SieveFraction::percent_sum(table)));
-    let allowed = format!(
-        "100 ± {} %: half of the last typed digit, {} %, in each row, and at least 0.01 % together",
-        short(SieveFraction::percent_tolerance(table)),
-        short(SieveFraction::last_digit(table))
-    );
+    let tolerance = short(SieveFraction::percent_tolerance(table));
+    let allowed = format!("100 ± {tolerance} %, by which rounded rows may miss it");
     let why = "the mass percentages of the fractions do not add up";
     faults.add_if(!SieveFraction::add_up(table), "sieve_table", found, allowed, why);
 }
