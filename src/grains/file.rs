@@ -164,9 +164,10 @@ pub fn write_json(grains: &GrainSet, into: impl Write) -> Result<(), GrainsError
 fn read_block(index: usize, json: &BlockJson) -> Result<Block, GrainsError> {
     let fault = |reason: String| Err(GrainsError::BadBlock { block: index, reason });
     let SieveJson { passing_mm, retained_mm } = json.sieve;
-    for (name, value) in
-        [("passing_mm", passing_mm), ("retained_mm", retained_mm), ("side_m", json.side_m)]
-    {
+    // A fraction without grains has a cube without a size.
+    let side = (json.side_m != 0.0 || !json.cells.is_empty()).then_some(("side_m", json.side_m));
+    let sieves = [("passing_mm", passing_mm), ("retained_mm", retained_mm)];
+    for (name, value) in sieves.into_iter().chain(side) {
         positive(&format!("{name} of block {index}"), value)?;
     }
     if passing_mm <= retained_mm {

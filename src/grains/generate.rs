@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::meshes::push_laid_out;
 use super::spheres::spheres;
 use super::*;
 use crate::geometry::rounded_within;
@@ -20,14 +21,20 @@ pub fn generate(spec: &SievedGrains, seed: u64) -> Result<GrainSet, GrainsError>
         return spheres(&psd, seed);
     }
     let mut set = GrainSet::empty(psd.density);
-    let smallest = psd.fractions.iter().map(|f| f.retained).fold(f64::INFINITY, f64::min);
-    let scale = Scale::of_smallest(smallest, Scale::PAPER.gravity);
+    let scale = Scale::of_smallest(psd.finest_with_grains(), Scale::PAPER.gravity);
     let merge = scale::MERGE_DISTANCE.at(&scale);
     let mut x = 0.0;
-    for (index, fraction) in psd.fractions.iter().enumerate() {
+    // Fractions without grains do not count: they change no grain.
+    let mut cubes = 0;
+    for fraction in &psd.fractions {
+        if fraction.grains == 0 {
+            push_laid_out(&mut set, (fraction.retained, fraction.passing), Vec::new(), x);
+            continue;
+        }
         let side = fraction.volume.cbrt();
         let origin = Vector::new(x, 0.0, 0.0);
-        let name = format!("points of block {index}");
+        let name = format!("points of block {cubes}");
+        cubes += 1;
         let tessellation = random_cells(
             fraction.grains,
             &Cube { side, origin, merge },

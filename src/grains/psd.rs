@@ -49,10 +49,11 @@ impl ParticleSizeDistribution {
     /// total is reached. (Rounding each n alone lets the errors of several fractions add up; for
     /// the paper's table it gives 1457 where Σn is 1456.05.)
     ///
-    /// Percentages that miss 100 by the rounding of their digits are scaled to 100 exactly.
+    /// Percentages that miss 100 by the rounding of their digits are scaled to 100 exactly. A
+    /// fraction of 0 % has no grains.
     ///
     /// # Errors
-    /// Values that are not positive, rows out of order, percentages that do not add up to 100,
+    /// Values that are not positive, negative percentages, rows out of order, percentages that do not add up to 100,
     /// fractions of less than half a grain, and more than [`MOST_GRAINS`] grains.
     pub fn new(spec: &SievedGrains) -> Result<Self, GrainsError> {
         positive("total_mass_g", spec.total_mass_g)?;
@@ -66,7 +67,7 @@ impl ParticleSizeDistribution {
             let volume = mass / spec.density_kg_per_m3;
             let mean_size = from_mm((row.passing_mm + row.retained_mm) / 2.0);
             let quota = volume / (std::f64::consts::FRAC_PI_6 * mean_size.powi(3));
-            if quota < 0.5 {
+            if row.has_grains() && quota < 0.5 {
                 return Err(GrainsError::EmptyFraction {
                     passing_mm: row.passing_mm,
                     retained_mm: row.retained_mm,
@@ -98,8 +99,7 @@ impl ParticleSizeDistribution {
     /// The distribution that grains have by the sieves of their blocks.
     ///
     /// # Errors
-    /// No grains, a block without grains, or blocks that do not run from the
-    /// coarsest sieve to the finest without gaps.
+    /// No grains, or blocks that do not run from the coarsest sieve to the finest without gaps.
     pub fn of(grains: &GrainSet) -> Result<Self, GrainsError> {
         let total_mass = grains.total_mass();
         if grains.grains.is_empty() {
@@ -109,13 +109,14 @@ impl ParticleSizeDistribution {
         let mut table = Vec::with_capacity(grains.blocks.len());
         for (index, block) in grains.blocks.iter().enumerate() {
             let own = || grains.grains.iter().filter(|g| g.fraction == index);
-            let mass: f64 = own().map(|g| g.mass).sum();
+            // Not `sum`: that of no numbers is minus zero.
+            let mass = own().fold(0.0, |mass, g| mass + g.mass);
             let fraction = Fraction {
                 passing: block.passing,
                 retained: block.retained,
                 mass_percent: mass / total_mass * 100.0,
                 mass,
-                volume: own().map(|g| g.volume).sum(),
+                volume: own().fold(0.0, |volume, g| volume + g.volume),
                 mean_size: (block.passing + block.retained) / 2.0,
                 grains: own().count(),
             };
@@ -133,6 +134,12 @@ impl ParticleSizeDistribution {
     /// Number of grains of all fractions.
     pub fn grains(&self) -> usize {
         self.fractions.iter().map(|f| f.grains).sum()
+    }
+
+    /// Opening in m of the finest sieve that retains grains; infinite without grains.
+    pub(super) fn finest_with_grains(&self) -> f64 {
+        let with_grains = self.fractions.iter().filter(|f| f.grains > 0);
+        with_grains.map(|f| f.retained).fold(f64::INFINITY, f64::min)
     }
 
     /// The curve of the grain size distribution (paper, Figure 1) as points
@@ -182,9 +189,12 @@ impl ParticleSizeDistribution {
     }
 }
 
-/// Makes quotas of at least one half whole by the method of largest remainders; none becomes zero.
+/// Makes quotas of zero, or of at least one half, whole by the method of largest remainders; only
+/// those of zero are zero then.
 fn whole_numbers(quotas: &[f64]) -> Vec<usize> {
-    let mut counts: Vec<usize> = quotas.iter().map(|q| (q.floor() as usize).max(1)).collect();
+    let least = |quota: f64| usize::from(quota > 0.0);
+    let mut counts: Vec<usize> =
+        quotas.iter().map(|&quota| (quota.floor() as usize).max(least(quota))).collect();
     let total = quotas.iter().sum::<f64>().round() as usize;
     let mut order: Vec<usize> = (0..quotas.len()).filter(|&i| quotas[i] >= 1.0).collect();
     order.sort_by(|&a, &b| quotas[b].fract().total_cmp(&quotas[a].fract()));
@@ -213,12 +223,12 @@ fn check_table(table: &[SieveFraction]) -> Result<(), GrainsError> {
     }
     for (i, row) in table.iter().enumerate() {
         let fault = |reason: String| Err(GrainsError::BadSieveTable { row: i + 1, reason });
-        for (name, value) in [
-            ("passing_mm", row.passing_mm),
-            ("retained_mm", row.retained_mm),
-            ("mass_percent", row.mass_percent),
-        ] {
-            positive(&format!("{name} of row {} of the sieve table", i + 1), value)?;
+        let what = |name: &str| format!("{name} of row {} of the sieve table", i + 1);
+        for (name, value) in [("passing_mm", row.passing_mm), ("retained_mm", row.retained_mm)] {
+            positive(&what(name), value)?;
+        }
+        if row.mass_percent != 0.0 {
+            positive(&what("mass_percent"), row.mass_percent)?;
         }
         if row.passing_mm <= row.retained_mm {
             return fault(format!(
@@ -323,9 +333,15 @@ mod tests {
             assert!(matches!(fault(&spec), GrainsError::NotPositive { .. }), "mass {bad}");
             let spec = SievedGrains { density_kg_per_m3: bad, ..good.clone() };
             assert!(matches!(fault(&spec), GrainsError::NotPositive { .. }), "density {bad}");
+            let spec = table(&[(bad, 8.0, 100.0)]);
+            assert!(matches!(fault(&spec), GrainsError::NotPositive { .. }), "opening {bad}");
+        }
+        for bad in [-1.0, f64::NAN, f64::INFINITY] {
             let spec = table(&[(16.0, 8.0, bad)]);
             assert!(matches!(fault(&spec), GrainsError::NotPositive { .. }), "percent {bad}");
         }
+        let e = fault(&table(&[(16.0, 8.0, 0.0)]));
+        assert!(matches!(e, GrainsError::PercentSum(_)), "nothing at all: {e}");
         assert!(matches!(fault(&table(&[])), GrainsError::EmptySieveTable));
         let e = fault(&table(&[(8.0, 10.0, 100.0)]));
         assert!(matches!(e, GrainsError::BadSieveTable { row: 1, .. }), "upside down: {e}");

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::plain::decimals_at_least;
-use crate::units::to_g;
+use crate::units::{to_g, to_typed_mm};
 
 /// Writes `sieve.csv`: a row a fraction, with what the sieve table asks for, what the generated
 /// grains weigh, and how much of them the virtual sieve finds in the fraction.
@@ -24,17 +24,20 @@ pub fn sieve_csv(
     let four = |number: f64| decimals_at_least(number, 4);
     // Of all grains, however small they are.
     let percent = |number: f64| format!("{number:.4}");
+    let nine_digits = |number: f64| format!("{number:.8e}").parse().unwrap_or(number);
     let row = |(index, (fraction, block)): (usize, (&Fraction, &Block))| {
         let own = || grains.grains.iter().filter(|g| g.fraction == index);
-        let generated: f64 = own().map(|g| g.mass).sum();
+        let generated = own().fold(0.0, |mass, g| mass + g.mass);
+        let passing_mm = to_typed_mm(fraction.passing);
+        let retained_mm = to_typed_mm(fraction.retained);
         let (count, mass) = sieved.between(fraction.passing, fraction.retained);
         vec![
-            ("passing_mm", to_mm(fraction.passing).to_string()),
-            ("retained_mm", to_mm(fraction.retained).to_string()),
+            ("passing_mm", passing_mm.to_string()),
+            ("retained_mm", retained_mm.to_string()),
             ("mass_percent", percent(fraction.mass_percent)),
             ("mass_g", four(to_g(fraction.mass))),
             ("solids_volume_cm3", four(to_cm3(fraction.volume))),
-            ("mean_size_mm", to_mm(fraction.mean_size).to_string()),
+            ("mean_size_mm", nine_digits(f64::midpoint(passing_mm, retained_mm)).to_string()),
             ("grains", own().count().to_string()),
             ("generated_mass_g", four(to_g(generated))),
             ("cube_side_mm", four(to_mm(block.side))),
@@ -69,7 +72,7 @@ pub fn table_csv<N: AsRef<[u8]>>(
 mod tests {
     use super::*;
     use crate::grains::generate;
-    use crate::grains::tests::{few_grains, near};
+    use crate::grains::tests::{few_grains, near, table};
 
     #[test]
     fn the_table_has_units_and_the_generated_mass() {
@@ -108,6 +111,23 @@ mod tests {
         let mut one_less = grains.clone();
         one_less.blocks.pop();
         assert!(sieve_csv(&psd, &one_less).is_err(), "a block is missing");
+    }
+
+    /// Law: openings stand in the table as they were typed.
+    #[test]
+    fn openings_are_shown_as_they_were_typed() {
+        let rows = [(2.0, 1.18, 45.0), (1.18, 0.85, 35.0), (0.85, 0.6, 20.0)];
+        let spec = SievedGrains { total_mass_g: 0.1, ..table(&rows) };
+        let set = generate(&spec, 1).expect("grains");
+        let psd = set.specified().expect("a distribution");
+        let bytes = sieve_csv(&psd, &set).expect("a table");
+        let mut csv = csv::Reader::from_reader(&bytes[..]);
+        let got: Vec<String> = csv
+            .records()
+            .map(|row| row.expect("a row"))
+            .map(|row| format!("{} {} {}", &row[0], &row[1], &row[5]))
+            .collect();
+        assert_eq!(got, ["2 1.18 1.59", "1.18 0.85 1.015", "0.85 0.6 0.725"], "law: as typed");
     }
 
     /// Law: a hundredth in size is a millionth in mass and volume, to the same digits.

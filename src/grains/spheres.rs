@@ -12,14 +12,22 @@ use super::*;
 pub(super) fn spheres(psd: &ParticleSizeDistribution, seed: u64) -> Result<GrainSet, GrainsError> {
     let density = psd.density;
     let mut set = GrainSet::empty(density);
-    let smallest = psd.fractions.iter().map(|f| f.retained).fold(f64::INFINITY, f64::min);
-    let gap = scale::BLOCK_GAP.at(&Scale::of_smallest(smallest, Scale::PAPER.gravity));
+    let smallest = Scale::of_smallest(psd.finest_with_grains(), Scale::PAPER.gravity);
+    let gap = scale::BLOCK_GAP.at(&smallest);
     // Of diameter 1 m, to be scaled.
     let shape = ConvexPolyhedron::ball(0.5);
     let unit = [Prototype { volume: shape.signed_volume(), shape, sieve_size: 1.0 }];
     let mut x = 0.0;
+    // Fractions without grains do not count: they change no grain.
+    let mut drawn_from = 0;
     for (index, fraction) in psd.fractions.iter().enumerate() {
-        let name = format!("spheres of fraction {index}");
+        let sieves = (fraction.retained, fraction.passing);
+        if fraction.grains == 0 {
+            push_laid_out(&mut set, sieves, Vec::new(), x);
+            continue;
+        }
+        let name = format!("spheres of fraction {drawn_from}");
+        drawn_from += 1;
         let left = MOST_GRAINS - set.grains.len();
         let drawn = fill(fraction, density, &unit, (seed, &name), left).map_err(|fault| {
             GrainsError::BadSieveTable {
@@ -32,7 +40,7 @@ pub(super) fn spheres(psd: &ParticleSizeDistribution, seed: u64) -> Result<Grain
             }
         })?;
         let cells = drawn.iter().map(|&(_, diameter)| unit[0].shape.scaled(diameter)).collect();
-        x += push_laid_out(&mut set, (fraction.retained, fraction.passing), cells, x) + gap;
+        x += push_laid_out(&mut set, sieves, cells, x) + gap;
     }
     Ok(set)
 }

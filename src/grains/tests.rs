@@ -33,6 +33,42 @@ pub(super) fn few_grains() -> SievedGrains {
     SievedGrains { total_mass_g: 2343.0 / 20.0, ..paper_grains() }
 }
 
+/// Law: a fraction of 0 % has no grains and changes none, wherever it stands; a file keeps it.
+#[test]
+fn a_fraction_without_grains_changes_no_grain() {
+    for shape in [SievedShape::default(), SievedShape::Spheres] {
+        let of = |rows: &[(f64, f64, f64)]| {
+            let spec = SievedGrains { total_mass_g: 100.0, shape, ..table(rows) };
+            let psd = ParticleSizeDistribution::new(&spec).expect("a table");
+            (generate(&spec, 5).expect("grains"), psd)
+        };
+        let (plain, _) = of(&[(16.0, 12.5, 40.0), (12.5, 10.0, 60.0)]);
+        let (padded, psd) =
+            of(&[(20.0, 16.0, 0.0), (16.0, 12.5, 40.0), (12.5, 10.0, 60.0), (10.0, 8.0, 0.0)]);
+        let moved: Vec<Grain> =
+            plain.grains.iter().map(|g| Grain { fraction: g.fraction + 1, ..g.clone() }).collect();
+        assert_eq!(padded.grains, moved, "law: the same grains, one fraction further");
+        assert_eq!(padded.sizes(), plain.sizes(), "law: sizes are those of grains");
+        assert!((10.0..20.0).contains(&(1e3 * psd.gradation().d10)), "law: D10 is of grains");
+        let (gapped, psd) = of(&[(16.0, 12.5, 40.0), (12.5, 10.0, 0.0), (10.0, 8.0, 60.0)]);
+        let counts: Vec<usize> = psd.fractions.iter().map(|f| f.grains).collect();
+        assert!(counts[0] > 0 && counts[1] == 0 && counts[2] > 0, "law: none between, {counts:?}");
+        near("total mass, kg", gapped.total_mass(), 0.1, 1e-13);
+        assert_eq!(gapped.grains.iter().filter(|g| g.fraction == 1).count(), 0, "law: none");
+        near("D60 begins the gap, mm", to_mm(psd.size_at_percent(60.0)), 10.0, 1e-12);
+        for set in [padded, gapped] {
+            let mut bytes = Vec::new();
+            write_json(&set, &mut bytes).expect("written");
+            assert_eq!(read_json(&bytes[..]).expect("read"), set, "law: a file keeps them");
+            let specified = set.specified().expect("a distribution");
+            let rows = String::from_utf8(sieve_csv(&specified, &set).expect("a table"));
+            let rows = rows.expect("text");
+            assert_eq!(rows.lines().count(), set.blocks.len() + 1, "law: a row a fraction");
+            assert!(!rows.contains('-'), "law: nothing is less than zero, got {rows}");
+        }
+    }
+}
+
 #[test]
 fn the_paper_s_grains() {
     let spec = paper_grains();

@@ -103,9 +103,10 @@ pub fn upper_end(values: &[Option<f64>]) -> f64 {
 
 fn by_fraction(grains: &GrainSet, now: &Frame) -> (Vec<Colour>, Key) {
     // From small to large, whatever the order of the table.
-    let mut order: Vec<usize> = (0..grains.blocks.len()).collect();
+    let has_grains = |&fraction: &usize| grains.grains.iter().any(|g| g.fraction == fraction);
+    let mut order: Vec<usize> = (0..grains.blocks.len()).filter(has_grains).collect();
     order.sort_by(|&a, &b| grains.blocks[a].retained.total_cmp(&grains.blocks[b].retained));
-    let mut colours = vec![Colour::GRAIN; order.len()];
+    let mut colours = vec![Colour::GRAIN; grains.blocks.len()];
     let mut steps = Vec::new();
     for (n, &fraction) in order.iter().enumerate() {
         let block = &grains.blocks[fraction];

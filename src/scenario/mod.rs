@@ -279,8 +279,9 @@ pub struct SieveFraction {
     pub passing_mm: f64, above 0.0 to 10000.0;
     /// Opening of the sieve that retains the fraction, in mm.
     pub retained_mm: f64, above 0.0 to 10000.0;
-    /// Share of the total mass, in percent.
-    pub mass_percent: f64, above 0.0 to 100.0;
+    /// Share of the total mass, in percent; 0 where nothing stays between the sieves, as in a
+    /// gap-graded soil.
+    pub mass_percent: f64, from 0.0 to 100.0;
 }
 
 /// Grains read from a file.

@@ -9,6 +9,11 @@ const ALWAYS_ALLOWED: f64 = 0.01;
 const ROUNDING_OF_SUM: f64 = 1e-9;
 
 impl SieveFraction {
+    /// Whether any mass stays between its sieves.
+    pub(crate) fn has_grains(&self) -> bool {
+        self.mass_percent > 0.0
+    }
+
     /// Sum of the mass percentages of a table.
     pub(crate) fn percent_sum(table: &[Self]) -> f64 {
         table.iter().map(|row| row.mass_percent).sum()

@@ -38,7 +38,7 @@ use crate::measure::neighbours;
 use crate::plain::plain;
 use crate::protocol::{Setup, base_pieces};
 use crate::specimen::{SavedContact, Specimen};
-use crate::units::to_mm;
+use crate::units::{to_mm, to_typed_mm};
 
 /// The first bytes of every such block.
 pub const MAGIC: &[u8; 8] = b"PLUVIEW1";
@@ -126,7 +126,7 @@ fn encode(run: &Playback, ends: &[Specimen]) -> Result<RunData, ApparatusError> 
 
     let fractions = set.blocks.iter().enumerate().map(|(n, block)| {
         let grains = set.grains.iter().filter(|g| g.fraction == n).count();
-        let (passing, retained) = (to_mm(block.passing), to_mm(block.retained));
+        let (passing, retained) = (to_typed_mm(block.passing), to_typed_mm(block.retained));
         json!({ "passing_mm": passing, "retained_mm": retained, "grains": grains })
     });
     let pieces = || setup.pieces.iter();

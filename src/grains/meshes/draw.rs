@@ -26,9 +26,14 @@ pub(super) fn draw(
     let mut set = GrainSet::empty(density);
     let mut x = 0.0;
     let blocks = plan(spec, seed, prototypes)?;
-    let smallest = blocks.iter().map(|((retained, _), _)| *retained).fold(f64::INFINITY, f64::min);
+    let with_grains = blocks.iter().filter(|(_, drawn)| !drawn.is_empty());
+    let smallest = with_grains.map(|((retained, _), _)| *retained).fold(f64::INFINITY, f64::min);
     let gap = scale::BLOCK_GAP.at(&Scale::of_smallest(smallest, Scale::PAPER.gravity));
     for ((retained, passing), drawn) in blocks {
+        if drawn.is_empty() {
+            push_laid_out(&mut set, (retained, passing), Vec::new(), x);
+            continue;
+        }
         for &(prototype, scale) in &drawn {
             records[prototype].take(scale);
         }
@@ -65,14 +70,22 @@ fn plan(
     })?;
     let mut blocks = Vec::with_capacity(psd.fractions.len());
     let mut grains = 0;
+    // Fractions without grains do not count: they change no grain.
+    let mut drawn_from = 0;
     for (index, fraction) in psd.fractions.iter().enumerate() {
-        let name = format!("stones of fraction {index}");
+        let sieves = (fraction.retained, fraction.passing);
+        if fraction.grains == 0 {
+            blocks.push((sieves, Vec::new()));
+            continue;
+        }
+        let name = format!("stones of fraction {drawn_from}");
+        drawn_from += 1;
         let drawn =
             fill(fraction, psd.density, prototypes, (seed, &name), MOST_GRAINS - grains).map_err(
                 |f| Fault { path: format!("grains.sieve_table[{index}].mass_percent"), ..f },
             )?;
         grains += drawn.len();
-        blocks.push(((fraction.retained, fraction.passing), drawn));
+        blocks.push((sieves, drawn));
     }
     Ok(blocks)
 }

@@ -29,8 +29,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     if !(mass > 0.0 && DENSITIES.contains(&density)) {
         return;
     }
-    let is_sound =
-        |f: &SieveFraction| f.passing_mm > 0.0 && f.retained_mm > 0.0 && f.mass_percent > 0.0;
+    let is_sound = |f: &SieveFraction| f.passing_mm > 0.0 && f.retained_mm > 0.0 && f.has_grains();
     let mut total = 0.0;
     let mut least = 0.0_f64; // mass of which every fraction has a grain, where no share would do
     for (i, fraction) in table.iter().enumerate().filter(|(_, fraction)| is_sound(fraction)) {
@@ -96,7 +95,10 @@ fn check_order(table: &[SieveFraction], faults: &mut Faults) {
         };
         let wrong = below.passing_mm != above.retained_mm;
         let field = format!("sieve_table[{}].passing_mm", i + 1);
-        let allowed = format!("{}, the retained_mm of the fraction before", above.retained_mm);
+        let mut allowed = format!("{}, the retained_mm of the fraction before", above.retained_mm);
+        if below.passing_mm < above.retained_mm {
+            allowed += "; or a fraction of 0 % between them";
+        }
         faults.add_if(wrong, &field, below.passing_mm, allowed, why);
     }
 }

@@ -94,7 +94,7 @@ impl Parts {
     /// Largest opening a grain passes, in mm.
     fn coarsest_mm(&self) -> Option<f64> {
         let mm = match &self.sieved {
-            Some(s) => s.sieve_table.iter().map(|f| f.passing_mm).max_by(f64::total_cmp)?,
+            Some(s) => with_grains(s).map(|f| f.passing_mm).max_by(f64::total_cmp)?,
             None => shown_mm(self.grading?.sizes.largest),
         };
         Some(mm).filter(|mm| *mm > 0.0)
@@ -103,7 +103,7 @@ impl Parts {
     /// Smallest opening that retains a grain, in mm.
     fn finest_mm(&self) -> Option<f64> {
         let mm = match &self.sieved {
-            Some(s) => s.sieve_table.iter().map(|f| f.retained_mm).min_by(f64::total_cmp)?,
+            Some(s) => with_grains(s).map(|f| f.retained_mm).min_by(f64::total_cmp)?,
             None => shown_mm(self.grading?.sizes.smallest),
         };
         Some(mm).filter(|mm| *mm > 0.0)
@@ -123,6 +123,11 @@ impl Parts {
     fn begins_with_unknown(&self) -> bool {
         self.begun_after.as_deref().is_some_and(<[String]>::is_empty)
     }
+}
+
+/// The fractions that have grains.
+fn with_grains(sieved: &SievedGrains) -> impl Iterator<Item = &SieveFraction> {
+    sieved.sieve_table.iter().filter(|fraction| fraction.has_grains())
 }
 
 /// A size in m as messages have it: in mm, to nine digits.

@@ -194,12 +194,18 @@ fn check_deposit(parts: &Parts, spec: &StageSpec, faults: &mut Faults) {
     if !(low >= 0.0 && low < high) {
         return faults.add("sizes_mm", found, "two openings, the finer first", why);
     }
-    let table = parts.sieved.as_ref().map_or(&[][..], |sieved| &sieved.sieve_table);
+    let table: Vec<&SieveFraction> = parts.sieved.iter().flat_map(with_grains).collect();
     let fits = |f: &SieveFraction| f.retained_mm >= low && f.passing_mm <= high;
     let between: Vec<String> =
         table.iter().map(|f| format!("[{}, {}]", f.retained_mm, f.passing_mm)).collect();
     let allowed = format!("openings around one of the fractions {}", between.join(", "));
-    faults.add_if(!table.is_empty() && !table.iter().any(fits), "sizes_mm", found, allowed, why);
+    faults.add_if(
+        !table.is_empty() && !table.iter().copied().any(fits),
+        "sizes_mm",
+        found,
+        allowed,
+        why,
+    );
 }
 
 /// Whether a deposit, as the stage of a number, lies where pieces may catch its grains. Once stages

@@ -24,7 +24,7 @@ fn sieve_tables_that_make_no_sense_are_refused() {
         passing,
         &["out of order", "from coarse to fine"],
     );
-    expect_at(passing, json!(10), &["gap", "found 10", "allowed: 11.2"]);
+    expect_at(passing, json!(10), &["gap", "found 10", "allowed: 11.2", "or a fraction of 0 %"]);
     expect_at(passing, json!(12), &["overlap"]);
     expect_at("grains.sieve_table[1].retained_mm", json!(11.2), &["less than passing_mm"]);
     let less = |s: &mut Value| s["grains"]["sieve_table"][1]["mass_percent"] = json!(39.98);
@@ -33,6 +33,44 @@ fn sieve_tables_that_make_no_sense_are_refused() {
     let mut within = sound();
     within["grains"]["sieve_table"][1]["mass_percent"] = json!(39.99);
     assert_eq!(faults(&within), [], "a sum of 99.99 is within the tolerance");
+}
+
+/// Law: a gap-graded soil is one with fractions of 0 %; values follow from the fractions that have
+/// grains, and a deposit asks for one of these.
+#[test]
+fn a_fraction_may_be_without_grains() {
+    let fraction = |passing_mm: f64, retained_mm: f64, mass_percent: f64| {
+        json!({ "passing_mm": passing_mm, "retained_mm": retained_mm,
+            "mass_percent": mass_percent })
+    };
+    let with = |table: Value| {
+        let mut value = sound();
+        value["grains"]["sieve_table"] = table;
+        value
+    };
+    let gapped = with(json!([
+        fraction(31.5, 16.0, 0.0),
+        fraction(16.0, 12.5, 40.0),
+        fraction(12.5, 10.0, 0.0),
+        fraction(10.0, 8.0, 60.0),
+        fraction(8.0, 1.0, 0.0)
+    ]));
+    assert_eq!(faults(&gapped), [], "law: a gap-graded soil");
+    let loaded = load_text(&gapped.to_string(), &[]).expect("law: it loads");
+    let bare = with(json!([
+        fraction(16.0, 12.5, 40.0),
+        fraction(12.5, 10.0, 0.0),
+        fraction(10.0, 8.0, 60.0)
+    ]));
+    let bare = load_text(&bare.to_string(), &[]).expect("law: it loads");
+    assert_eq!(loaded.engine, bare.engine, "law: the engine's values follow from the grains");
+    assert_eq!(loaded.apparatus, bare.apparatus, "law: and so do those of the apparatus");
+    let nothing = with(json!([fraction(16.0, 8.0, 0.0)]));
+    let found = faults(&nothing);
+    assert!(
+        found.iter().any(|fault| fault.to_string().contains("do not add up")),
+        "law: nothing is no soil, got {found:?}"
+    );
 }
 
 /// Law: a laboratory sheet of percentages rounded to one decimal is accepted, and its grains have the
