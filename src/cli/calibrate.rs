@@ -46,7 +46,7 @@ pub(super) struct CalibrateArgs {
     /// Number of realisations per value, each a new random arrangement of the same grains; the same
     /// at every value
     #[arg(long, value_name = "N", default_value_t = 5,
-          value_parser = clap::value_parser!(u32).range(2..=1000))]
+          value_parser = whole(2_u32, 1000))]
     realisations: u32,
     /// Stop when half the 95 % interval is at most this, in the result's unit [default: the
     /// standard deviation of a single run]

@@ -1,5 +1,8 @@
 //! What options change in scenarios.
 
+use std::fmt;
+use std::str::FromStr;
+
 use clap::Args;
 
 use super::*;
@@ -11,7 +14,7 @@ pub(super) struct Changes {
     #[arg(long, value_name = "B", value_parser = backend)]
     backend: Option<Backend>,
     /// Seed of the random streams, in place of the scenario's
-    #[arg(long, value_name = "N", value_parser = seed, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Change one value of the scenario (repeatable)
     #[arg(long, value_name = "path=value")]
@@ -20,12 +23,22 @@ pub(super) struct Changes {
 
 /// The engine of a name, as in scenario files.
 pub(super) fn backend(name: &str) -> Result<Backend, String> {
-    serde_json::from_value(Value::from(name)).map_err(|error| error.to_string())
+    serde_json::from_value(Value::from(name))
+        .map_err(|_| "allowed are bullet and rapier".to_owned())
 }
 
-/// A seed as in scenario files.
-fn seed(text: &str) -> Result<u64, String> {
-    text.parse().map_err(|_| format!("allowed are whole numbers from 0 to {}", u64::MAX))
+/// A reader of whole numbers from `low` to `high`, for an option.
+pub(super) fn whole<N>(
+    low: N,
+    high: N,
+) -> impl Fn(&str) -> Result<N, String> + Clone + Send + Sync + 'static
+where
+    N: FromStr + PartialOrd + fmt::Display + Copy + Send + Sync + 'static,
+{
+    move |text: &str| {
+        let number = text.parse::<N>().ok().filter(|n| (low..=high).contains(n));
+        number.ok_or_else(|| format!("allowed are whole numbers from {low} to {high}"))
+    }
 }
 
 impl Changes {

@@ -25,7 +25,7 @@ pub(super) struct DensityArgs {
     scenario: PathBuf,
     /// Number of configurations, each a new random arrangement of the same grains
     #[arg(long, value_name = "N", default_value_t = 3,
-          value_parser = clap::value_parser!(u32).range(1..=1000))]
+          value_parser = whole(1_u32, 1000))]
     configurations: u32,
     /// Surcharge on the vibrated grains in kPa, by a plate; 0: no plate
     #[arg(long, value_name = "KPA", default_value_t = 0.0, value_parser = between(0.0, 1000.0))]

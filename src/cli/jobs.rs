@@ -11,7 +11,7 @@ use super::*;
 pub(super) struct Jobs {
     /// Number of cores: that many stages run in parallel; when fewer are left, each uses several
     /// threads. Limited to the available cores; results do not depend on it [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole(1_u16, 1024))]
     jobs: Option<u16>,
 }
 

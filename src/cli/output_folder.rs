@@ -18,6 +18,10 @@ thread_local! {
 /// # Errors
 /// [`FileError`] naming the folder.
 pub(super) fn prepare(folder: &Path) -> Result<(), FileError> {
+    if let Some(there) = folder.ancestors().find(|path| path.exists()).filter(|p| !p.is_dir()) {
+        let what = if there == folder { "it".to_owned() } else { plain_path(there) };
+        return Err(FileError::new("create the folder", folder, format!("{what} is a file")));
+    }
     create_folder(folder)?;
     begin_file(folder)
         .and_then(tempfile::NamedTempFile::close)
@@ -160,6 +164,7 @@ mod tests {
         for folder in [file.clone(), file.join("below")] {
             let error = prepare(&folder).expect_err("a file is in the way").to_string();
             assert!(error.contains(&folder.display().to_string()), "{error}");
+            assert!(error.ends_with("is a file"), "law: it says what is in the way, got {error}");
         }
     }
 }

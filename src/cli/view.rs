@@ -2,9 +2,8 @@
 
 use std::sync::mpsc::RecvTimeoutError;
 
-use super::picture::refuse_existing;
+use super::picture::{prepare, refuse_existing};
 use super::*;
-use crate::record::remove_abandoned_beside;
 use crate::viewer::{Redirect, RunData, Server, Site, read_run_data, self_contained};
 
 /// Play a run in the browser, in three dimensions
@@ -21,13 +20,13 @@ pub(super) struct ViewArgs {
     #[arg(value_name = "RUN_DIR")]
     run: PathBuf,
     /// Port on 127.0.0.1; 0 takes a free one
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = whole(0, u16::MAX))]
     port: u16,
     /// Print the address without opening a browser
     #[arg(long)]
     no_browser: bool,
-    /// Write the page with the run inside as one file, to hand to others, and serve nothing; an
-    /// existing file is kept unless --force is given
+    /// Write the page with the run inside as one file, to hand to others, and serve nothing; its
+    /// folder is created if needed, and an existing file is kept unless --force is given
     #[arg(long, value_name = "FILE.html", conflicts_with_all = ["port", "no_browser"])]
     pub(super) save: Option<PathBuf>,
     /// Replace the file if it exists already
@@ -85,7 +84,7 @@ pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliE
     }
     let data = read_run_data(&args.run)?;
     if let Some(file) = &args.save {
-        remove_abandoned_beside(file);
+        prepare(file, args.force)?;
         write_file(file, self_contained(&data).as_bytes())?;
         let shown = Shown::of(&data, None, Some(file.clone()));
         return context.done(&shown.text(), &shown);

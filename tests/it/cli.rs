@@ -53,8 +53,16 @@ fn wrong_usage_ends_with_2() {
     ] {
         assert!(!refused(args, 2, &[]).is_empty(), "law: {args:?}: it says why");
     }
-    // With the range of seeds.
-    refused(&["run", SCENARIO, "--out", "x", "--seed", "-1"], 2, &["whole numbers from 0"]);
+    // With what is allowed, in words of people.
+    for (option, value, words) in [
+        ("--seed", "-1", "allowed are whole numbers from 0 to"),
+        ("--jobs", "0", "allowed are whole numbers from 1 to 1024"),
+        ("--jobs", "many", "allowed are whole numbers from 1 to 1024"),
+        ("--backend", "abacus", "allowed are bullet and rapier"),
+    ] {
+        let said = refused(&["run", SCENARIO, "--out", "x", option, value], 2, &[words]);
+        assert!(!said.contains("..=") && !said.contains("variant"), "law: no code, got {said}");
+    }
     // A picture has no frames.
     refused(&["picture", "x", "--out", "x.png", "--every", "1"], 2, &[]);
 }
@@ -77,7 +85,7 @@ fn an_unwritable_output_folder_ends_with_4_before_anything_runs() {
     let file: &str = &folder.out("file");
     fs::write(file, "in the way").expect("a file");
     for command in [&["run", SCENARIO][..], &["grains", SCENARIO], &["reproduce", "--quick"]] {
-        let err = refused(&[command, &["--out", file]].concat(), 4, &[file]);
+        let err = refused(&[command, &["--out", file]].concat(), 4, &[file, "it is a file"]);
         assert_eq!(err.lines().count(), 1, "one message: {err}");
     }
 }

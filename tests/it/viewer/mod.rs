@@ -192,11 +192,11 @@ fn the_command_serves_until_ctrl_c() {
     assert_eq!(status.code(), Some(0), "law: Ctrl-C is the way to end it");
 }
 
-/// Law: a file that is there is kept, and replaced by force alone.
+/// Law: a file that is there is kept, and replaced by force alone; its folder is made.
 #[test]
 fn a_file_is_saved_once() {
     let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("run.html");
+    let file = folder.path().join("pages/of/run.html");
     let save = |more: &[&str]| {
         pluvia().arg("view").arg(small_run()).arg("--save").arg(&file).args(more).output()
     };
