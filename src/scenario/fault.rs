@@ -215,10 +215,20 @@ impl fmt::Display for ScenarioErrors {
 impl std::error::Error for ScenarioErrors {}
 
 /// The entry of `known` that `word` is most likely a misspelling of: at most
-/// a third of its letters, and at least one, may differ.
+/// a third of its letters, and at least one, may differ. Or the only entry of whose words
+/// it is some in a row, as `diameter_mm` of `inner_diameter_mm`.
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let (distance, best) = known.into_iter().map(|k| (levenshtein(word, k), k)).min()?;
-    (distance <= (word.chars().count() / 3).max(1)).then_some(best)
+    let known: Vec<&str> = known.into_iter().collect();
+    let (distance, best) = known.iter().map(|k| (levenshtein(word, k), *k)).min()?;
+    if distance <= (word.chars().count() / 3).max(1) {
+        return Some(best);
+    }
+    let part = format!("_{word}_");
+    let mut whole = known.into_iter().filter(|known| {
+        let words = format!("_{}_", known.replace('.', "_"));
+        !word.is_empty() && words.contains(&part)
+    });
+    whole.next().filter(|_| whole.next().is_none())
 }
 
 #[cfg(test)]
@@ -231,6 +241,14 @@ mod tests {
         assert_eq!(nearest("iteration", known), Some("iterations"));
         assert_eq!(nearest("rate_Hz", known), Some("rate_hz"));
         assert_eq!(nearest("colour", known), None);
+        assert_eq!(nearest("rate", known), Some("rate_hz"), "a unit is left out");
+        assert_eq!(nearest("length", known), Some("length_scale"));
+        assert_eq!(nearest("hz", known), Some("rate_hz"));
+        assert_eq!(nearest("scal", known), None, "half a word");
+        assert_eq!(nearest("", known), None);
+        let two = ["inner_diameter_mm", "top_diameter_mm", "height_mm"];
+        assert_eq!(nearest("diameter_mm", two), None, "which of them is not known");
+        assert_eq!(nearest("diameter_mm", two[1..].iter().copied()), Some("top_diameter_mm"));
     }
 
     #[test]

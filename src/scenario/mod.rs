@@ -126,6 +126,7 @@ mod mesh_pieces;
 mod meshes;
 mod motion_file;
 mod native;
+mod other_files;
 mod overrides;
 mod percentages;
 mod pieces;

@@ -156,6 +156,9 @@ impl Chain {
                 return Err(self.fail(fault.of(file.display())));
             }
         };
+        if let Some(fault) = other_files::fault(&content) {
+            return Err(self.fail(fault.of(file.display())));
+        }
         // Editors put the schema's address there.
         content.shift_remove("$schema");
         let base = content.shift_remove("extends");

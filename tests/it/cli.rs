@@ -4,7 +4,8 @@ use std::{fs, path::Path};
 
 use serde_json::Value;
 
-use crate::program::{Folder, assert_holds, refused, run};
+use crate::export::small_run;
+use crate::program::{Folder, assert_holds, refused, root, run, text};
 
 const SCENARIO: &str = "scenarios/quick/pluviation.json";
 
@@ -77,6 +78,25 @@ fn a_faulty_scenario_ends_with_2_and_all_its_faults() {
     assert_holds(&err, &["2 faults", "engine.rate_hz", "colour", "no such field"]);
     assert!(stdout.is_empty(), "nothing is printed as a result: {stdout}");
     assert!(!Path::new(out).exists(), "nothing is written for a faulty scenario");
+}
+
+/// Law: a file that Pluvia writes or ships, given as a scenario, is called what it is, in one line.
+#[test]
+fn other_files_of_the_program_are_no_scenarios() {
+    let folder = Folder::new();
+    let out: &str = &folder.out("out");
+    let run = small_run();
+    for (file, what) in [
+        (run.join("manifest.json"), "the manifest of a run"),
+        (run.join("summary.json"), "the summary of a run"),
+        (run.join("specimen.json"), "the specimen of a run"),
+        (run.join("grains.json"), "a file of grains"),
+        (root().join("scenarios/studies/convergence.json"), "a design of `pluvia converge`"),
+        (root().join("scenarios/studies/sensitivity.json"), "a design of `pluvia sensitivity`"),
+    ] {
+        let said = refused(&["run", text(&file), "--out", out], 2, &[what, "not a scenario"]);
+        assert_eq!(said.lines().count(), 1, "law: one line, got {said}");
+    }
 }
 
 #[test]

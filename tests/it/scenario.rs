@@ -264,6 +264,17 @@ fn unions_are_decided_before_they_are_checked() {
     expect_one(|s| s["grains"] = json!({ "file": 7 }), "grains.file", &["wrong type", "a text"]);
     let words = ["no such choice", "did you mean \"pour\"", "\"vibrate\""];
     expect_at("stages[1].stage", json!("poor"), &words);
+    // What follows it, and what it might be, is not judged.
+    let plate_and_more = |s: &mut Value| {
+        let stages = s["stages"].as_array_mut().expect("a list");
+        stages[1]["stage"] = json!("poor");
+        stages.push(json!({ "stage": "place_top_plate" }));
+        stages.push(json!({ "stage": "vibrate", "frequency_hz": 3, "amplitude_mm": 25,
+            "duration_s": 1 }));
+    };
+    expect_one(plate_and_more, "stages[1].stage", &words);
+    let words = ["no such choice", "did you mean \"fill_funnel\""];
+    expect_at("stages[0].stage", json!("fill_funel"), &words);
     expect_one(
         |s| s["stages"][1] = json!({ "stage": "pour" }),
         "stages[1].falling_height_mm",

@@ -58,6 +58,16 @@ struct Stage {
     spec: Option<StageSpec>,
 }
 
+impl Stage {
+    /// Its name where there are stages of that name.
+    fn known(&self) -> Option<&str> {
+        let is_stage = |name: &&str| {
+            *name == "rest" || pieces::BUILT_IN.contains(name) || pieces::OF_PIECES.contains(name)
+        };
+        self.name.as_deref().filter(is_stage)
+    }
+}
+
 impl Parts {
     /// `found` is what is known of grains that have no sieve table.
     fn of(value: &Value, found: Option<&Grading>) -> Self {

@@ -7,11 +7,11 @@ use crate::scenario::sizes_of_pieces::lowest_mm;
 use crate::units::to_g;
 
 /// Stages of the built-in apparatus.
-const BUILT_IN: [&str; 5] =
+pub(super) const BUILT_IN: [&str; 5] =
     ["fill_funnel", "slow_pluviation", "pour", "place_top_plate", "vibrate"];
 
 /// Stages of a laboratory of pieces.
-const OF_PIECES: [&str; 5] = ["deposit", "move", "press", "release", "remove"];
+pub(super) const OF_PIECES: [&str; 5] = ["deposit", "move", "press", "release", "remove"];
 
 pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     check_pieces(parts, faults);
@@ -146,7 +146,7 @@ fn check_names_of_stages(parts: &Parts, faults: &mut Faults) {
         faults.add("stage", Value::from(name), allowed, format!("`{name}` {why}"));
     }
     let filled = parts.has_stage("deposit") || parts.begun_after.is_some();
-    let wrong = own && !filled && parts.stages.iter().all(|s| s.name.is_some());
+    let wrong = own && !filled && parts.stages.iter().all(|s| s.known().is_some());
     let why = "no grain would get into the laboratory";
     faults.add_if(wrong, "stages", "no `deposit`", "at least one", why);
 }

@@ -85,13 +85,14 @@ fn check_order(parts: &Parts, faults: &mut Faults) {
     if parts.has_pieces() {
         return;
     }
-    // Names of stages that cannot be read could be any: what follows one is not judged.
+    // Names of stages that cannot be read, or are none, could be any: they and what follows one are
+    // not judged.
     let begun = parts.begun_after.as_deref();
     let unknown = parts.begins_with_unknown();
     let known =
-        |end: usize| !unknown && parts.stages[..end].iter().all(|stage| stage.name.is_some());
+        |end: usize| !unknown && parts.stages[..end].iter().all(|stage| stage.known().is_some());
     for (i, stage) in parts.stages.iter().enumerate() {
-        let Some(name) = stage.name.as_deref() else { continue };
+        let Some(name) = stage.known() else { continue };
         let mut faults = faults.at(format!("stages[{i}]"));
         let mut add = |allowed: &str, message: String| {
             faults.add("stage", Value::from(name), allowed, message);
