@@ -86,7 +86,7 @@ class _Bar:
             total=total,
             unit="s",
             mininterval=0.1 if watched else 10.0,
-            bar_format="{desc}{percentage:3.0f}%|{bar}| {n:.2f}/{total:.2f} s simulated [{elapsed}<{remaining}{postfix}]",
+            bar_format="{desc}{percentage:3.0f}%|{bar}| {n:.2f}/{total:.2f} s done [{elapsed}<{remaining}{postfix}]",
             file=sys.stderr,
         )
         self._write: Callable[..., Any] = tqdm.write

@@ -124,7 +124,7 @@ def test_progress_is_heard_on_the_calling_thread(in_folder: Path) -> None:
 def test_a_bar_is_drawn(in_folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
     pluvia.run(layer(15.0), "out")
     shown = capfd.readouterr()
-    assert "s simulated" in shown.err and "%" in shown.err
+    assert "s done" in shown.err and "%" in shown.err
     assert shown.out == "", "law: results are returned, not printed"
 
 

@@ -139,6 +139,8 @@ struct Listener<F> {
 #[derive(Default)]
 struct State {
     overall: Overall,
+    /// What was expected in all of the work that has ended last; 0 where there was none.
+    ended: f64,
     /// Name of each stage that runs, and what is expected of it.
     running: HashMap<u64, (String, f64)>,
 }
@@ -148,6 +150,8 @@ impl State {
     fn news(&self, id: u64, at: f64, note: &str) -> Option<News> {
         let (stage, expected) = self.running.get(&id)?;
         let (done, total) = match self.overall.total() {
+            // What follows the work, as figures do, adds nothing to it.
+            total if total <= 0.0 && self.ended > 0.0 => (self.ended, self.ended),
             // Nobody has said what there is to do in all.
             total if total <= 0.0 => (at.min(*expected), *expected),
             total => (self.overall.done(), total),
@@ -166,7 +170,8 @@ impl<F: Fn(News) + Send + Sync> Listener<F> {
 
 impl<F: Fn(News) + Send + Sync> Progress for Listener<F> {
     fn begin_work(&self, expected: f64) {
-        lock(&self.state).overall = Overall::of(expected);
+        let mut state = lock(&self.state);
+        (state.overall, state.ended) = (Overall::of(expected), 0.0);
     }
 
     fn already_done(&self, expected: f64) {
@@ -174,7 +179,9 @@ impl<F: Fn(News) + Send + Sync> Progress for Listener<F> {
     }
 
     fn end_work(&self) {
-        lock(&self.state).overall = Overall::default();
+        let mut state = lock(&self.state);
+        state.ended = state.overall.total();
+        state.overall = Overall::default();
     }
 
     fn begin_stage(&self, id: u64, name: &str, expected: f64) {
@@ -261,13 +268,18 @@ mod tests {
         let kept = std::fs::read(out.join("summary.json")).expect("a summary");
         let kept: serde_json::Value = serde_json::from_slice(&kept).expect("JSON");
         assert_eq!(printed, kept, "law: what is printed is the summary");
-        let last = told.iter().rev().find_map(|news| match news {
-            News::Progress { stage, done, total, .. } => Some((stage.clone(), *done, *total)),
+        let reported = told.iter().filter_map(|news| match news {
+            News::Progress { stage, done, total, .. } => Some((stage.as_str(), *done, *total)),
             News::Message(_) => None,
         });
-        let (stage, done, total) = last.expect("law: progress is reported");
-        assert!(stage.contains("fill the funnel"), "law: the stage is named, got {stage}");
-        assert!(done > 0.0 && (done - total).abs() < 1e-9, "law: all is done: {done} of {total}");
+        let reported: Vec<(&str, f64, f64)> = reported.collect();
+        let is_named = |name: &str| reported.iter().any(|(stage, ..)| stage.contains(name));
+        assert!(is_named("fill the funnel"), "law: the stage is named, got {reported:?}");
+        assert!(is_named("figures"), "law: and so is what takes time after it, got {reported:?}");
+        let (_, done, total) = reported.last().expect("law: progress is reported");
+        assert!(*done > 0.0 && (done - total).abs() < 1e-9, "law: all is done: {done} of {total}");
+        let never_less = reported.windows(2).all(|pair| pair[0].1 <= pair[1].1);
+        assert!(never_less, "law: what is done stays done, got {reported:?}");
     }
 
     /// Law: code and words of an error are the program's.

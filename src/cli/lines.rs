@@ -187,8 +187,8 @@ mod tests {
         let out = lock(&progress.state).out.clone();
         let text = String::from_utf8(out).expect("text");
         let ends: Vec<&str> = text.lines().filter(|l| l.contains("ended")).collect();
-        assert!(ends[0].contains("; in all 5.0 of about 10.0 s simulated, ETA"), "{text}");
-        assert!(ends[1].ends_with("; in all 10.0 of about 10.0 s simulated"), "{text}");
+        assert!(ends[0].contains("; in all 5.0 of about 10.0 s done, ETA"), "{text}");
+        assert!(ends[1].ends_with("; in all 10.0 of about 10.0 s done"), "{text}");
         assert!(!text.contains('\x1b'), "law: plain lines, got {text:?}");
     }
 }

@@ -75,7 +75,7 @@ impl Overall {
 
 impl fmt::Display for Overall {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:.1} of about {:.1} s simulated", self.done(), self.total)
+        write!(f, "{:.1} of about {:.1} s done", self.done(), self.total)
     }
 }
 

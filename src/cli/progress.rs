@@ -202,7 +202,7 @@ mod tests {
         for words in ["vibrate [", "50 %", "2.50 of 5.0 s", "× real time", "settlement 3.1 mm"] {
             assert!(lines[0].contains(words), "`{words}` is missing in: {}", lines[0]);
         }
-        for words in ["all stages [", "25 %", "ETA", "2.5 of about 10.0 s simulated"] {
+        for words in ["all stages [", "25 %", "ETA", "2.5 of about 10.0 s done"] {
             assert!(lines[1].contains(words), "`{words}` is missing in: {}", lines[1]);
         }
     }

@@ -52,11 +52,29 @@ impl ReadyRun {
     /// # Errors
     /// [`StudyError`] where they cannot be written.
     pub fn draw(&self, record: &RunRecord, options: &RunOptions) -> Result<(), StudyError> {
+        const ID: u64 = 0;
+        options.progress.begin_pieces(ID, "figures and pictures", 3);
+        let drawn = self.draw_each(record, options, |done| {
+            options.progress.update(ID, f64::from(done), "");
+        });
+        options.progress.end_stage(ID);
+        drawn
+    }
+
+    /// The same, telling how many kinds of them are drawn.
+    fn draw_each(
+        &self,
+        record: &RunRecord,
+        options: &RunOptions,
+        tell: impl Fn(u32),
+    ) -> Result<(), StudyError> {
         let grains = &self.run.grains;
         let (figures, known) = (options.out.join("figures"), described(grains));
         crate::report::run_figures(&figures, record)?;
+        tell(1);
         let specified = grains.specified();
         crate::report::grain_figures(&figures, &known.sieved, specified.as_ref(), &known.shapes)?;
+        tell(2);
         match crate::picture::of_run(&options.out) {
             Ok(pictures) => pictures.iter().try_for_each(|p| p.write(&figures))?,
             // The numbers are there; a run is not lost for want of a picture.

@@ -37,7 +37,7 @@ fn pipes_get_plain_lines_and_no_colours() {
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(!said.contains(ESCAPE) && !said.contains('\r'), "law: plain lines, got {said:?}");
     assert!(!printed.contains(ESCAPE), "law: no colours in a pipe, got {printed:?}");
-    assert_holds(&said, &["pour", "begins, about", "ended after", "; in all", "s simulated"]);
+    assert_holds(&said, &["pour", "begins, about", "ended after", "; in all", "s done"]);
     assert!(printed.contains("accuracy standard"), "{printed}");
 
     // The same run again is read from its folder: no stage begins.
