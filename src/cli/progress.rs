@@ -41,9 +41,14 @@ fn ticks(seconds: f64) -> u64 {
 
 /// Simulated seconds per second, for people.
 pub(super) fn speed(simulated: f64, began: Instant) -> String {
-    let speed = simulated / began.elapsed().as_secs_f64().max(1e-3);
-    let digits = if speed < 0.1 { 3 } else { 2 };
-    format!("{speed:.digits$} × real time")
+    times_real_time(simulated / began.elapsed().as_secs_f64().max(1e-3))
+}
+
+/// A ratio of times to two digits, or to hundredths if it is not small.
+fn times_real_time(ratio: f64) -> String {
+    let is_small = ratio > 0.0 && ratio < 0.1;
+    let digits = if is_small { 1 - ratio.log10().floor() as i32 } else { 2 };
+    format!("{ratio:.*} × real time", digits.clamp(2, 9) as usize)
 }
 
 fn bar(expected: f64) -> ProgressBar {
@@ -167,6 +172,22 @@ mod tests {
     use indicatif::{InMemoryTerm, ProgressDrawTarget};
 
     use super::*;
+
+    /// Law: a run that takes hours has a speed above nothing.
+    #[test]
+    fn slow_runs_have_a_speed() {
+        for (ratio, expected) in [
+            (0.0, "0.00"),
+            (0.000_04, "0.000040"),
+            (0.000_41, "0.00041"),
+            (0.003, "0.0030"),
+            (0.099, "0.099"),
+            (0.1, "0.10"),
+            (2.5, "2.50"),
+        ] {
+            assert_eq!(times_real_time(ratio), format!("{expected} × real time"), "of {ratio}");
+        }
+    }
 
     #[test]
     fn bars_outlive_wrong_expectations() {

@@ -138,8 +138,9 @@ impl<'a> Faults<'a> {
 
     /// Numbers of which one at least must not be 0: a direction, a velocity.
     pub fn not_zero(&mut self, field: &str, numbers: impl AsRef<[f64]>, why: &str) {
-        let is_zero = numbers.as_ref().iter().all(|x| *x == 0.0);
-        self.add_if(is_zero, field, "0", "not all of it 0", why);
+        let numbers = numbers.as_ref();
+        let is_zero = numbers.iter().all(|x| *x == 0.0);
+        self.add_if(is_zero, field, format!("{numbers:?}"), "numbers that are not all 0", why);
     }
 }
 

@@ -371,6 +371,7 @@ fn describe(schema: &Value) -> String {
         },
         Some("boolean") => "true or false".into(),
         Some("array") => match (limit("minItems"), limit("maxItems")) {
+            (Some(low), Some(high)) if low == high => format!("a list of {low} elements"),
             (Some(low), Some(high)) => format!("a list of {low} to {high} elements"),
             _ => "a list".into(),
         },
@@ -387,7 +388,7 @@ mod tests {
     fn every_leaf_of_a_scenario_can_be_described() {
         let value = json!({
             "grains": { "sieve_table": [{}] },
-            "stages": [{ "stage": "vibrate" }],
+            "stages": [{ "stage": "vibrate" }, { "stage": "press", "loads": [{}] }],
         });
         for (path, expected) in [
             ("engine.rate_hz", "a number of at least 30 and at most 100000"),
@@ -401,6 +402,8 @@ mod tests {
             ("seed", "a whole number of at least 0 and at most 18446744073709551615"),
             ("stages[0].stroke", "\"half_stroke\" or \"full_stroke\""),
             ("notes", "a list"),
+            ("stages[1].loads[0].direction", "a list of 3 elements"),
+            ("stages[1].loads", "a list of 1 to 100 elements"),
             ("stages[0].nonsense", ""),
             ("stages[7].periods", ""),
         ] {

@@ -4,11 +4,14 @@
 //! configurations, so that runs can be compared pair by pair; stages that variations share are done
 //! once, and what is stored is not done again.
 
+mod in_parts;
 mod keep;
 #[cfg(test)]
 mod tests;
 
 pub(super) use keep::keep_and_read;
+
+use in_parts::InParts;
 
 use super::plan::stage_label;
 use super::*;
@@ -31,6 +34,11 @@ impl Variation {
     /// A variation in as many configurations as any.
     pub fn new(name: impl Into<String>, group: impl Into<String>, changes: Vec<Override>) -> Self {
         Self { name: name.into(), group: group.into(), changes, configurations: None }
+    }
+
+    /// Whether it is run in the n-th configuration, counted from 0.
+    fn has(&self, number: u32) -> bool {
+        self.configurations.is_none_or(|most| number < most)
     }
 }
 
@@ -192,6 +200,16 @@ pub(super) fn carry_out_in(
     so_far: &mut dyn FnMut(&[RunRow]) -> Result<(), StudyError>,
 ) -> Result<Vec<RunRow>, StudyError> {
     let (mut grains, own, store) = open(varied, options)?;
+    let of = |number: u32| varied.all.iter().filter(|(variation, _)| variation.has(number)).count();
+    let in_all: usize = configurations.iter().flat_map(Range::clone).map(of).sum();
+    let parts = Arc::new(InParts::new(options.progress.clone(), in_all));
+    let options = &RunOptions {
+        out: options.out.clone(),
+        jobs: options.jobs,
+        frames: options.frames,
+        cancel: options.cancel.clone(),
+        progress: parts.clone(),
+    };
     let mut rows = Vec::new();
     for together in configurations {
         let mut all = Vec::new();
@@ -200,6 +218,7 @@ pub(super) fn carry_out_in(
         }
         for batch in batches(all) {
             let (runs, begun): (Vec<_>, Vec<_>) = batch.into_iter().unzip();
+            parts.next(runs.len());
             rows.extend(carry_out_batch(make_world, &runs, begun, &own, &store, options)?);
             so_far(&rows)?;
         }
@@ -264,7 +283,7 @@ fn planned(
 ) -> Result<Vec<Planned>, StudyError> {
     let mut planned = Vec::new();
     for (variation, scenario) in &varied.all {
-        if variation.configurations.is_some_and(|most| number >= most) {
+        if !variation.has(number) {
             continue;
         }
         let run = planned_run(variation, scenario, number, grains.of(scenario)?);
