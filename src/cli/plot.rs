@@ -249,10 +249,13 @@ fn chart(
         || increases(&along.numbers)
         || y.iter().all(|column| increases(&column.numbers));
     let is_line = goes_on && !args.points;
+    let gaps = gaps(rows);
+    let in_pieces =
+        |column: ChartColumn| ChartColumn { numbers: broken(&column.numbers, &gaps), ..column };
     Ok(ColumnChart {
         stages: if x == "time_s" { begins(rows) } else { Vec::new() },
-        x: along,
-        y,
+        x: in_pieces(along),
+        y: y.into_iter().map(in_pieces).collect(),
         log: [args.log_x, args.log_y],
         style: if is_line { ChartStyle::Line } else { ChartStyle::Points },
     })
@@ -262,6 +265,27 @@ fn chart(
 fn increases(numbers: &[Option<f64>]) -> bool {
     let there: Vec<f64> = numbers.iter().copied().flatten().collect();
     there.windows(2).all(|pair| pair[0] <= pair[1])
+}
+
+/// Numbers of the rows of a series before which stages are left out: no line leads there.
+fn gaps(rows: &ColumnTable) -> Vec<usize> {
+    let (Ok(_), Ok(stage)) = (rows.find("time_s"), rows.find("stage")) else {
+        return Vec::new();
+    };
+    let stages = rows.numbers(stage);
+    let is_after_others = |&row: &usize| match (stages[row - 1], stages[row]) {
+        (Some(before), Some(now)) => now - before > 1.0,
+        _ => false,
+    };
+    (1..stages.len()).filter(is_after_others).collect()
+}
+
+/// Numbers with none before each of these rows.
+fn broken(numbers: &[Option<f64>], gaps: &[usize]) -> Vec<Option<f64>> {
+    let with_gap = |(row, number): (usize, &Option<f64>)| {
+        gaps.contains(&row).then_some(None).into_iter().chain([*number])
+    };
+    numbers.iter().enumerate().flat_map(with_gap).collect()
 }
 
 /// Times at which the stages but the first begin.
@@ -318,6 +342,20 @@ mod tests {
         ] {
             assert_eq!(short(number), expected, "law: {number} to five digits");
         }
+    }
+
+    /// Law: no line leads over stages that are left out.
+    #[test]
+    fn lines_end_where_stages_are_left_out() {
+        let csv = b"time_s,stage,lid_z_mm\n0,1,9\n1,1,8\n2,2,7\n3,6,6\n4,6,5\n";
+        let rows = ColumnTable::read(Path::new("series.csv"), csv).expect("a table");
+        assert_eq!(gaps(&rows), [3], "law: stages 3 to 5 are left out");
+        let lid = broken(&rows.numbers(2), &gaps(&rows));
+        let expected = [Some(9.0), Some(8.0), Some(7.0), None, Some(6.0), Some(5.0)];
+        assert_eq!(lid, expected, "law: a row without a number ends a line");
+        let other = b"stage,e\n1,1\n9,2\n";
+        let other = ColumnTable::read(Path::new("sweep.csv"), other).expect("a table");
+        assert_eq!(gaps(&other), [0; 0], "law: other tables have no time");
     }
 
     /// Law: a table that had another name is named where it is there; another result that had one
