@@ -15,12 +15,12 @@ pub(super) struct InParts {
 }
 
 impl InParts {
-    /// Of a work of so many runs.
+    /// Of a work of this number of runs.
     pub fn new(told: Arc<dyn Progress>, runs: usize) -> Self {
         Self { told, runs, of_part: AtomicUsize::new(1), begun: AtomicBool::new(false) }
     }
 
-    /// The next part has so many runs.
+    /// The next part has this number of runs.
     pub fn next(&self, runs: usize) {
         self.of_part.store(runs.max(1), Ordering::Relaxed);
     }
@@ -78,7 +78,7 @@ impl Progress for InParts {
 mod tests {
     use super::*;
 
-    /// Keeps what it is told.
+    /// Keeps what is reported to it.
     #[derive(Default)]
     struct Heard(Mutex<Vec<String>>);
 
