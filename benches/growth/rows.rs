@@ -30,9 +30,9 @@ pub struct Row {
     measured: Measured,
     /// Time of a step in s of the measurement that took least in all.
     fastest: f64,
-    /// How much longer a grain-step takes than in the smallest specimen.
+    /// How much longer a step takes per grain than in the smallest specimen.
     growth: Option<f64>,
-    /// Of several specimens: what a grain-step takes in one world alone on one thread, in s.
+    /// Of several specimens: what a step takes per grain in one world alone on one thread, in s.
     alone: Option<f64>,
     /// How many times as many grain-steps per second as by one world alone on one thread.
     speed_up: Option<f64>,

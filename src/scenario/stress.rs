@@ -180,15 +180,16 @@ mod tests {
         assert_eq!(moved(&held, json!(["cup"]), &level), 0.0, "law: a velocity shakes nothing");
     }
 
+    /// 1 kg of grains, 400 cm³ of solids.
+    fn kilogram() -> Grading {
+        let sizes = crate::scale::GrainSizes::PAPER;
+        Grading { sizes, density: 2500.0, solids: 4e-4, count: 1000.0 }
+    }
+
     /// Law: shaken, everything weighs more: the grains, and what is let go or pressed on them.
     #[test]
     fn what_is_shaken_is_heavier() {
-        let grading = Grading {
-            sizes: crate::scale::GrainSizes::PAPER,
-            density: 2500.0,
-            solids: 4e-4,
-            count: 1000.0,
-        };
+        let grading = kilogram();
         let of = |amplitude_mm: f64| {
             let value = json!({
                 "pieces": [
@@ -238,13 +239,7 @@ mod tests {
     /// built-in cylinder is: of several that could, where they stand highest.
     #[test]
     fn grains_weigh_on_the_floor_of_the_piece_that_holds_them() {
-        // 1 kg, 400 cm³ of solids.
-        let grading = Grading {
-            sizes: crate::scale::GrainSizes::PAPER,
-            density: 2500.0,
-            solids: 4e-4,
-            count: 1000.0,
-        };
+        let grading = kilogram();
         let stress = |pieces: Value| {
             let value = json!({
                 "apparatus": { "cylinder": { "inner_diameter_mm": 50 } }, "pieces": pieces

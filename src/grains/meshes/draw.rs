@@ -78,6 +78,7 @@ fn plan(
             blocks.push((sieves, Vec::new()));
             continue;
         }
+        // Names a random stream: another name would draw other grains.
         let name = format!("stones of fraction {drawn_from}");
         drawn_from += 1;
         let drawn =
