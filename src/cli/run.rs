@@ -43,6 +43,7 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
     tell_warnings([scenario], context.progress.as_ref());
     // Not even an empty folder is left among the runs of a study.
     earlier_run::refuse_run_of_study(&args.out)?;
+    let was_there = args.out.exists();
     output_folder::prepare(&args.out)?;
     context.stop_on_ctrl_c();
     // Cutting grains may take minutes. Those that are read are tried first: where they cannot be,
@@ -51,7 +52,12 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
         earlier_run::refuse(&args.out, scenario, args.force)?;
     }
     // Before anything is written or removed it is known that the run can begin.
-    let ready = ReadyRun::new(scenario)?;
+    let ready = ReadyRun::new(scenario).inspect_err(|_| {
+        if !was_there {
+            // Only while it is empty.
+            let _ = std::fs::remove_dir(&args.out);
+        }
+    })?;
     let _at_work = earlier_run::begin(&args.out, scenario, args.force)?;
     let options = RunOptions { frames: true, ..context.run_options(&args.out, args.jobs) };
     let record = ready.carry_out(&options)?;

@@ -95,6 +95,11 @@ fn load_document_with(
             faults.push(fault);
         }
     }
+    let astray = named_files::faults(&document);
+    if !astray.is_empty() {
+        faults.extend(astray);
+        return Err(ScenarioErrors::Faults(faults));
+    }
     let (begun_with, found) = begin::read(&mut document);
     faults.extend(found);
     let mut unread = motion_file::read(&mut document);

@@ -125,6 +125,7 @@ mod meant;
 mod mesh_pieces;
 mod meshes;
 mod motion_file;
+mod named_files;
 mod native;
 mod other_files;
 mod overrides;

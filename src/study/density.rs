@@ -140,6 +140,9 @@ impl Mould {
         varied: &Varied,
         run: &RunOptions,
     ) -> Result<IndexDensities, StudyError> {
+        if let Some(narrow) = self.narrow() {
+            run.progress.message(&format!("warning: {narrow}"));
+        }
         let rows = carry_out_variations(varied, options.configurations, run, &mut |_| Ok(()))?;
         let state = |name: &str, method: String| self.state(name, method, &rows, &run.out);
         let DensityOptions { surcharge_kpa, frequency_hz, double_amplitude_mm, duration_s, .. } =

@@ -80,6 +80,19 @@ fn a_faulty_scenario_ends_with_2_and_all_its_faults() {
     assert!(!Path::new(out).exists(), "nothing is written for a faulty scenario");
 }
 
+/// Law: a run that cannot begin leaves no folder that was not there.
+#[test]
+fn a_run_that_cannot_begin_leaves_no_folder() {
+    let folder = Folder::new();
+    let out: &str = &folder.out("out");
+    let args = ["run", SCENARIO, "--set", "grains={\"file\":\"none.json\"}", "--out", out];
+    refused(&args, 4, &["none.json"]);
+    assert!(!Path::new(out).exists(), "law: it is not made");
+    fs::create_dir(out).expect("a folder");
+    refused(&args, 4, &["none.json"]);
+    assert!(Path::new(out).exists(), "law: one that was there stays");
+}
+
 /// Law: a file that Pluvia writes or ships, given as a scenario, is called what it is, in one line.
 #[test]
 fn other_files_of_the_program_are_no_scenarios() {

@@ -1,6 +1,7 @@
 //! The mould that grains fill, and the scenarios that bring them into it.
 
 use super::*;
+use crate::plain::grams;
 use crate::scale::Law;
 
 /// Height over diameter of the specimen in the mould, about that of the moulds of ASTM D4253.
@@ -12,6 +13,8 @@ const LOOSER: f64 = 1.15;
 /// Free fall onto the specimen in m: half an inch, ASTM D4254.
 const FREE_FALL: f64 = 0.013;
 const MOST_LAYERS: usize = 60;
+/// How many mean grains wide a mould is at least in which walls do not dominate.
+const LEAST_ACROSS: f64 = 6.0;
 /// How long grains without friction rest, in units of √(d/g), about six seconds for the paper's: they
 /// slide on for so long, too slowly for the settling criterion to see.
 const SLIPPERY_REST: f64 = 200.0;
@@ -62,6 +65,19 @@ impl Mould {
             gravity: scale.gravity,
             stiffness,
         }
+    }
+
+    /// What there is to say of a mould that is narrow for its grains.
+    pub(super) fn narrow(&self) -> Option<String> {
+        let across = self.diameter / self.size;
+        let enough_g = self.mass_g * (LEAST_ACROSS / across).powi(3);
+        (across < LEAST_ACROSS).then(|| {
+            format!(
+                "the mould is {across:.1} mean grains wide: below {LEAST_ACROSS} walls dominate, and \
+                 grains may jam in the funnel above it; {} g of such grains make it wide enough",
+                grams(enough_g)
+            )
+        })
     }
 
     /// Layers of about one grain.
@@ -211,5 +227,20 @@ mod tests {
             "law: the lowest corner 13 mm above a loose layer, expected {expected} mm, got {low} mm"
         );
         assert!(heights.windows(2).all(|w| w[1] > w[0]), "law: each from higher up");
+    }
+
+    /// Law: few grains make a mould in which walls dominate, which is said with the mass that does
+    /// not.
+    #[test]
+    fn a_narrow_mould_is_said_with_the_mass_that_is_enough() {
+        let mould = Mould::of(&gravel(), &Scale::PAPER, 10_000.0);
+        let across = mould.diameter / mould.size;
+        assert!(across < LEAST_ACROSS, "a hundred grams are few, {across}");
+        let enough = 100.0 * (LEAST_ACROSS / across).powi(3);
+        let said = mould.narrow().expect("law: it is said");
+        let words = [format!("{across:.1} mean grains"), format!("{enough:.1} g of such grains")];
+        assert!(words.iter().all(|words| said.contains(words)), "law: {words:?}, got `{said}`");
+        let wide = Mould { diameter: 1.01 * LEAST_ACROSS * mould.size, ..mould };
+        assert_eq!(wide.narrow(), None, "law: this is wide enough");
     }
 }

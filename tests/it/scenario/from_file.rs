@@ -119,3 +119,31 @@ fn what_was_found_is_kept_and_not_written() {
     scenario.engine.rate_hz = 60.0;
     check(&scenario).expect_err("law: a program's scenario is checked by the file's grains, too");
 }
+
+/// Law: a name of a file leads from a folder whose path is no text only where that is possible; the
+/// scenario itself may lie there.
+#[cfg(unix)]
+#[test]
+fn names_do_not_lead_from_a_folder_whose_path_is_no_text() {
+    use std::{ffi::OsStr, os::unix::ffi::OsStrExt};
+    let folder = folder();
+    let odd = folder.path().join(OsStr::from_bytes(b"n\xff"));
+    if fs::create_dir(&odd).is_err() {
+        eprintln!("not tested here: names of folders are UTF-8");
+        return;
+    }
+    let load = |grains: Value| {
+        let mut scenario = sound();
+        scenario["grains"] = grains;
+        let path = odd.join("s.json");
+        fs::write(&path, scenario.to_string()).expect("written");
+        load_scenario(&path, &[]).map(|loaded| loaded.scenario)
+    };
+    load(sound()["grains"].clone()).expect("law: nothing is named there");
+    let named = folder.path().join("grains.json");
+    load(json!({ "file": named })).expect("law: an absolute path leads from everywhere");
+    let said = load(json!({ "file": "grains.json" })).expect_err("law: it leads nowhere");
+    for words in ["grains.file", "not UTF-8", "found \"grains.json\"", "an absolute path"] {
+        assert!(said.to_string().contains(words), "law: `{words}` is said, got {said}");
+    }
+}
