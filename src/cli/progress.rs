@@ -53,7 +53,7 @@ fn times_real_time(ratio: f64) -> String {
 
 fn bar(expected: f64) -> ProgressBar {
     let style = ProgressStyle::with_template(
-        "{prefix} [{bar:24}] {percent:>3} % {elapsed} (ETA {eta}) {wide_msg}",
+        "{prefix} [{bar:10}] {percent:>3} % {elapsed} (ETA {eta}) {wide_msg}",
     )
     .unwrap_or_else(|_| ProgressStyle::default_bar())
     .progress_chars("=> ");
@@ -203,7 +203,11 @@ mod tests {
 
     /// What a terminal of 120 columns shows.
     fn shown(told: impl Fn(&Bars)) -> String {
-        let terminal = InMemoryTerm::new(10, 120);
+        shown_in(120, told)
+    }
+
+    fn shown_in(columns: u16, told: impl Fn(&Bars)) -> String {
+        let terminal = InMemoryTerm::new(10, columns);
         let target = ProgressDrawTarget::term_like_with_hz(Box::new(terminal.clone()), 255);
         let bars = Bars { all: MultiProgress::with_draw_target(target), ..Bars::default() };
         told(&bars);
@@ -226,6 +230,19 @@ mod tests {
         for words in ["all stages [", "25 %", "ETA", "2.5 of about 10.0 s done"] {
             assert!(lines[1].contains(words), "`{words}` is missing in: {}", lines[1]);
         }
+    }
+
+    /// Law: the longest stage of a run has one line of a terminal of 80 columns, and its time there.
+    #[test]
+    fn a_usual_terminal_holds_a_stage_in_a_line() {
+        let text = shown_in(80, |bars| {
+            bars.begin_work(16.0);
+            bars.begin_stage(1, "configuration 1, place the top plate", 5.0);
+            bars.update(1, 2.5, "settlement 3.1 mm");
+        });
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 2, "law: a line each, got {text}");
+        assert!(lines[0].contains("2.50"), "law: how far it is, got {}", lines[0]);
     }
 
     #[test]
