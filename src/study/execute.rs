@@ -220,7 +220,7 @@ impl<'a> Shop<'a> {
         let tell = |finding: &str| progress.message(&format!("{}: {finding}", node.label));
         let mut recorder = Recorder::new(&node.setup, &node.stage, frames, |row| {
             let time = row.time_s - began;
-            progress.update(id, time, &note(row));
+            progress.update(id, time, &note(row, node.grains.grains.len()));
         });
         recorder.start = began;
         recorder.observed.reference.before_vibration_mm =

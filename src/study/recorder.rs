@@ -151,15 +151,15 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
     }
 }
 
-/// What matters most of a row, in a few words for a progress line.
-pub fn note(row: &SeriesRow) -> String {
-    let grains = row.grains_in_cylinder;
+/// What matters most of a row, in a few words for a progress line; of so many grains in all.
+pub fn note(row: &SeriesRow, all: usize) -> String {
+    let grains = format!("{} of {all} grains", row.grains_in_cylinder);
     let surface = row.mean_surface_mm.filter(|surface| *surface > 0.0);
     match (row.settlement_mm, row.pile_height_mm, surface) {
         (Some(settlement), _, _) => format!("settlement {settlement:.1} mm"),
-        (_, Some(pile), _) => format!("{grains} grains on the base, pile {pile:.0} mm high"),
-        (_, _, Some(surface)) => format!("{grains} grains in, surface {surface:.0} mm"),
-        _ if grains > 0 => format!("{grains} grains in"),
+        (_, Some(pile), _) => format!("{grains} on the base, pile {pile:.0} mm high"),
+        (_, _, Some(surface)) => format!("{grains} in, surface {surface:.0} mm"),
+        _ if row.grains_in_cylinder > 0 => format!("{grains} in"),
         _ => String::new(),
     }
 }
