@@ -274,10 +274,25 @@ fn parse(file: &Path, text: &[u8], faults: &mut Vec<Fault>) -> Result<Value, Sce
         let message = error.to_string();
         let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(m, _)| m);
         let place = format!("line {}, column {}", error.line(), error.column());
-        faults
-            .push(Fault::new(format!("this is not JSON: {message}"), "", "").at(place).of(&label));
+        let hint = hint(text, error.line(), error.column());
+        let message = format!("this is not JSON: {message}{hint}");
+        faults.push(Fault::new(message, "", "").at(place).of(&label));
         ScenarioErrors::Faults(std::mem::take(faults))
     })
+}
+
+/// What is not JSON but often typed, at a line and a column from 1 where a text ceases to be any.
+fn hint(text: &[u8], line: usize, column: usize) -> &'static str {
+    let row = text.split(|byte| *byte == b'\n').nth(line.saturating_sub(1)).unwrap_or_default();
+    let before = |back: usize| column.checked_sub(1 + back).and_then(|n| row.get(n)).copied();
+    match (before(2), before(1), before(0)) {
+        (Some(b'0'..=b'9'), Some(b','), Some(b'0'..=b'9')) => {
+            "; decimals follow a point, as in 5.6"
+        }
+        (.., Some(b'\'')) => "; texts and names stand in double quotes",
+        (.., Some(b'#')) => "; comments begin with //",
+        _ => "",
+    }
 }
 
 /// Parses JSON that is to stand at a path, as a file's is parsed; `None` where the text is none.
@@ -401,6 +416,26 @@ mod tests {
             "// first\n{ /* two\nlines */ \"a\": 1, // b\n \"c\": \"http://d /* e */\" }\n// last";
         let expected = serde_json::json!({ "a": 1, "c": "http://d /* e */" });
         assert_eq!(parsed(text), Ok(expected), "law: as without its comments");
+    }
+
+    /// Law: what people often type in place of JSON is answered with what they meant.
+    #[test]
+    fn habits_are_answered() {
+        for (text, words) in [
+            (
+                "{ \"a\": {\n\"b\": 5,6 } }",
+                "line 2, column 8: this is not JSON: key must be a string; \
+              decimals follow a point",
+            ),
+            ("{ 'a': 1 }", "double quotes"),
+            ("{ \"a\": 'b' }", "double quotes"),
+            ("# mine\n{ \"a\": 1 }", "comments begin with //"),
+        ] {
+            let said = parsed(text).expect_err("it is not JSON");
+            assert!(said.contains(words), "law: {text:?} is answered by `{words}`, got `{said}`");
+        }
+        let said = parsed("{ \"a\": [1,2,], }").expect_err("it is not JSON");
+        assert!(!said.contains(';'), "law: nothing is guessed, got `{said}`");
     }
 
     /// Law: a fault stands where an editor shows it.
