@@ -151,7 +151,7 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
     }
 }
 
-/// What matters most of a row, in a few words for a progress line; of so many grains in all.
+/// What matters most of a row, in a few words for a progress line; `all` is the number of grains.
 pub fn note(row: &SeriesRow, all: usize) -> String {
     let grains = format!("{} of {all} grains", row.grains_in_cylinder);
     let surface = row.mean_surface_mm.filter(|surface| *surface > 0.0);
