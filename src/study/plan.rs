@@ -170,7 +170,7 @@ impl Plan {
                     label: format!(
                         "configuration {}, {}",
                         scenario.configuration,
-                        stage_label(stage)
+                        stage_label(stage, index == scenario.stages.len())
                     ),
                     expected,
                     remaining: expected,
@@ -193,9 +193,10 @@ impl Plan {
     pub fn named(runs: &[PlannedRun]) -> Result<Self, StudyError> {
         let mut plan = Self::new(runs)?;
         for (run, nodes) in runs.iter().zip(&plan.runs).rev() {
-            for &node in nodes.stages.iter().chain(&nodes.rest_test) {
+            for (index, &node) in nodes.stages.iter().chain(&nodes.rest_test).enumerate() {
                 let node = &mut plan.nodes[node];
-                node.label = format!("{}, {}", run.name, stage_label(&node.stage));
+                let label = stage_label(&node.stage, index == nodes.stages.len());
+                node.label = format!("{}, {label}", run.name);
             }
         }
         Ok(plan)
@@ -236,7 +237,7 @@ fn in_stage(setup: &Arc<Setup>, stage: &StageSpec) -> Arc<Setup> {
 }
 
 /// A stage in words: `pour from 50 mm`.
-pub fn stage_label(stage: &StageSpec) -> String {
+pub fn stage_label(stage: &StageSpec, is_rest_test: bool) -> String {
     match stage {
         StageSpec::FillFunnel { .. } => "fill the funnel".into(),
         StageSpec::SlowPluviation { feed_rate_grains_per_s, .. } => {
@@ -260,7 +261,8 @@ pub fn stage_label(stage: &StageSpec) -> String {
         }
         StageSpec::Release { pieces, .. } => format!("release {}", pieces.join(", ")),
         StageSpec::Remove { pieces, .. } => format!("remove {}", pieces.join(", ")),
-        StageSpec::Rest { duration_s } => format!("rest test, {duration_s} s"),
+        StageSpec::Rest { duration_s } if is_rest_test => format!("rest test, {duration_s} s"),
+        StageSpec::Rest { duration_s } => format!("rest, {duration_s} s"),
     }
 }
 
@@ -279,6 +281,33 @@ fn expected_time(stage: &StageSpec) -> f64 {
         StageSpec::Rest { duration_s } => duration_s,
         StageSpec::Vibrate { .. } | StageSpec::Move { .. } => {
             stage.longest() - stage.settle_limit() / 2.0
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::tests::planned;
+
+    /// Law: a stage `rest` is not taken for the rest test.
+    #[test]
+    fn a_rest_is_no_rest_test() {
+        let scenario: Scenario = serde_json::from_value(json!({
+            "name": "s",
+            "grains": { "total_mass_g": 15, "density_kg_per_m3": 2673.9, "sieve_table":
+                [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }] },
+            "stages": [{ "stage": "fill_funnel" }, { "stage": "rest", "duration_s": 0.3 }],
+            "rest_test_s": 0.5
+        }))
+        .expect("a scenario");
+        let run = planned(scenario);
+        let ends = ["fill the funnel", ", rest, 0.3 s", ", rest test, 0.5 s"];
+        for plan in [Plan::new(std::slice::from_ref(&run)), Plan::named(&[run])] {
+            let plan = plan.expect("a plan");
+            let labels: Vec<&str> = plan.nodes.iter().map(|node| node.label.as_str()).collect();
+            let named = labels.iter().zip(ends).all(|(label, end)| label.ends_with(end));
+            assert!(named && labels.len() == ends.len(), "law: {ends:?}, got {labels:?}");
         }
     }
 }

@@ -257,12 +257,14 @@ pub(super) fn collect_stored(
             let (run, row) = planned;
             let plan = Plan::new(std::slice::from_ref(&run))?;
             let missing = held(&plan, &store).into_iter().position(|held| !held);
-            let missing = missing.map(|n| &plan.nodes[n]);
             rows.extend(match missing {
-                Some(node) => {
+                Some(missing) => {
+                    let node = &plan.nodes[missing];
                     let why = store.failure(node.key());
                     let why = why.map_or_else(String::new, |why| format!(": {why}"));
-                    let failure = format!("{} is not stored{why}", stage_label(&node.stage));
+                    let is_rest_test = plan.runs[0].rest_test == Some(missing);
+                    let label = stage_label(&node.stage, is_rest_test);
+                    let failure = format!("{label} is not stored{why}");
                     vec![RunRow { failure: Some(failure), ..row }]
                 }
                 None => {
