@@ -228,7 +228,7 @@ mod tests {
         ];
         let mut got = Vec::new();
         for (part, place) in parts {
-            let filled = field(&value, &format!("/{}", place.replace('.', "/")));
+            let filled = field(&value, &pointer(place));
             let filled = filled.as_object().expect(part).iter();
             for (name, _) in filled.filter(|(_, value)| value.is_number()) {
                 got.push(format!("{place}.{name}"));

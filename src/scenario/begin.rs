@@ -261,8 +261,3 @@ fn take_over(document: &mut Document, mut scenario: Map<String, Value>, spec: &B
     }
     document.value = value;
 }
-
-/// Makes the path of a loaded specification one that can be opened from here.
-pub(super) fn place(spec: &mut BeginSpec, document: &Document) {
-    spec.specimen = placed(&spec.specimen, document).to_string_lossy().into_owned();
-}

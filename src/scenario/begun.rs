@@ -74,8 +74,7 @@ pub(super) fn taken_over(run: &Map<String, Value>, own: &Value) -> Vec<String> {
 fn automatic_value(value: &Value, path: &str, grading: &Grading) -> f64 {
     let mut free = value.clone();
     let (parent, name) = path.rsplit_once('.').unwrap_or(("", path));
-    let parent = format!("/{}", parent.replace('.', "/"));
-    if let Some(fields) = free.pointer_mut(&parent).and_then(Value::as_object_mut) {
+    if let Some(fields) = free.pointer_mut(&pointer(parent)).and_then(Value::as_object_mut) {
         fields.remove(name);
     }
     automatic::fill(&mut free, grading);
@@ -102,10 +101,9 @@ pub(super) fn stiffen(value: &mut Value, run: &Map<String, Value>, grading: &Gra
             listed(&run, path) || (there / automatic_value(&run, path, grading) - 1.0).abs() < 1e-9;
         is_speed_automatic |= was_automatic && path == DEPENETRATION;
         let asked = automatic_value(value, path, grading);
-        let pointer = format!("/{}", path.replace('.', "/"));
         if was_automatic
             && asked > there
-            && let Some(field) = value.pointer_mut(&pointer)
+            && let Some(field) = value.pointer_mut(&pointer(path))
         {
             *field = automatic::written(path, asked).map_or(Value::Null, Value::Number);
         }

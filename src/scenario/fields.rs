@@ -32,7 +32,12 @@ pub(super) fn stages_of<'a>(
     elements(value, "stages").filter(move |stage| stage["stage"] == kind)
 }
 
+/// The JSON pointer of a dotted path.
+pub(super) fn pointer(path: &str) -> String {
+    format!("/{}", path.replace(['.', '['], "/").replace(']', ""))
+}
+
 /// The number at a dotted path; none where there is none.
 pub(super) fn number_at(value: &Value, path: &str) -> Option<f64> {
-    field(value, &format!("/{}", path.replace('.', "/"))).as_f64()
+    field(value, &pointer(path)).as_f64()
 }

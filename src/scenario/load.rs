@@ -115,21 +115,16 @@ fn load_document_with(
         }
         None => faulty_grains::fill_by_sizes(&mut document.value),
     };
-    let scenario = match check_value(&document.value, grading.as_ref(), is_filled) {
-        Ok(scenario) => Some(scenario),
-        Err(found) => {
-            faults.extend(found.into_iter().map(|fault| document.with_origin(fault)));
-            None
-        }
-    };
-    faults.extend(unread);
-    let Some(mut scenario) = scenario.filter(|_| faults.is_empty()) else {
-        return Err(ScenarioErrors::Faults(faults));
-    };
-    place_grains_files(&mut scenario.grains, &document);
-    if let Some(begin) = &mut scenario.begin {
-        begin::place(begin, &document);
+    if let Err(found) = check_value(&document.value, grading.as_ref(), is_filled) {
+        faults.extend(found.into_iter().map(|fault| document.with_origin(fault)));
     }
+    faults.extend(unread);
+    if !faults.is_empty() {
+        return Err(ScenarioErrors::Faults(faults));
+    }
+    let mut value = document.value.take();
+    named_files::place(&mut value, |place| document.folder(place));
+    let mut scenario: Scenario = read(&value).expect("what was checked is a scenario");
     scenario.found = grading.filter(|_| scenario.grading_by_sieves().is_none());
     Ok(Loaded { scenario, files: document.files })
 }
@@ -149,17 +144,7 @@ pub fn gathered(path: &Path) -> Result<Value, ScenarioErrors> {
         std::path::absolute(if folder.as_os_str().is_empty() { ".".into() } else { folder })
             .unwrap_or_default()
     };
-    source::place(value.pointer_mut("/begin/specimen"), &folder("begin.specimen"));
-    source::place(value.pointer_mut("/grains/file"), &folder("grains.file"));
-    if let Some(Value::Array(meshes)) = value.pointer_mut("/grains/meshes") {
-        for (i, mesh) in meshes.iter_mut().enumerate() {
-            if let Value::String(mesh) = mesh {
-                *mesh = placed_pattern(&folder(&format!("grains.meshes[{i}]")), mesh);
-            }
-        }
-    }
-    motion_file::place(&mut value, folder);
-    mesh_pieces::place(&mut value, folder);
+    named_files::place(&mut value, folder);
     Ok(value)
 }
 
@@ -213,36 +198,7 @@ fn grading_of(document: &Document, of_others: GradingOf) -> Option<Grading> {
     if let Some(grading) = Grading::of_json(grains) {
         return Some(grading);
     }
-    let mut grains: GrainsSpec = Deserialize::deserialize(grains).ok()?;
-    place_grains_files(&mut grains, document);
-    of_others(&grains)
-}
-
-/// Makes the paths of grains files, relative to the file that gives them, ones
-/// that can be opened from here.
-fn place_grains_files(grains: &mut GrainsSpec, document: &Document) {
-    match grains {
-        GrainsSpec::File(grains) => {
-            let file = document.folder("grains.file").join(&grains.file);
-            grains.file = file.to_string_lossy().into_owned();
-        }
-        GrainsSpec::Meshes(grains) => {
-            for (i, mesh) in grains.meshes.iter_mut().enumerate() {
-                *mesh = placed_pattern(&document.folder(&format!("grains.meshes[{i}]")), mesh);
-            }
-        }
-        GrainsSpec::Sieved(_) => {}
-    }
-}
-
-/// A file name or pattern in a folder. Letters of the folder's name that mean
-/// something in a pattern stand for themselves.
-fn placed_pattern(folder: &Path, name: &str) -> String {
-    let plain = folder.join(name).to_string_lossy().into_owned();
-    let is_pattern = name.contains(['*', '?', '[']);
-    if !is_pattern || Path::new(&plain).exists() || Path::new(name).is_absolute() {
-        return plain;
-    }
-    let folder = glob::Pattern::escape(&folder.to_string_lossy());
-    Path::new(&folder).join(name).to_string_lossy().into_owned()
+    let mut value = json!({ "grains": grains });
+    named_files::place(&mut value, |place| document.folder(place));
+    of_others(&read(&value["grains"])?)
 }

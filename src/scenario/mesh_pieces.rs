@@ -109,30 +109,9 @@ pub(super) fn read(document: &mut Document, parts_of: PartsOf) -> Vec<Fault> {
     faults
 }
 
-/// Makes the mesh files of a scenario's pieces absolute, by the folders of the files that give them.
-pub(super) fn place(value: &mut Value, folder: impl Fn(&str) -> PathBuf) {
-    // Indexing would put an empty list where there is none.
-    let pieces = value.get_mut("pieces").and_then(Value::as_array_mut);
-    for (i, piece) in pieces.into_iter().flatten().enumerate() {
-        let folder = folder(&format!("pieces[{i}].shape.mesh.file"));
-        source::place(piece.pointer_mut("/shape/mesh/file"), &folder);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_scenario_without_pieces_stays_as_it_is_and_files_become_absolute() {
-        let mut without = json!({ "name": "a" });
-        place(&mut without, |_| "/there".into());
-        assert_eq!(without, json!({ "name": "a" }), "law: nothing is added");
-        let of = |file: &str| json!({ "pieces": [{ "shape": { "mesh": { "file": file } } }] });
-        let mut value = of("a.stl");
-        place(&mut value, |_| "/there".into());
-        assert_eq!(value, of("/there/a.stl"), "law: beside the file that names it");
-    }
 
     #[test]
     fn a_mesh_of_one_part_shows_its_shadow_and_reaches_to_its_farthest_corner() {

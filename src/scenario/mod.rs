@@ -180,7 +180,7 @@ use crate::input;
 use crate::motion::{Interpolation, RecordedMotion};
 use crate::scale::{Law, Scale};
 use crate::units::{from_g, from_mm, to_mm};
-use fields::{elements, field, field_path, number_at, read, stages_of};
+use fields::{elements, field, field_path, number_at, pointer, read, stages_of};
 use {
     automatic::*, by_load::*, by_motion::*, calm::*, fault::*, filled_numbers::*, grading::*,
     loads_of_pieces::*, sized::*, source::*, stress::*,

@@ -58,10 +58,3 @@ fn rows_of(file: &Path, of_piece: bool) -> Result<Vec<[f64; 4]>, Vec<Fault>> {
     motion.map_err(|found| found.into_iter().map(of_row).collect::<Vec<Fault>>())?;
     Ok(rows)
 }
-
-/// Makes the motion files of a scenario's JSON absolute, by the folders of the files that give them.
-pub(super) fn place(value: &mut Value, folder: impl Fn(&str) -> PathBuf) {
-    for (i, stage) in value["stages"].as_array_mut().into_iter().flatten().enumerate() {
-        source::place(stage.get_mut("motion_file"), &folder(&format!("stages[{i}].motion_file")));
-    }
-}

@@ -75,13 +75,6 @@ impl Document {
     }
 }
 
-/// Puts the name of a file into a folder; what is no name stays.
-pub(super) fn place(name: Option<&mut Value>, folder: &Path) {
-    if let Some(Value::String(name)) = name {
-        *name = folder.join(&*name).to_string_lossy().into_owned();
-    }
-}
-
 fn note_origins(path: &str, value: &Value, origin: &Origin, into: &mut HashMap<String, Origin>) {
     if !path.is_empty() {
         into.insert(path.to_owned(), origin.clone());
