@@ -48,9 +48,7 @@ fn tensor<'py>(py: Python<'py>, at: impl Fn(usize, usize) -> f64) -> Bound<'py, 
 fn raised(error: &ExportError) -> PyErr {
     let what = error.to_string();
     match error {
-        ExportError::NoStage { .. } | ExportError::SeveralStages { .. } => {
-            PyValueError::new_err(what)
-        }
+        ExportError::Stage { .. } => PyValueError::new_err(what),
         _ => PyOSError::new_err(what),
     }
 }

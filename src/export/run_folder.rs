@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::*;
 use crate::record::{read_file, read_unchanged, refuse_without};
-use crate::scenario::{self, MeantStage, StageSpec};
+use crate::scenario::{self, MeantStage, NoOneStage, StageSpec};
 
 /// Why a run cannot be exported.
 #[derive(Debug, thiserror::Error)]
@@ -16,32 +16,13 @@ pub enum ExportError {
     /// A file of the run could not be read.
     #[error(transparent)]
     File(#[from] FileError),
-    /// The run has no such stage.
-    #[error(
-        "{}: no stage `{asked}`{}; the run has {stages}",
-        manifest.display(),
-        MeantStage::now_called(asked, stages)
-    )]
-    NoStage {
-        /// What was asked for.
-        asked: String,
-        /// The stages there are.
-        stages: String,
-        /// The file that lists them.
+    /// No one stage of the run is meant.
+    #[error("{}: {reason}", manifest.display())]
+    Stage {
+        /// The file that lists its stages.
         manifest: PathBuf,
-    },
-    /// The run has several stages of that name.
-    #[error(
-        "{}: several stages are named `{asked}`; give the number of one: {choice}",
-        manifest.display()
-    )]
-    SeveralStages {
-        /// What was asked for.
-        asked: String,
-        /// Their numbers.
-        choice: String,
-        /// The file that lists them.
-        manifest: PathBuf,
+        /// What there is.
+        reason: NoOneStage,
     },
     /// The scenario in the manifest makes no laboratory.
     #[error("{}: {reason}", manifest.display())]
@@ -273,22 +254,14 @@ impl Manifest {
         if let (REST_TEST, Some(entry)) = (asked, &self.rest_test) {
             return Ok((None, REST_TEST.to_owned(), entry));
         }
-        let (stages, manifest) = (&self.stages, self.folder.join(MANIFEST));
-        match MeantStage::of(asked, stages.iter().map(|s| s.stage.as_str())) {
-            MeantStage::One(n) => Ok((Some(n), stages[n].stage.clone(), &stages[n])),
-            MeantStage::Several(numbers) => Err(ExportError::SeveralStages {
-                asked: asked.to_owned(),
-                choice: MeantStage::choice(&numbers),
-                manifest,
-            }),
-            MeantStage::None => {
-                let mut known: Vec<String> =
-                    stages.iter().enumerate().map(|(n, s)| format!("{n} {}", s.stage)).collect();
-                known.extend(self.rest_test.as_ref().map(|_| REST_TEST.to_owned()));
-                let stages = known.join(", ");
-                Err(ExportError::NoStage { asked: asked.to_owned(), stages, manifest })
-            }
-        }
+        let names = self.stages.iter().map(|s| s.stage.as_str());
+        let also = self.rest_test.as_ref().map(|_| REST_TEST);
+        let number = MeantStage::one(asked, names, also).map_err(|reason| {
+            let manifest = self.folder.join(MANIFEST);
+            ExportError::Stage { manifest, reason }
+        })?;
+        let entry = &self.stages[number];
+        Ok((Some(number), entry.stage.clone(), entry))
     }
 }
 

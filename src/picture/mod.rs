@@ -37,7 +37,7 @@ use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
 use crate::grains::GrainSet;
 use crate::plain::three_decimals as number;
 use crate::record::{FileError, Frame};
-use crate::scenario::MeantStage;
+use crate::scenario::{MeantStage, NoOneStage};
 use crate::units::to_mm;
 use {
     camera::*, colour::*, light::*, moment::*, paint::*, scene::*, scenery::*, sheet::*, shot::*,
@@ -53,22 +53,9 @@ pub enum PictureError {
     /// A file could not be read or written.
     #[error(transparent)]
     File(#[from] FileError),
-    /// The run has no such stage.
-    #[error("no stage `{asked}`{}; the run has {stages}", MeantStage::now_called(asked, stages))]
-    NoStage {
-        /// What was asked for.
-        asked: String,
-        /// The stages there are.
-        stages: String,
-    },
-    /// The run has several stages of that name.
-    #[error("several stages are named `{asked}`; give the number of one: {choice}")]
-    SeveralStages {
-        /// What was asked for.
-        asked: String,
-        /// Their numbers.
-        choice: String,
-    },
+    /// No one stage of the run is meant.
+    #[error(transparent)]
+    Stage(#[from] NoOneStage),
     /// Nothing was kept of that time.
     #[error("no frame is stored at {asked_s} s; {allowed}")]
     NoTime {

@@ -21,11 +21,10 @@ const NEAR: f64 = 0.0801;
 /// a stage any may have that time; without both it is the end of the run.
 ///
 /// # Errors
-/// [`PictureError::NoStage`], [`PictureError::SeveralStages`] and [`PictureError::NoTime`], saying
-/// what there is.
+/// [`PictureError::Stage`] and [`PictureError::NoTime`], saying what there is.
 pub fn at(run: &Playback, stage: Option<&str>, time: Option<f64>) -> Result<At, PictureError> {
     let chosen = stage.map(|asked| stage_of(run, asked)).transpose()?;
-    let nothing = || PictureError::NoStage { asked: "the last".into(), stages: "none".into() };
+    let nothing = || NoOneStage::None { asked: "the last".into(), stages: "none".into() };
     let last = chosen.or(run.stages.len().checked_sub(1)).ok_or_else(nothing)?;
     let Some(time) = time else {
         let frame = run.stages[last].frames.len().checked_sub(1).ok_or_else(nothing)?;
@@ -67,18 +66,7 @@ pub fn frames_of(run: &Playback, only: Option<usize>) -> Vec<At> {
 
 /// Number of a stage named by its number or by a name that it alone has.
 pub fn stage_of(run: &Playback, asked: &str) -> Result<usize, PictureError> {
-    match MeantStage::of(asked, run.stages.iter().map(|s| s.name.as_str())) {
-        MeantStage::One(number) => Ok(number),
-        MeantStage::Several(numbers) => Err(PictureError::SeveralStages {
-            asked: asked.to_owned(),
-            choice: MeantStage::choice(&numbers),
-        }),
-        MeantStage::None => {
-            let known: Vec<String> =
-                run.stages.iter().enumerate().map(|(n, s)| format!("{n} {}", s.name)).collect();
-            Err(PictureError::NoStage { asked: asked.to_owned(), stages: known.join(", ") })
-        }
-    }
+    Ok(MeantStage::one(asked, run.stages.iter().map(|s| s.name.as_str()), None)?)
 }
 
 /// A moment with what came before it. A stage whose frames were not kept began as
