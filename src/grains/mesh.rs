@@ -1,5 +1,6 @@
 //! The grains as meshes for other programs, each at its place in its block, in metres.
 
+use std::fmt::{Display, Write as _};
 use std::io::{BufWriter, Write};
 
 use super::*;
@@ -12,26 +13,36 @@ fn cells(grains: &GrainSet) -> impl Iterator<Item = &ConvexPolyhedron> + Clone +
 ///
 /// # Errors
 /// When writing fails.
-pub fn write_obj(grains: &GrainSet, into: impl Write) -> std::io::Result<()> {
-    let mut out = BufWriter::new(into);
-    writeln!(out, "# {} grains, lengths in metres", cells(grains).count())?;
+pub fn write_obj(grains: &GrainSet, mut into: impl Write) -> std::io::Result<()> {
+    let title = format!("{} grains, lengths in metres", cells(grains).count());
+    let named = cells(grains).enumerate().map(|(index, cell)| (grain_name(index), cell));
+    into.write_all(obj_of(&title, named).as_bytes())
+}
+
+/// A Wavefront OBJ file of shapes with their names, where they are.
+pub fn obj_of<'a, N: Display>(
+    title: &str,
+    shapes: impl Iterator<Item = (N, &'a ConvexPolyhedron)>,
+) -> String {
+    let mut text = format!("# {title}\n");
     // OBJ numbers vertices from 1, through the whole file.
     let mut first = 1;
-    for (index, cell) in cells(grains).enumerate() {
-        writeln!(out, "o {}", grain_name(index))?;
-        for v in cell.vertices() {
-            writeln!(out, "v {} {} {}", v.x, v.y, v.z)?;
+    // Writing into a string cannot fail.
+    for (name, shape) in shapes {
+        let _ = writeln!(text, "o {name}");
+        for v in shape.vertices() {
+            let _ = writeln!(text, "v {} {} {}", v.x, v.y, v.z);
         }
-        for face in cell.faces() {
-            write!(out, "f")?;
+        for face in shape.faces() {
+            text.push('f');
             for corner in face {
-                write!(out, " {}", first + *corner as usize)?;
+                let _ = write!(text, " {}", first + *corner as usize);
             }
-            writeln!(out)?;
+            text.push('\n');
         }
-        first += cell.vertices().len();
+        first += shape.vertices().len();
     }
-    out.flush()
+    text
 }
 
 /// Writes a PLY file (text): all grains in one mesh with polygonal faces,

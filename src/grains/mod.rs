@@ -32,7 +32,7 @@ pub use file::{
 };
 pub use generate::generate;
 pub use gradation::Gradation;
-pub use mesh::{write_obj, write_ply, write_ply_of, write_stl, write_stl_of};
+pub use mesh::{obj_of, write_obj, write_ply, write_ply_of, write_stl, write_stl_of};
 pub use meshes::{MeshRecord, from_meshes, meshes_csv, parts_of_piece};
 pub use psd::{Fraction, ParticleSizeDistribution};
 pub use realisation::{Realisation, mix, rain};
