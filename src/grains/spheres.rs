@@ -1,6 +1,6 @@
 //! Spheres by sieve fractions, their diameters drawn as the sizes of grains from meshes are.
 
-use super::meshes::{Prototype, fill, push_laid_out};
+use super::meshes::{Prototype, by_fraction, laid_out};
 use super::*;
 
 /// Makes spheres of a sieve table: in each fraction their diameters lie between the two sieves,
@@ -10,39 +10,17 @@ use super::*;
 /// # Errors
 /// A fraction whose mass no whole number of spheres has.
 pub(super) fn spheres(psd: &ParticleSizeDistribution, seed: u64) -> Result<GrainSet, GrainsError> {
-    let density = psd.density;
-    let mut set = GrainSet::empty(density);
-    let smallest = Scale::of_smallest(psd.finest_with_grains(), Scale::PAPER.gravity);
-    let gap = scale::BLOCK_GAP.at(&smallest);
     // Of diameter 1 m, to be scaled.
     let shape = ConvexPolyhedron::ball(0.5);
     let unit = [Prototype { volume: shape.signed_volume(), shape, sieve_size: 1.0 }];
-    let mut x = 0.0;
-    // Fractions without grains do not count: they change no grain.
-    let mut drawn_from = 0;
-    for (index, fraction) in psd.fractions.iter().enumerate() {
-        let sieves = (fraction.retained, fraction.passing);
-        if fraction.grains == 0 {
-            push_laid_out(&mut set, sieves, Vec::new(), x);
-            continue;
-        }
-        let name = format!("spheres of fraction {drawn_from}");
-        drawn_from += 1;
-        let left = MOST_GRAINS - set.grains.len();
-        let drawn = fill(fraction, density, &unit, (seed, &name), left).map_err(|fault| {
-            GrainsError::BadSieveTable {
-                row: index + 1,
-                reason: format!(
-                    "no whole number of spheres between its sieves has its mass: {}, where {} is \
-                     needed",
-                    fault.found, fault.allowed
-                ),
-            }
-        })?;
-        let cells = drawn.iter().map(|&(_, diameter)| unit[0].shape.scaled(diameter)).collect();
-        x += push_laid_out(&mut set, sieves, cells, x) + gap;
-    }
-    Ok(set)
+    let blocks = by_fraction(psd, seed, "spheres", &unit).map_err(|(index, fault)| {
+        let reason = format!(
+            "no whole number of spheres between its sieves has its mass: {}, where {} is needed",
+            fault.found, fault.allowed
+        );
+        GrainsError::BadSieveTable { row: index + 1, reason }
+    })?;
+    Ok(laid_out(psd.density, &blocks, &unit))
 }
 
 #[cfg(test)]

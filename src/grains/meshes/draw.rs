@@ -13,7 +13,7 @@ use crate::units::to_g;
 const INSIDE: f64 = 1e-6;
 
 /// One grain to be: which grain, and how many times its size.
-type Drawn = (usize, f64);
+pub(in crate::grains) type Drawn = (usize, f64);
 
 /// Makes the grain set of the grains, and notes how often each was taken.
 pub(super) fn draw(
@@ -22,31 +22,16 @@ pub(super) fn draw(
     prototypes: &[Prototype],
     mut records: Vec<MeshRecord>,
 ) -> Result<GrainSet, Fault> {
-    let density = spec.density_kg_per_m3;
-    let mut set = GrainSet::empty(density);
-    let mut x = 0.0;
     let blocks = plan(spec, seed, prototypes)?;
-    let with_grains = blocks.iter().filter(|(_, drawn)| !drawn.is_empty());
-    let smallest = with_grains.map(|((retained, _), _)| *retained).fold(f64::INFINITY, f64::min);
-    let gap = scale::BLOCK_GAP.at(&Scale::of_smallest(smallest, Scale::PAPER.gravity));
-    for ((retained, passing), drawn) in blocks {
-        if drawn.is_empty() {
-            push_laid_out(&mut set, (retained, passing), Vec::new(), x);
-            continue;
-        }
-        for &(prototype, scale) in &drawn {
-            records[prototype].take(scale);
-        }
-        let cells =
-            drawn.iter().map(|&(prototype, scale)| prototypes[prototype].shape.scaled(scale));
-        x += push_laid_out(&mut set, (retained, passing), cells.collect(), x) + gap;
+    for &(prototype, scale) in blocks.iter().flat_map(|(_, drawn)| drawn) {
+        records[prototype].take(scale);
     }
-    set.meshes = records;
-    Ok(set)
+    let set = laid_out(spec.density_kg_per_m3, &blocks, prototypes);
+    Ok(GrainSet { meshes: records, ..set })
 }
 
 /// Sieves (retaining and passed, in m) and grains of a block.
-type PlannedBlock = ((f64, f64), Vec<Drawn>);
+pub(in crate::grains) type PlannedBlock = ((f64, f64), Vec<Drawn>);
 
 fn plan(
     spec: &MeshGrains,
@@ -68,27 +53,62 @@ fn plan(
         message: e.to_string(),
         ..Fault::default()
     })?;
+    by_fraction(&psd, seed, "stones", prototypes).map_err(|(index, fault)| {
+        let path = format!("grains.sieve_table[{index}].mass_percent");
+        Fault { path, ..fault }
+    })
+}
+
+/// Draws the grains of each fraction. `kind` begins the names of the random streams: other names
+/// would draw other grains.
+///
+/// # Errors
+/// The number of a fraction whose mass no whole number of grains has, and what is wrong with it.
+pub(in crate::grains) fn by_fraction(
+    psd: &ParticleSizeDistribution,
+    seed: u64,
+    kind: &str,
+    prototypes: &[Prototype],
+) -> Result<Vec<PlannedBlock>, (usize, Fault)> {
     let mut blocks = Vec::with_capacity(psd.fractions.len());
     let mut grains = 0;
     // Fractions without grains do not count: they change no grain.
     let mut drawn_from = 0;
     for (index, fraction) in psd.fractions.iter().enumerate() {
-        let sieves = (fraction.retained, fraction.passing);
-        if fraction.grains == 0 {
-            blocks.push((sieves, Vec::new()));
-            continue;
+        let mut drawn = Vec::new();
+        if fraction.grains > 0 {
+            let name = format!("{kind} of fraction {drawn_from}");
+            drawn_from += 1;
+            let most = MOST_GRAINS - grains;
+            drawn = fill(fraction, psd.density, prototypes, (seed, &name), most)
+                .map_err(|fault| (index, fault))?;
+            grains += drawn.len();
         }
-        // Names a random stream: another name would draw other grains.
-        let name = format!("stones of fraction {drawn_from}");
-        drawn_from += 1;
-        let drawn =
-            fill(fraction, psd.density, prototypes, (seed, &name), MOST_GRAINS - grains).map_err(
-                |f| Fault { path: format!("grains.sieve_table[{index}].mass_percent"), ..f },
-            )?;
-        grains += drawn.len();
-        blocks.push((sieves, drawn));
+        blocks.push(((fraction.retained, fraction.passing), drawn));
     }
     Ok(blocks)
+}
+
+/// A grain set of blocks one beside the other.
+pub(in crate::grains) fn laid_out(
+    density: f64,
+    blocks: &[PlannedBlock],
+    prototypes: &[Prototype],
+) -> GrainSet {
+    let mut set = GrainSet::empty(density);
+    let with_grains = blocks.iter().filter(|(_, drawn)| !drawn.is_empty());
+    let smallest = with_grains.map(|((retained, _), _)| *retained).fold(f64::INFINITY, f64::min);
+    let gap = scale::BLOCK_GAP.at(&Scale::of_smallest(smallest, Scale::PAPER.gravity));
+    let mut x = 0.0;
+    for (sieves, drawn) in blocks {
+        let cells =
+            drawn.iter().map(|&(prototype, scale)| prototypes[prototype].shape.scaled(scale));
+        let side = push_laid_out(&mut set, *sieves, cells.collect(), x);
+        if !drawn.is_empty() {
+            x += side + gap;
+        }
+    }
+    set
 }
 
 /// Grains in a random order, each once before any comes again.
@@ -119,7 +139,7 @@ impl Deck {
 /// Sizes are drawn so that the fraction's curve of mass against the logarithm
 /// of size is the straight line it is drawn as: mass goes with size cubed,
 /// so by number the density of a size s goes with s⁻⁴.
-pub(in crate::grains) fn fill(
+fn fill(
     fraction: &Fraction,
     density: f64,
     prototypes: &[Prototype],

@@ -16,7 +16,7 @@ mod shape;
 mod stl;
 mod surface;
 
-pub(super) use draw::{fill, push_laid_out};
+pub(super) use draw::{by_fraction, laid_out, push_laid_out};
 pub use piece::parts_of_piece;
 pub use report::{MeshRecord, meshes_csv};
 
