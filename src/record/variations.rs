@@ -282,65 +282,31 @@ impl VariationRow {
     pub fn has_no_valid_run(&self) -> bool {
         self.left_out > 0 && self.left_out + self.failed == self.runs
     }
-
-    /// Name and value of what it is and how many runs it has.
-    fn settings(&self) -> [(&'static str, String); 16] {
-        let substeps = self.substeps.map(|substeps| substeps.to_string());
-        [
-            ("variation", self.variation.clone()),
-            ("group", self.group.clone()),
-            ("changes", self.changes.clone()),
-            ("experiment", self.experiment.clone()),
-            ("backend", self.backend.clone()),
-            ("precision", self.precision.clone()),
-            ("contact_solver", self.contact_solver.clone()),
-            ("rate_hz", self.rate_hz.to_string()),
-            ("iterations", self.iterations.to_string()),
-            ("substeps", substeps.unwrap_or_default()),
-            ("contact_stiffness_n_per_m", cell(self.contact_stiffness_n_per_m)),
-            ("runs", self.runs.to_string()),
-            ("failed", self.failed.to_string()),
-            ("meeting_standard", self.meeting_standard.to_string()),
-            ("valid", self.valid.to_string()),
-            ("left_out", self.left_out.to_string()),
-        ]
-    }
-
-    /// Name and value of every mean.
-    fn means(&self) -> [(&'static str, Option<Estimate>); 10] {
-        [
-            ("grains_outside", self.grains_outside),
-            ("poured_height_mm", self.poured_height_mm),
-            ("void_ratio", self.void_ratio),
-            ("plate_settlement_mm", self.plate_settlement_mm),
-            ("surface_settlement_mm", self.surface_settlement_mm),
-            ("overlap_mean_percent", self.overlap_mean_percent),
-            ("overlap_p99_percent", self.overlap_p99_percent),
-            ("creep_um_per_s", self.creep_um_per_s),
-            ("wall_s_per_simulated_s", self.wall_s_per_simulated_s),
-            ("steps", self.steps),
-        ]
-    }
 }
 
-/// A number for CSV; empty where there is none.
-fn cell(value: Option<f64>) -> String {
-    value.map_or_else(String::new, |v| v.to_string())
-}
+/// How many fields of [`VariationRow`] say what it is and how many runs it has; means follow.
+const SETTINGS: usize = 16;
 
 /// `variations.csv`: one row a variation, each mean beside its standard error.
 ///
 /// # Errors
 /// As [`table_csv`].
 pub fn variations_csv(rows: &[VariationRow]) -> Result<Vec<u8>, csv::Error> {
+    let text = |value: &Value| match value {
+        Value::String(text) => text.clone(),
+        number => number.as_f64().map_or_else(String::new, |number| number.to_string()),
+    };
     table_csv(rows.iter().map(|row| {
-        let settings = row.settings().map(|(name, text)| (name.to_owned(), text));
-        let means = row.means().map(|(name, estimate)| {
-            let error = estimate.and_then(|e| e.standard_error);
-            let mean = (name.to_owned(), cell(estimate.map(|e| e.mean)));
-            [mean, (format!("{name}_standard_error"), cell(error))]
+        let row = serde_json::to_value(row).expect("a row has a JSON form");
+        let fields = row.as_object().into_iter().flatten().enumerate();
+        let cells = fields.flat_map(|(n, (name, value))| {
+            if n < SETTINGS {
+                return vec![(name.clone(), text(value))];
+            }
+            let error = (format!("{name}_standard_error"), text(&value["standard_error"]));
+            vec![(name.clone(), text(&value["mean"])), error]
         });
-        settings.into_iter().chain(means.into_iter().flatten()).collect()
+        cells.collect::<Vec<(String, String)>>()
     }))
 }
 
