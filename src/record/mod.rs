@@ -59,7 +59,7 @@ pub use store::StageStore;
 pub use store_check::{StoreReport, StoredItem, StoredState, check_store};
 pub use summary::*;
 pub use tables::to_csv;
-pub use unfinished::{begin_file, remove_abandoned, remove_abandoned_beside};
+pub use unfinished::{begin_file, remove_abandoned};
 pub use variations::{RunRow, VariationRow, variations_csv};
 
 // What its parts are made of, too.

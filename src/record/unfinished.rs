@@ -73,11 +73,6 @@ pub(super) fn remove_abandoned_in(folder: &Path) {
     }
 }
 
-/// Removes what writers that are gone left beside a file.
-pub fn remove_abandoned_beside(file: &Path) {
-    remove_abandoned_in(above(file));
-}
-
 /// Removes what writers that are gone left in the output folder of a command:
 /// in itself, in its folders of figures and results, and in those of its runs.
 pub fn remove_abandoned(out: &Path) {
