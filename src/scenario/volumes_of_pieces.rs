@@ -90,8 +90,9 @@ impl MeshPieceSpec {
     }
 }
 
-/// Distance in mm from the axis to the flats of a polygon that has the area of a circle of a radius.
-fn flats(sides: u32, radius: f64) -> f64 {
+/// Distance from the axis to the flats of a regular polygon with the area of a circle of a radius:
+/// from N tan(π/N) · w² = π r².
+pub(super) fn flats(sides: u32, radius: f64) -> f64 {
     let n = f64::from(sides);
     radius * (PI / (n * (PI / n).tan())).sqrt()
 }

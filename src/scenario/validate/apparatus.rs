@@ -1,6 +1,7 @@
 //! Sizes of cylinder, funnel and plate against each other and the grains.
 
 use super::*;
+use crate::scenario::volumes_of_pieces::flats;
 
 /// Length of the longest grain over the opening of the coarsest sieve. Voronoi
 /// cells of a 16 mm sieve are up to 32 to 38 mm long: a sieve measures the
@@ -62,21 +63,14 @@ fn check_funnel(parts: &Parts, faults: &mut Faults) {
     faults.add_if(wrong, "opening_diameter_mm", opening, allowed, why);
 }
 
-/// Distance from the axis to the flats of a regular polygon with the area of a
-/// circle, over the circle's radius: from N tan(π/N) · w² = π r².
-fn flat(sides: u32) -> f64 {
-    let n = f64::from(sides);
-    (PI / (n * (PI / n).tan())).sqrt()
-}
-
 /// The plate's corners must pass the flats of the wall, however it turns.
 fn check_plate(parts: &Parts, faults: &mut Faults) {
     let (Some(cylinder), Some(plate)) = (&parts.cylinder, &parts.top_plate) else { return };
     if !parts.has_stage("place_top_plate") || plate.sides < 3 || cylinder.wall_pieces < 3 {
         return;
     }
-    let corner = flat(plate.sides) / (PI / f64::from(plate.sides)).cos();
-    let widest = cylinder.inner_diameter_mm * flat(cylinder.wall_pieces) / corner;
+    let corner = flats(plate.sides, 1.0) / (PI / f64::from(plate.sides)).cos();
+    let widest = cylinder.inner_diameter_mm * flats(cylinder.wall_pieces, 1.0) / corner;
     let allowed = format!("less than {} mm, at which its corners touch the wall", short(widest));
     let across = plate.diameter_mm;
     let why = "the top plate does not fit into the cylinder";
