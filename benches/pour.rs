@@ -85,11 +85,9 @@ fn steps(c: &mut Criterion, size: (f64, f64)) -> (Scenario, Setup, Specimen) {
 /// What the driver (bridge, checks, readings) takes beside the engine, by six
 /// times the measured stage, so that making the world counts for little.
 fn driver(setup: &Setup, specimen: &Specimen, spec: &StageSpec) {
-    let StageSpec::Vibrate { duration_s, .. } = spec else { return };
     let mut longer = spec.clone();
-    if let StageSpec::Vibrate { duration_s: longer, .. } = &mut longer {
-        *longer = duration_s.map(|d| 6.0 * d);
-    }
+    let StageSpec::Vibrate(vibrate) = &mut longer else { return };
+    vibrate.duration_s = vibrate.duration_s.map(|d| 6.0 * d);
     let begun = std::time::Instant::now();
     let outcome = stage(setup, specimen.clone(), &longer);
     let (all, engine) = (begun.elapsed().as_secs_f64(), outcome.engine_time.as_secs_f64());

@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::plain::three_decimals;
-use crate::scenario::{DepositKind, PIECE_DENSITY};
+use crate::scenario::{
+    DepositKind, DepositSpec, MoveSpec, PIECE_DENSITY, PressSpec, ReleaseSpec, RemoveSpec,
+};
 use crate::specimen::TurnState;
 use crate::units::{from_kpa, to_g};
 
@@ -23,22 +25,9 @@ pub(super) fn begun(setup: &Setup, mut specimen: Specimen) -> Specimen {
 
 impl Laboratory<'_> {
     /// Lets grains that wait fall from an area.
-    pub(super) fn deposit(&mut self, mut specimen: Specimen) -> StageResult {
-        let StageSpec::Deposit {
-            how,
-            at_mm,
-            area_mm,
-            diameter_mm,
-            rate_g_per_s,
-            mass_g,
-            sizes_mm,
-            time_limit_s,
-            // The engine of the stage has it.
-            max_depenetration_velocity_m_per_s: _,
-        } = *self.stage
-        else {
-            return Err(self.refused("it needs an area"));
-        };
+    pub(super) fn deposit(&mut self, mut specimen: Specimen, stage: &DepositSpec) -> StageResult {
+        // The engine of the stage has the speed at which overlaps are pushed apart.
+        let DepositSpec { at_mm, area_mm, diameter_mm, mass_g, .. } = *stage;
         let area = Area {
             middle: Vector::from(at_mm.map(from_mm)),
             half: match (area_mm, diameter_mm) {
@@ -48,15 +37,15 @@ impl Laboratory<'_> {
             },
             round: area_mm.is_none(),
         };
-        let sizes = sizes_mm.map(|sizes| sizes.map(from_mm));
+        let sizes = stage.sizes_mm.map(|sizes| sizes.map(from_mm));
         let chosen = self.waiting(&specimen, sizes, mass_g.map(from_g));
         if chosen.is_empty() {
             return Err(self.refused("no grains of that kind are waiting any more"));
         }
         let short = mass_g.and_then(|asked| too_few(&specimen.grains, &chosen, asked));
         let fallen_before = fallen_out(&specimen);
-        let mut course = Course::until_settled(time_limit_s);
-        match (how, rate_g_per_s) {
+        let mut course = Course::until_settled(stage.time_limit_s);
+        match (stage.how, stage.rate_g_per_s) {
             (DepositKind::Lattice, _) => self.lay_out(&mut specimen, &area, &chosen)?,
             (DepositKind::Rain, Some(rate)) => {
                 course.feed = Some(Feed {
@@ -158,12 +147,10 @@ impl Laboratory<'_> {
         Ok(())
     }
 
-    pub(super) fn move_pieces(&mut self, mut specimen: Specimen) -> StageResult {
-        let (StageSpec::Move { pieces: names, keep_mean_stress, .. }, Some(motion)) =
-            (self.stage, self.stage.piece_motion())
-        else {
-            return Err(self.refused("it needs a motion"));
-        };
+    pub(super) fn move_pieces(&mut self, mut specimen: Specimen, stage: &MoveSpec) -> StageResult {
+        let motion = self.stage.piece_motion();
+        let motion = motion.ok_or_else(|| self.refused("it needs a motion"))?;
+        let names = &stage.pieces;
         let stands = |n: &usize| specimen.state.pieces[*n].present;
         // Those that are pressed or free go on as they are unless they are named.
         let held = |n: &usize| stands(n) && specimen.state.pieces[*n].is_held();
@@ -182,7 +169,7 @@ impl Laboratory<'_> {
         let mut course = Course::until(Until { limit: motion.duration + limit, calm_from });
         course.drive = Some(Drive { pieces, motion });
         course.endings = self.endings();
-        if let Some(keep) = keep_mean_stress {
+        if let Some(keep) = &stage.keep_mean_stress {
             let keeper = StressKeeper::of(keep, self.setup, &specimen);
             course.keeper = Some(keeper.map_err(|reason| self.refused(reason))?);
         }
@@ -194,12 +181,8 @@ impl Laboratory<'_> {
     }
 
     /// Presses pieces, or locks what was pressed.
-    pub(super) fn press(&mut self, mut specimen: Specimen) -> StageResult {
-        let StageSpec::Press { loads, ramp_s, approach_mm_per_s, time_limit_s, .. } = self.stage
-        else {
-            return Err(self.refused("it needs loads"));
-        };
-        for load in loads {
+    pub(super) fn press(&mut self, mut specimen: Specimen, stage: &PressSpec) -> StageResult {
+        for load in &stage.loads {
             let number = self.setup.number(&load.piece);
             let number = number.filter(|n| specimen.state.pieces[*n].present);
             let n = number.ok_or_else(|| self.refused("its pieces do not stand"))?;
@@ -239,19 +222,19 @@ impl Laboratory<'_> {
             });
             // Of what turns the moment of inertia, and the speed about the axis.
             let inertia = about.map(|about| piece.inertia_about(&axis, &place(about), mass));
-            let approach = from_mm(*approach_mm_per_s);
+            let approach = from_mm(stage.approach_mm_per_s);
             state.press = Some(PressState {
                 direction,
                 mass_kg: inertia.unwrap_or(mass),
                 area_m2: area,
                 target_n: target,
-                rate_n_per_s: change / ramp_s,
+                rate_n_per_s: change / stage.ramp_s,
                 approach_m_per_s: turns.map_or(approach, |turns| approach / turns.reach_m),
                 turns,
                 ..before
             });
         }
-        let mut outcome = self.until_settled(specimen, *time_limit_s, "pressing")?;
+        let mut outcome = self.until_settled(specimen, stage.time_limit_s, "pressing")?;
         if outcome.until.as_ref().is_none_or(|found| !found.reached) {
             let pieces = self.setup.pieces.iter().zip(&outcome.specimen.state.pieces);
             let told = pieces.filter_map(|(piece, state)| lacking(&piece.name, state.press?));
@@ -261,18 +244,16 @@ impl Laboratory<'_> {
     }
 
     /// Lets pieces move freely from now on.
-    pub(super) fn release(&mut self, mut specimen: Specimen) -> StageResult {
-        let StageSpec::Release { pieces: names, mass_g, time_limit_s, .. } = self.stage else {
-            return Err(self.refused("it needs pieces"));
-        };
-        let pieces = self.setup.numbers(names);
+    pub(super) fn release(&mut self, mut specimen: Specimen, stage: &ReleaseSpec) -> StageResult {
+        let pieces = self.setup.numbers(&stage.pieces);
         let pieces = pieces.ok_or_else(|| self.refused("there is no such piece"))?;
         let solid = self.setup.pieces.iter().map(|p| RigidPiece { may_cross: false, ..p.clone() });
         let solid: Vec<RigidPiece> = solid.collect();
         let states = &mut specimen.state.pieces;
         let at: Vec<Option<Pose>> =
             states.iter().map(|piece| piece.present.then_some(piece.pose)).collect();
-        let mass_of = |n: usize| mass_g.map_or_else(|| solid[n].volume() * PIECE_DENSITY, from_g);
+        let own_mass = |n: usize| solid[n].volume() * PIECE_DENSITY;
+        let mass_of = |n: usize| stage.mass_g.map_or_else(|| own_mass(n), from_g);
         let others = states.iter().enumerate().filter(|(n, _)| !pieces.contains(n));
         let others: f64 = others.filter_map(|(_, piece)| Some(piece.free?.mass_kg)).sum();
         let all = others + pieces.iter().map(|&n| mass_of(n)).sum::<f64>();
@@ -293,14 +274,11 @@ impl Laboratory<'_> {
         if states.iter().all(|piece| !piece.present || piece.free.is_some()) {
             return Err(self.refused("nothing is left that could carry what moves freely"));
         }
-        self.until_settled(specimen, *time_limit_s, "moving freely")
+        self.until_settled(specimen, stage.time_limit_s, "moving freely")
     }
 
-    pub(super) fn remove(&mut self, mut specimen: Specimen) -> StageResult {
-        let StageSpec::Remove { pieces: names, time_limit_s, .. } = self.stage else {
-            return Err(self.refused("it needs pieces"));
-        };
-        let pieces = self.setup.numbers(names);
+    pub(super) fn remove(&mut self, mut specimen: Specimen, stage: &RemoveSpec) -> StageResult {
+        let pieces = self.setup.numbers(&stage.pieces);
         let pieces = pieces.ok_or_else(|| self.refused("there is no such piece"))?;
         for n in pieces {
             let piece = &mut specimen.state.pieces[n];
@@ -309,7 +287,7 @@ impl Laboratory<'_> {
             }
             *piece = PieceState { present: false, ..PieceState::standing(piece.pose) };
         }
-        self.until_settled(specimen, *time_limit_s, "flow")
+        self.until_settled(specimen, stage.time_limit_s, "flow")
     }
 
     /// Carries a stage out that ends by its condition or when everything has settled.

@@ -2,7 +2,7 @@
 
 use super::testing::*;
 use super::*;
-use crate::scenario::{BaseKind, BaseSpec, Scenario};
+use crate::scenario::{BaseKind, BaseSpec, Scenario, SlowPluviationSpec};
 use crate::specimen::Base;
 use crate::world::scripted::ScriptedWorld;
 
@@ -19,14 +19,14 @@ fn specimen() -> Specimen {
 }
 
 fn slow_pluviation(base: BaseSpec, time_limit_s: f64) -> StageSpec {
-    StageSpec::SlowPluviation {
+    StageSpec::SlowPluviation(SlowPluviationSpec {
         feed_rate_grains_per_s: FEED_RATE,
         drop_height_mm: DROP * 1e3,
         spout_diameter_mm: SPOUT * 1e3,
         base,
         base_diameter_mm: 200.0,
         time_limit_s,
-    }
+    })
 }
 
 fn plane(friction: f64) -> BaseSpec {

@@ -1,6 +1,7 @@
 //! Where the top plate is laid, and how it is seated.
 
 use super::*;
+use crate::scenario::PlaceTopPlateSpec;
 
 /// Share of the clearance between plate and cylinder that is drawn from where no offset is
 /// given: the rest keeps the plate's corners off the flat pieces of the wall.
@@ -20,26 +21,16 @@ pub(super) struct Placing {
 }
 
 impl Placing {
-    /// That of a stage; `None` of one that lays no plate.
-    pub(super) fn of(stage: &StageSpec, setup: &Setup) -> Option<Self> {
-        let StageSpec::PlaceTopPlate {
-            time_limit_s,
-            placement,
-            offset_mm,
-            rotation_deg,
-            seating_load_n,
-        } = *stage
-        else {
-            return None;
-        };
+    /// That of a stage.
+    pub(super) fn of(stage: &PlaceTopPlateSpec, setup: &Setup) -> Self {
         let clearance = (setup.cylinder.radius - setup.plate.radius).max(0.0);
-        let largest = offset_mm.map_or(SHARE_OF_CLEARANCE * clearance, from_mm);
-        let (offset, turn) = match placement {
+        let largest = stage.offset_mm.map_or(SHARE_OF_CLEARANCE * clearance, from_mm);
+        let (offset, turn) = match stage.placement {
             0 => (Vector::zeros(), 0.0),
-            n => drawn(setup, n, largest, rotation_deg.to_radians()),
+            n => drawn(setup, n, largest, stage.rotation_deg.to_radians()),
         };
-        let weight = seating_load_n / setup.gravity;
-        Some(Self { offset, turn, weight, limit: time_limit_s })
+        let weight = stage.seating_load_n / setup.gravity;
+        Self { offset, turn, weight, limit: stage.time_limit_s }
     }
 
     /// Parts of the stage: the plate is laid; with a weight, it is loaded, and unloaded.
@@ -93,8 +84,10 @@ mod tests {
 
     fn placing(fields: &str, configuration: u32) -> Placing {
         let stage = format!("{{\"stage\": \"place_top_plate\"{fields}}}");
-        let stage: StageSpec = serde_json::from_str(&stage).expect("a stage");
-        Placing::of(&stage, &setup(configuration)).expect("it lays a plate")
+        let StageSpec::PlaceTopPlate(stage) = serde_json::from_str(&stage).expect("a stage") else {
+            panic!("it lays a plate");
+        };
+        Placing::of(&stage, &setup(configuration))
     }
 
     #[test]

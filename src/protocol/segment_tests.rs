@@ -6,7 +6,7 @@ use super::testing::*;
 use super::*;
 use crate::geometry::{ConvexPolyhedron, MassProperties};
 use crate::scale::Scale;
-use crate::scenario::{BaseKind, BaseSpec, Scenario};
+use crate::scenario::{BaseKind, BaseSpec, Scenario, SlowPluviationSpec};
 use crate::world::{
     self, Contact, PairCoefficients, RememberedContact, World, scripted::ScriptedWorld,
 };
@@ -206,14 +206,14 @@ fn a_shaken_block_goes_on_through_segments_as_without_them() {
 #[test]
 fn a_pile_takes_all_its_contacts_from_segment_to_segment() {
     let _turn = world::shared_turn();
-    let stage = StageSpec::SlowPluviation {
+    let stage = StageSpec::SlowPluviation(SlowPluviationSpec {
         feed_rate_grains_per_s: 20.0,
         drop_height_mm: 12.0,
         spout_diameter_mm: 30.0,
         base: BaseSpec { kind: BaseKind::Plane, friction: Some(0.5) },
         base_diameter_mm: 200.0,
         time_limit_s: 30.0,
-    };
+    });
     let (whole, _) = carry_out(before_everything(), &stage, None, world::create);
     let (pile, logs) = carry_out(before_everything(), &stage, Some(0.5), world::create);
     assert!(logs.len() > 3, "the check has seams, {} worlds", logs.len());

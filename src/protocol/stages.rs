@@ -4,6 +4,7 @@
 use std::sync::atomic::AtomicBool;
 
 use super::*;
+use crate::scenario::{PlaceTopPlateSpec, SlowPluviationSpec};
 use crate::specimen::FunnelState;
 
 /// Runs one stage on a specimen, as it is at the end of the stage before;
@@ -24,17 +25,17 @@ pub fn run(
     let mut lab = Laboratory { setup, make_world, stage, midway, observer, cancel };
     match *stage {
         StageSpec::FillFunnel { time_limit_s } => lab.fill(specimen, time_limit_s),
-        StageSpec::SlowPluviation { .. } => lab.slow_pluviation(specimen),
+        StageSpec::SlowPluviation(ref stage) => lab.slow_pluviation(specimen, stage),
         StageSpec::Pour { falling_height_mm, time_limit_s } => {
             lab.pour(specimen, from_mm(falling_height_mm), time_limit_s)
         }
-        StageSpec::PlaceTopPlate { .. } => lab.place_top_plate(specimen),
+        StageSpec::PlaceTopPlate(ref stage) => lab.place_top_plate(specimen, stage),
         StageSpec::Vibrate { .. } => lab.vibrate(specimen),
-        StageSpec::Deposit { .. } => lab.deposit(specimen),
-        StageSpec::Move { .. } => lab.move_pieces(specimen),
-        StageSpec::Press { .. } => lab.press(specimen),
-        StageSpec::Release { .. } => lab.release(specimen),
-        StageSpec::Remove { .. } => lab.remove(specimen),
+        StageSpec::Deposit(ref stage) => lab.deposit(specimen, stage),
+        StageSpec::Move(ref stage) => lab.move_pieces(specimen, stage),
+        StageSpec::Press(ref stage) => lab.press(specimen, stage),
+        StageSpec::Release(ref stage) => lab.release(specimen, stage),
+        StageSpec::Remove(ref stage) => lab.remove(specimen, stage),
         StageSpec::Rest { duration_s } => {
             Ok(lab.carry_out(specimen, &Course::of_length(duration_s))?.stand.finish())
         }
@@ -72,39 +73,32 @@ impl Laboratory<'_> {
         Ok(self.settled(specimen, &course, "filling the funnel", limit)?.stand.finish())
     }
 
-    fn slow_pluviation(&mut self, mut specimen: Specimen) -> StageResult {
-        let StageSpec::SlowPluviation {
-            feed_rate_grains_per_s,
-            drop_height_mm,
-            spout_diameter_mm,
-            ref base,
-            base_diameter_mm,
-            time_limit_s,
-        } = *self.stage
-        else {
-            return Err(self.refused("it needs a feed and a base"));
-        };
+    fn slow_pluviation(
+        &mut self,
+        mut specimen: Specimen,
+        stage: &SlowPluviationSpec,
+    ) -> StageResult {
         let Setup { seed, configuration, .. } = *self.setup;
         let state = &mut specimen.state;
         *state = SpecimenState::before_everything(state.bodies.len());
         for grain in &mut state.bodies {
             grain.fate = Fate::Waiting;
         }
-        let radius = from_mm(base_diameter_mm) / 2.0;
-        state.base = Some(base::build(base, radius, &specimen.grains, seed, configuration));
+        let radius = from_mm(stage.base_diameter_mm) / 2.0;
+        state.base = Some(base::build(&stage.base, radius, &specimen.grains, seed, configuration));
         let feed = Feed {
-            rate: Rate::Grains(feed_rate_grains_per_s),
+            rate: Rate::Grains(stage.feed_rate_grains_per_s),
             outlet: Outlet::Spout {
-                drop_height: from_mm(drop_height_mm),
-                radius: from_mm(spout_diameter_mm) / 2.0,
+                drop_height: from_mm(stage.drop_height_mm),
+                radius: from_mm(stage.spout_diameter_mm) / 2.0,
             },
             grains: None,
         };
-        let course = Course { feed: Some(feed), ..Course::until_settled(time_limit_s) };
+        let limit_s = stage.time_limit_s;
+        let course = Course { feed: Some(feed), ..Course::until_settled(limit_s) };
         let left = "had not been fed: each waits until the one before it is out of its way";
         let (mut outcome, settled) = self.feed(specimen, &course, "slow pluviation", left)?;
-        outcome.settling =
-            Some(Settling { time_s: outcome.simulated, limit_s: time_limit_s, settled });
+        outcome.settling = Some(Settling { time_s: outcome.simulated, limit_s, settled });
         Ok(outcome)
     }
 
@@ -146,11 +140,15 @@ impl Laboratory<'_> {
         Ok(came_to_rest(stand, settled, 0.0, limit))
     }
 
-    fn place_top_plate(&mut self, mut specimen: Specimen) -> StageResult {
-        let poured = specimen.state.cylinder && specimen.state.funnel.is_none();
-        let Some(placing) = Placing::of(self.stage, self.setup).filter(|_| poured) else {
+    fn place_top_plate(
+        &mut self,
+        mut specimen: Specimen,
+        stage: &PlaceTopPlateSpec,
+    ) -> StageResult {
+        if !specimen.state.cylinder || specimen.state.funnel.is_some() {
             return Err(self.refused("it needs grains poured into the cylinder"));
-        };
+        }
+        let placing = Placing::of(stage, self.setup);
         let highest = specimen.present().map(|i| specimen.top(i)).fold(0.0, f64::max);
         let release = scale::PLATE_RELEASE.at(&self.setup.scale);
         let height = highest + release + self.setup.plate.thickness / 2.0;

@@ -51,100 +51,73 @@ impl StageSpec {
     /// The table's motion of a stage that vibrates; `None` of every other stage, and where
     /// the fields make no motion, which the checks of a scenario refuse.
     pub fn motion(&self) -> Option<TableMotion> {
-        let Self::Vibrate {
-            waveform,
-            start,
-            frequency_hz,
-            amplitude_mm,
-            stroke,
-            duration_s,
-            periods,
-            rest_s,
-            ramp_s,
-            crank_to_rod,
-            ref motion_rows,
-            interpolation,
-            vertical,
-            video_frames,
-            ..
-        } = *self
-        else {
-            return None;
-        };
-        let frames_per_s = video_frames.map(|v| v.frames_per_s);
-        if waveform == WaveformKind::File {
-            let rows = motion_rows.as_ref()?;
-            let recorded = RecordedMotion::new(rows, interpolation.unwrap_or_default()).ok()?;
+        let Self::Vibrate(stage) = self else { return None };
+        let frames_per_s = stage.video_frames.map(|v| v.frames_per_s);
+        let (periods, rest) = (stage.periods, stage.rest_s);
+        if stage.waveform == WaveformKind::File {
+            let rows = stage.motion_rows.as_ref()?;
+            let recorded =
+                RecordedMotion::new(rows, stage.interpolation.unwrap_or_default()).ok()?;
             return Some(TableMotion {
                 periods,
-                rest: rest_s,
+                rest,
                 frames_per_s,
                 duration: recorded.duration(),
                 waveform: Waveform::Recorded(Arc::new(recorded)),
                 ..TableMotion::sine(0.0, 0.0, 0.0)
             });
         }
-        let half = match stroke {
+        let half = match stage.stroke {
             StrokeKind::HalfStroke => 1.0,
             StrokeKind::FullStroke => 0.5,
         };
-        let (frequency, amplitude) = (frequency_hz?, from_mm(amplitude_mm?) * half);
+        let (frequency, amplitude) = (stage.frequency_hz?, from_mm(stage.amplitude_mm?) * half);
         Some(TableMotion {
-            waveform: match waveform {
-                WaveformKind::SliderCrank => Waveform::SliderCrank { ratio: crank_to_rod?, start },
-                WaveformKind::Sine | WaveformKind::File => Waveform::Sine(start),
+            waveform: match stage.waveform {
+                WaveformKind::SliderCrank => {
+                    Waveform::SliderCrank { ratio: stage.crank_to_rod?, start: stage.start }
+                }
+                WaveformKind::Sine | WaveformKind::File => Waveform::Sine(stage.start),
             },
             periods,
-            rest: rest_s,
-            ramp: ramp_s,
-            vertical: vertical.map(|v| Vertical {
+            rest,
+            ramp: stage.ramp_s,
+            vertical: stage.vertical.map(|v| Vertical {
                 amplitude: from_mm(v.amplitude_mm),
                 frequency: v.frequency_hz.unwrap_or(frequency),
                 phase: v.phase_deg.to_radians(),
             }),
             frames_per_s,
-            ..TableMotion::sine(amplitude, frequency, duration_s?)
+            ..TableMotion::sine(amplitude, frequency, stage.duration_s?)
         })
     }
 
     /// How pieces move in a stage that moves them; `None` of every other stage, and where
     /// the fields make no motion, which the checks of a scenario refuse.
     pub fn piece_motion(&self) -> Option<PieceMotion> {
-        let Self::Move {
-            velocity_mm_per_s,
-            rotation,
-            sine,
-            ref motion_rows,
-            interpolation,
-            duration_s,
-            travel_mm,
-            travel_deg,
-            ref until,
-            time_limit_s,
-            ramp_s: ramp,
-            ..
-        } = *self
-        else {
-            return None;
-        };
-        if let Some(rows) = motion_rows {
-            let only = velocity_mm_per_s.is_none() && rotation.is_none() && sine.is_none();
-            let recorded = RecordedMotion::of_piece(rows, interpolation.unwrap_or_default()).ok();
+        let Self::Move(stage) = self else { return None };
+        let (velocity, rotation, sine) = (stage.velocity_mm_per_s, stage.rotation, stage.sine);
+        let (until, ramp) = (&stage.until, stage.ramp_s);
+        if let Some(rows) = &stage.motion_rows {
+            let only = velocity.is_none() && rotation.is_none() && sine.is_none();
+            let how = stage.interpolation.unwrap_or_default();
+            let recorded = RecordedMotion::of_piece(rows, how).ok();
             let recorded = recorded.filter(|_| only && (ramp == 0.0 || until.is_some()))?;
             let duration = recorded.duration();
             let path = Path::Recorded { rows: Arc::new(recorded), slows_from: None };
             return Some(PieceMotion { path, duration, ramp });
         }
-        let (path, travel) = match (velocity_mm_per_s, rotation, sine) {
+        let (path, travel) = match (velocity, rotation, sine) {
             (Some(velocity), None, None) => {
                 let velocity = Vector::from(velocity.map(from_mm));
-                (Path::Velocity(velocity), travel_mm.map(|mm| from_mm(mm) / velocity.norm()))
+                let travel = stage.travel_mm.map(|mm| from_mm(mm) / velocity.norm());
+                (Path::Velocity(velocity), travel)
             }
             (None, Some(turn), None) => {
                 let axis = Unit::try_new(Vector::from(turn.axis), 0.0)?;
                 let about = Point::from(turn.about_mm.map(from_mm));
                 let speed = turn.deg_per_s.to_radians();
-                let travel = travel_deg.map(|deg| (deg / turn.deg_per_s).abs());
+                let travel = stage.travel_deg.map(|deg| (deg / turn.deg_per_s).abs());
                 (Path::Rotation { axis, about, speed }, travel)
             }
             (None, None, Some(sine)) => {
@@ -154,8 +127,8 @@ impl StageSpec {
             _ => return None,
         };
         // While it grows and dies away it covers half as much as at full speed.
-        let limit = time_limit_s.filter(|_| until.is_some());
-        let duration = duration_s.or(travel.map(|time| time + ramp)).or(limit)?;
+        let limit = stage.time_limit_s.filter(|_| until.is_some());
+        let duration = stage.duration_s.or(travel.map(|time| time + ramp)).or(limit)?;
         let sound = duration > 0.0 && duration.is_finite() && 2.0 * ramp <= duration;
         sound.then_some(PieceMotion { path, duration, ramp })
     }
@@ -163,10 +136,10 @@ impl StageSpec {
     /// What may end the stage; none of one that has an end of its own.
     pub fn until(&self) -> Option<&UntilSpec> {
         match self {
-            Self::Move { until, .. }
-            | Self::Press { until, .. }
-            | Self::Release { until, .. }
-            | Self::Remove { until, .. } => until.as_ref(),
+            Self::Move(MoveSpec { until, .. })
+            | Self::Press(PressSpec { until, .. })
+            | Self::Release(ReleaseSpec { until, .. })
+            | Self::Remove(RemoveSpec { until, .. }) => until.as_ref(),
             _ => None,
         }
     }
@@ -176,14 +149,15 @@ impl StageSpec {
     pub(super) fn limit(&self) -> Option<(&'static str, f64)> {
         match *self {
             Self::FillFunnel { time_limit_s }
-            | Self::SlowPluviation { time_limit_s, .. }
+            | Self::SlowPluviation(SlowPluviationSpec { time_limit_s, .. })
             | Self::Pour { time_limit_s, .. }
-            | Self::PlaceTopPlate { time_limit_s, .. }
-            | Self::Deposit { time_limit_s, .. }
-            | Self::Press { time_limit_s, .. }
-            | Self::Release { time_limit_s, .. }
-            | Self::Remove { time_limit_s, .. } => Some(("time_limit_s", time_limit_s)),
-            Self::Vibrate { settle_limit_s, .. } | Self::Move { settle_limit_s, .. } => {
+            | Self::PlaceTopPlate(PlaceTopPlateSpec { time_limit_s, .. })
+            | Self::Deposit(DepositSpec { time_limit_s, .. })
+            | Self::Press(PressSpec { time_limit_s, .. })
+            | Self::Release(ReleaseSpec { time_limit_s, .. })
+            | Self::Remove(RemoveSpec { time_limit_s, .. }) => Some(("time_limit_s", time_limit_s)),
+            Self::Vibrate(VibrateSpec { settle_limit_s, .. })
+            | Self::Move(MoveSpec { settle_limit_s, .. }) => {
                 Some(("settle_limit_s", settle_limit_s))
             }
             Self::Rest { .. } => None,
@@ -202,10 +176,10 @@ impl StageSpec {
     /// Whether seed and configuration act on the stage: it mixes grains, or draws where the plate is
     /// laid.
     pub fn draws(&self) -> bool {
-        match *self {
+        match self {
             Self::FillFunnel { .. } | Self::SlowPluviation { .. } | Self::Deposit { .. } => true,
-            Self::PlaceTopPlate { placement, offset_mm, rotation_deg, .. } => {
-                placement > 0 && (offset_mm != Some(0.0) || rotation_deg != 0.0)
+            Self::PlaceTopPlate(plate) => {
+                plate.placement > 0 && (plate.offset_mm != Some(0.0) || plate.rotation_deg != 0.0)
             }
             Self::Pour { .. }
             | Self::Vibrate { .. }
@@ -222,7 +196,7 @@ impl StageSpec {
         let limit = self.limit().map_or(0.0, |(_, limit)| limit);
         match *self {
             // Plate, load, and no load settle one after the other.
-            Self::PlaceTopPlate { seating_load_n, .. } if seating_load_n > 0.0 => 3.0 * limit,
+            Self::PlaceTopPlate(ref plate) if plate.seating_load_n > 0.0 => 3.0 * limit,
             Self::Move { .. } => self.piece_motion().map_or(0.0, |m| m.duration) + limit,
             Self::Vibrate { .. } => self.motion().map_or(0.0, |m| m.total()) + limit,
             Self::Rest { duration_s } => duration_s,

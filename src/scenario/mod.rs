@@ -14,8 +14,8 @@ macro_rules! defaults {
     };
 }
 
-/// Declares parts of the scenario file: structs, or one enum. Behind the type of a field stands
-/// what it may be, in this order:
+/// Declares parts of the scenario file. Behind the type of a field stands what it may be, in this
+/// order:
 /// - `= v`: its default is v; of a struct either every field has one, or none (see `default_of`);
 /// - `or default`: it may be left out, and is the default of its type then;
 /// - `else "f"`: it may be left out, and is f() then;
@@ -57,39 +57,6 @@ macro_rules! parts {
 
         default_of! { $name $($field $(= $value)?;)* }
     )*};
-    (
-        $(#[$of:meta])*
-        pub enum $name:ident {$(
-            $(#[$about:meta])*
-            $kind:ident {$(
-                $(#[$said:meta])*
-                $field:ident: $type:ty
-                    $(, or $zero:tt)?
-                    $(, else $default:tt)?
-                    $(, skip $skip:tt)?
-                    $(, above $over:tt to $top:tt)?
-                    $(, from $low:tt to $high:tt)?
-                    $(, length $short:tt to $long:tt)?
-                    $(, schemars($($limits:tt)*))?;
-            )*}
-        )*}
-    ) => {
-        $(#[$of])*
-        pub enum $name {$(
-            $(#[$about])*
-            $kind {$(
-                $(#[$said])*
-                $(#[serde($zero)])?
-                $(#[serde(default = $default)])?
-                $(#[serde(default, skip_serializing_if = $skip)])?
-                $(#[schemars(extend("exclusiveMinimum" = $over, "maximum" = $top))])?
-                $(#[schemars(range(min = $low, max = $high))])?
-                $(#[schemars(length(min = $short, max = $long))])?
-                $(#[schemars($($limits)*)])?
-                $field: $type,
-            )*},
-        )*}
-    };
 }
 
 /// The default of a struct whose fields all have one; nothing for others.

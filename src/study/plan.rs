@@ -37,7 +37,7 @@ impl PlannedRun {
 /// What a scenario is in the paper's programme, by its stages.
 fn kind_of(scenario: &Scenario) -> RunKind {
     let of_stage = |stage: &StageSpec| match stage {
-        StageSpec::Vibrate { periods, .. } => *periods,
+        StageSpec::Vibrate(stage) => stage.periods,
         _ => 0,
     };
     if scenario.stages.iter().any(|stage| matches!(stage, StageSpec::SlowPluviation { .. })) {
@@ -228,11 +228,13 @@ impl Plan {
 
 /// The laboratory of a stage, which may have settings of its own.
 fn in_stage(setup: &Arc<Setup>, stage: &StageSpec) -> Arc<Setup> {
-    let StageSpec::Deposit { max_depenetration_velocity_m_per_s: Some(speed), .. } = stage else {
-        return setup.clone();
+    let own_speed = match stage {
+        StageSpec::Deposit(deposit) => deposit.max_depenetration_velocity_m_per_s,
+        _ => None,
     };
+    let Some(speed) = own_speed else { return setup.clone() };
     let mut own = (**setup).clone();
-    own.engine.native.max_depenetration_velocity_m_per_s = *speed;
+    own.engine.native.max_depenetration_velocity_m_per_s = speed;
     Arc::new(own)
 }
 
@@ -240,27 +242,27 @@ fn in_stage(setup: &Arc<Setup>, stage: &StageSpec) -> Arc<Setup> {
 pub fn stage_label(stage: &StageSpec, is_rest_test: bool) -> String {
     match stage {
         StageSpec::FillFunnel { .. } => "fill the funnel".into(),
-        StageSpec::SlowPluviation { feed_rate_grains_per_s, .. } => {
-            format!("slow pluviation of {feed_rate_grains_per_s} grains a second")
+        StageSpec::SlowPluviation(stage) => {
+            format!("slow pluviation of {} grains a second", stage.feed_rate_grains_per_s)
         }
         StageSpec::Pour { falling_height_mm, .. } => format!("pour from {falling_height_mm} mm"),
-        StageSpec::PlaceTopPlate { placement: 0, .. } => "place the top plate".into(),
-        StageSpec::PlaceTopPlate { placement, .. } => {
-            format!("place the top plate, placement {placement}")
-        }
-        StageSpec::Vibrate { periods, .. } => {
+        StageSpec::PlaceTopPlate(stage) => match stage.placement {
+            0 => "place the top plate".into(),
+            placement => format!("place the top plate, placement {placement}"),
+        },
+        StageSpec::Vibrate(vibrate) => {
             let duration = stage.motion().map_or(0.0, |motion| motion.duration);
-            format!("vibrate {periods} × {} s", (duration * 100.0).round() / 100.0)
+            format!("vibrate {} × {} s", vibrate.periods, (duration * 100.0).round() / 100.0)
         }
         StageSpec::Deposit { .. } => "deposit grains".into(),
-        StageSpec::Move { pieces, .. } if pieces.is_empty() => "move everything".into(),
-        StageSpec::Move { pieces, .. } => format!("move {}", pieces.join(", ")),
-        StageSpec::Press { loads, .. } => {
-            let names: Vec<&str> = loads.iter().map(|load| load.piece.as_str()).collect();
+        StageSpec::Move(stage) if stage.pieces.is_empty() => "move everything".into(),
+        StageSpec::Move(stage) => format!("move {}", stage.pieces.join(", ")),
+        StageSpec::Press(stage) => {
+            let names: Vec<&str> = stage.loads.iter().map(|load| load.piece.as_str()).collect();
             format!("press {}", names.join(", "))
         }
-        StageSpec::Release { pieces, .. } => format!("release {}", pieces.join(", ")),
-        StageSpec::Remove { pieces, .. } => format!("remove {}", pieces.join(", ")),
+        StageSpec::Release(stage) => format!("release {}", stage.pieces.join(", ")),
+        StageSpec::Remove(stage) => format!("remove {}", stage.pieces.join(", ")),
         StageSpec::Rest { duration_s } if is_rest_test => format!("rest test, {duration_s} s"),
         StageSpec::Rest { duration_s } => format!("rest, {duration_s} s"),
     }
@@ -270,18 +272,11 @@ pub fn stage_label(stage: &StageSpec, is_rest_test: bool) -> String {
 /// grains have settled usually take half of their limit.
 fn expected_time(stage: &StageSpec) -> f64 {
     match *stage {
-        StageSpec::FillFunnel { time_limit_s }
-        | StageSpec::SlowPluviation { time_limit_s, .. }
-        | StageSpec::Deposit { time_limit_s, .. }
-        | StageSpec::Press { time_limit_s, .. }
-        | StageSpec::Release { time_limit_s, .. }
-        | StageSpec::Remove { time_limit_s, .. }
-        | StageSpec::Pour { time_limit_s, .. } => time_limit_s / 2.0,
-        StageSpec::PlaceTopPlate { .. } => stage.longest() / 2.0,
         StageSpec::Rest { duration_s } => duration_s,
         StageSpec::Vibrate { .. } | StageSpec::Move { .. } => {
             stage.longest() - stage.settle_limit() / 2.0
         }
+        _ => stage.longest() / 2.0,
     }
 }
 

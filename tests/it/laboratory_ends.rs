@@ -4,7 +4,7 @@
 use std::{fs, path::Path};
 
 use pluvia::grains::load_scenario;
-use pluvia::scenario::StageSpec;
+use pluvia::scenario::{MoveSpec, StageSpec};
 use serde_json::{Value, json};
 
 use super::{
@@ -216,7 +216,8 @@ fn a_recorded_motion_moves_pieces_and_is_checked_beforehand() {
     assert_eq!(motion.duration, 1.0, "law: from the first row to the last");
     let at = motion.displacement(1.0).translation.vector * 1e3;
     assert!((at.x - 2.0).abs() + (at.z + 10.0).abs() < 1e-12, "law: its last row, got {at}");
-    let StageSpec::Move { motion_file: None, motion_rows: Some(rows), .. } = &scenario.stages[1]
+    let StageSpec::Move(MoveSpec { motion_file: None, motion_rows: Some(rows), .. }) =
+        &scenario.stages[1]
     else {
         panic!("law: rows stand in place of the file, {:?}", scenario.stages[1]);
     };

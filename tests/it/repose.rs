@@ -21,11 +21,12 @@ fn sound() -> Value {
 fn a_pile_needs_no_apparatus_and_little_else() {
     assert_eq!(faults(&sound()), [], "a base and grains are enough");
     let scenario: Scenario = serde_json::from_value(sound()).expect("a scenario");
-    let StageSpec::SlowPluviation { base, time_limit_s, .. } = &scenario.stages[0] else {
+    let StageSpec::SlowPluviation(pile) = &scenario.stages[0] else {
         panic!("{:?}", scenario.stages)
     };
+    let base = &pile.base;
     assert_eq!((base.kind, base.friction), (BaseKind::FixedGrains, None), "the default base");
-    assert!(*time_limit_s > 0.0);
+    assert!(pile.time_limit_s > 0.0);
     check(&scenario).expect("sound as a value, too");
     let mut rests = sound();
     rests["stages"] = json!([rests["stages"][0], { "stage": "rest", "duration_s": 1 }]);
@@ -78,8 +79,8 @@ fn fields_of_the_pile_can_be_set_from_outside() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/quick/repose.json");
     let set: Override = "stages.0.feed_rate_grains_per_s=12.5".parse().expect("an override");
     let scenario = load_scenario(file.as_ref(), &[set]).expect("the quick pile").scenario;
-    let StageSpec::SlowPluviation { feed_rate_grains_per_s, .. } = scenario.stages[0] else {
+    let StageSpec::SlowPluviation(pile) = &scenario.stages[0] else {
         panic!("{:?}", scenario.stages)
     };
-    assert_eq!(feed_rate_grains_per_s, 12.5);
+    assert_eq!(pile.feed_rate_grains_per_s, 12.5);
 }

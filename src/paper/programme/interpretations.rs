@@ -199,8 +199,8 @@ mod tests {
             let motion = framed.motion().expect("it vibrates");
             assert_eq!(motion.frames_per_s, Some(25.0), "law: 0.08 s are two frames, {name}");
             for stage in &mut framed.stages {
-                if let StageSpec::Vibrate { video_frames, .. } = stage {
-                    *video_frames = None;
+                if let StageSpec::Vibrate(stage) = stage {
+                    stage.video_frames = None;
                 }
             }
             let plain = scenario(name.trim_end_matches("_frames"), of);

@@ -167,18 +167,14 @@ fn intermittent_of(continuous: &Scenario) -> Scenario {
     scenario.name = format!("{}-intermittent", scenario.name);
     for stage in &mut scenario.stages {
         // A recorded motion has one period, which cannot be cut.
-        if let StageSpec::Vibrate {
-            frequency_hz: Some(frequency),
-            duration_s: Some(duration),
-            periods,
-            rest_s,
-            ..
-        } = stage
+        if let StageSpec::Vibrate(stage) = stage
+            && let (Some(frequency), Some(whole)) = (stage.frequency_hz, stage.duration_s)
         {
-            let cycles = (*duration / 4.0 * *frequency).round().max(1.0);
-            *duration = cycles / *frequency;
-            *periods = 4;
-            *rest_s = *duration / 5.0;
+            let cycles = (whole / 4.0 * frequency).round().max(1.0);
+            let duration = cycles / frequency;
+            stage.duration_s = Some(duration);
+            stage.periods = 4;
+            stage.rest_s = duration / 5.0;
         }
     }
     scenario
@@ -188,8 +184,8 @@ fn intermittent_of(continuous: &Scenario) -> Scenario {
 fn placed(scenario: &Scenario, number: u32) -> Scenario {
     let mut scenario = scenario.clone();
     for stage in &mut scenario.stages {
-        if let StageSpec::PlaceTopPlate { placement, .. } = stage {
-            *placement = number;
+        if let StageSpec::PlaceTopPlate(stage) = stage {
+            stage.placement = number;
         }
     }
     scenario

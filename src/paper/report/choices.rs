@@ -86,14 +86,15 @@ fn facts(scenario: &Scenario) -> Value {
     for stage in scenario.stages.iter().rev() {
         facts[stage.name()] = serde_json::to_value(stage).unwrap_or_default();
         match stage {
-            StageSpec::Vibrate { amplitude_mm, stroke, periods, .. } => {
-                facts["amplitude"] = amplitude(*amplitude_mm, *stroke).into();
-                facts["periods"] = (*periods > 1).into();
+            StageSpec::Vibrate(vibrate) => {
+                facts["amplitude"] = amplitude(vibrate.amplitude_mm, vibrate.stroke).into();
+                facts["periods"] = (vibrate.periods > 1).into();
                 let motion = stage.motion();
                 let line = motion.map(|m| MotionFacts::of(&m, 1.0 / engine.rate_hz).line());
                 facts["motion"] = line.unwrap_or_default().into();
             }
-            StageSpec::SlowPluviation { base, .. } => {
+            StageSpec::SlowPluviation(pile) => {
+                let base = &pile.base;
                 facts["pile_base"] = match base.kind {
                     BaseKind::FixedGrains => "a layer of the same grains, fixed".into(),
                     BaseKind::Plane => {

@@ -38,7 +38,8 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
             all_known = false;
             continue;
         };
-        if let StageSpec::Move { pieces: moved, keep_mean_stress: Some(keep), .. } = spec {
+        if let StageSpec::Move(MoveSpec { pieces: moved, keep_mean_stress: Some(keep), .. }) = spec
+        {
             let mut faults = faults.at(format!("stages[{i}].keep_mean_stress"));
             check_region(parts, keep, &mut faults);
             check_pieces(parts, keep, moved, (&holds, all_known), &mut faults);
@@ -50,7 +51,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
 /// What a stage makes of the pieces that it names.
 pub(super) fn follow<'a>(spec: &'a StageSpec, holds: &mut Holds<'a>) {
     let (pieces, hold) = match spec {
-        StageSpec::Press { loads, .. } => {
+        StageSpec::Press(PressSpec { loads, .. }) => {
             holds.extend(loads.iter().map(|load| {
                 let hold = match () {
                     () if load.locked => Hold::Held,
@@ -61,9 +62,9 @@ pub(super) fn follow<'a>(spec: &'a StageSpec, holds: &mut Holds<'a>) {
             }));
             return;
         }
-        StageSpec::Move { pieces, .. } => (pieces, Hold::Held),
-        StageSpec::Release { pieces, .. } => (pieces, Hold::Free),
-        StageSpec::Remove { pieces, .. } => (pieces, Hold::Removed),
+        StageSpec::Move(stage) => (&stage.pieces, Hold::Held),
+        StageSpec::Release(stage) => (&stage.pieces, Hold::Free),
+        StageSpec::Remove(stage) => (&stage.pieces, Hold::Removed),
         _ => return,
     };
     holds.extend(pieces.iter().map(|piece| (piece.as_str(), hold)));

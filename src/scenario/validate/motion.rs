@@ -9,37 +9,20 @@ const CYCLE_TOLERANCE: f64 = 1e-3;
 
 pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     for (i, spec) in parts.specs() {
+        let StageSpec::Vibrate(stage) = spec else { continue };
         let mut faults = faults.at(format!("stages[{i}]"));
-        check_fields(spec, &mut faults);
+        check_fields(stage, &mut faults);
         let Some(motion) = spec.motion() else { continue };
-        check_cycles(spec, &motion, &mut faults);
+        check_cycles(stage, &motion, &mut faults);
         check_ramp(&motion, &mut faults);
     }
 }
 
 /// Fields that a waveform needs, and those that mean nothing with it.
-fn check_fields(spec: &StageSpec, faults: &mut Faults) {
-    let StageSpec::Vibrate {
-        waveform,
-        start,
-        frequency_hz,
-        amplitude_mm,
-        stroke,
-        duration_s,
-        ramp_s,
-        crank_to_rod,
-        ref motion_file,
-        ref motion_rows,
-        interpolation,
-        vertical,
-        ..
-    } = *spec
-    else {
-        return;
-    };
-    let recorded = waveform == WaveformKind::File;
-    let crank = waveform == WaveformKind::SliderCrank;
-    let name = match waveform {
+fn check_fields(stage: &VibrateSpec, faults: &mut Faults) {
+    let recorded = stage.waveform == WaveformKind::File;
+    let crank = stage.waveform == WaveformKind::SliderCrank;
+    let name = match stage.waveform {
         WaveformKind::Sine => "sine",
         WaveformKind::SliderCrank => "slider_crank",
         WaveformKind::File => "file",
@@ -47,13 +30,14 @@ fn check_fields(spec: &StageSpec, faults: &mut Faults) {
     let number = |value: Option<f64>| value.map(|v| v.to_string());
     let rod = format!("a number above 0 and at most {LARGEST_CRANK}");
     let table = "the path of a CSV with the columns time_s, x_mm, y_mm, z_mm";
-    let has_rows = motion_file.is_some() || motion_rows.is_some();
+    let has_rows = stage.motion_file.is_some() || stage.motion_rows.is_some();
     let amplitude_range = "a number of at least 0 and at most 1000";
+    let frequency_range = "a number above 0 and at most 1000";
     for (needed, field, is_there, allowed) in [
-        (!recorded, "frequency_hz", frequency_hz.is_some(), "a number above 0 and at most 1000"),
-        (!recorded, "amplitude_mm", amplitude_mm.is_some(), amplitude_range),
-        (!recorded, "duration_s", duration_s.is_some(), "a number above 0 and at most 3600"),
-        (crank, "crank_to_rod", crank_to_rod.is_some(), rod.as_str()),
+        (!recorded, "frequency_hz", stage.frequency_hz.is_some(), frequency_range),
+        (!recorded, "amplitude_mm", stage.amplitude_mm.is_some(), amplitude_range),
+        (!recorded, "duration_s", stage.duration_s.is_some(), "a number above 0 and at most 3600"),
+        (crank, "crank_to_rod", stage.crank_to_rod.is_some(), rod.as_str()),
         (recorded, "motion_file", has_rows, table),
     ] {
         let message = format!("a vibration with the waveform `{name}` needs it");
@@ -61,32 +45,33 @@ fn check_fields(spec: &StageSpec, faults: &mut Faults) {
     }
     let own = "a recorded motion has its own";
     let first = "it begins with its first row";
-    let both = motion_rows.as_ref().and(motion_file.as_ref()).map(|_| "both".to_owned());
-    let rows = motion_rows.as_ref().map(|rows| format!("{} rows", rows.len()));
-    let how = interpolation.map(|how| format!("{how:?}").to_lowercase());
-    let full = (stroke != StrokeKind::HalfStroke).then(|| "full_stroke".to_owned());
-    let turning = (start != Start::Middle).then(|| "turning_point".to_owned());
+    let both =
+        stage.motion_rows.as_ref().and(stage.motion_file.as_ref()).map(|_| "both".to_owned());
+    let rows = stage.motion_rows.as_ref().map(|rows| format!("{} rows", rows.len()));
+    let how = stage.interpolation.map(|how| format!("{how:?}").to_lowercase());
+    let full = (stage.stroke != StrokeKind::HalfStroke).then(|| "full_stroke".to_owned());
+    let turning = (stage.start != Start::Middle).then(|| "turning_point".to_owned());
     let none = "only `file` is recorded";
     // Fields that are there, and with which motion they mean nothing.
     for (idle, field, found, why) in [
-        (recorded, "frequency_hz", number(frequency_hz), own),
-        (recorded, "amplitude_mm", number(amplitude_mm), own),
-        (recorded, "duration_s", number(duration_s), own),
-        (recorded, "ramp_s", number(Some(ramp_s).filter(|ramp| *ramp != 0.0)), own),
-        (recorded, "vertical", number(vertical.map(|v| v.amplitude_mm)), own),
+        (recorded, "frequency_hz", number(stage.frequency_hz), own),
+        (recorded, "amplitude_mm", number(stage.amplitude_mm), own),
+        (recorded, "duration_s", number(stage.duration_s), own),
+        (recorded, "ramp_s", number(Some(stage.ramp_s).filter(|ramp| *ramp != 0.0)), own),
+        (recorded, "vertical", number(stage.vertical.map(|v| v.amplitude_mm)), own),
         (recorded, "stroke", full, own),
         (recorded, "start", turning, first),
         (recorded, "motion_file", both, "`motion_rows` are there already"),
-        (!recorded, "motion_file", motion_file.clone(), none),
+        (!recorded, "motion_file", stage.motion_file.clone(), none),
         (!recorded, "motion_rows", rows, none),
         (!recorded, "interpolation", how, none),
-        (!crank, "crank_to_rod", number(crank_to_rod), "only `slider_crank` has a rod"),
+        (!crank, "crank_to_rod", number(stage.crank_to_rod), "only `slider_crank` has a rod"),
     ] {
         let why = format!("it means nothing with the waveform `{name}`: {why}");
         faults.idle(field, found.filter(|_| idle), why);
     }
-    if let (true, Some(rows)) = (recorded, motion_rows)
-        && let Err(found) = RecordedMotion::new(rows, interpolation.unwrap_or_default())
+    if let (true, Some(rows)) = (recorded, &stage.motion_rows)
+        && let Err(found) = RecordedMotion::new(rows, stage.interpolation.unwrap_or_default())
     {
         report_rows(found, faults);
     }
@@ -101,7 +86,7 @@ pub(super) fn report_rows(found: Vec<RowFault>, faults: &mut Faults) {
 }
 
 /// A table stopped away from its place would jump there in one step.
-fn check_cycles(spec: &StageSpec, motion: &TableMotion, faults: &mut Faults) {
+fn check_cycles(stage: &VibrateSpec, motion: &TableMotion, faults: &mut Faults) {
     // Cycles within a period, and their whole number.
     let cycles = |frequency: f64| {
         let cycles = motion.duration * frequency;
@@ -115,9 +100,7 @@ fn check_cycles(spec: &StageSpec, motion: &TableMotion, faults: &mut Faults) {
         let why = "a period of vibration must end where it began, in the middle of the stroke";
         faults.add_if(broken, "duration_s", motion.duration, allowed, why);
     }
-    if let StageSpec::Vibrate { vertical: Some(v), .. } = spec
-        && let Some(frequency) = v.frequency_hz
-    {
+    if let Some(frequency) = stage.vertical.and_then(|v| v.frequency_hz) {
         let (broken, whole) = cycles(frequency);
         let (period, near) = (short(motion.duration), short(whole / motion.duration));
         let allowed = format!("a whole number of cycles in {period} s, as {near} Hz");

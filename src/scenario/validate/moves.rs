@@ -5,44 +5,29 @@ use super::*;
 
 pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     for (i, spec) in parts.specs() {
-        let StageSpec::Move { motion_rows, interpolation, .. } = spec else { continue };
+        let StageSpec::Move(stage) = spec else { continue };
         let mut faults = faults.at(format!("stages[{i}]"));
-        check_move(spec, &mut faults);
-        if let Some(rows) = motion_rows
-            && let Err(found) = RecordedMotion::of_piece(rows, interpolation.unwrap_or_default())
+        check_move(stage, &mut faults);
+        let how = stage.interpolation.unwrap_or_default();
+        if let Some(rows) = &stage.motion_rows
+            && let Err(found) = RecordedMotion::of_piece(rows, how)
         {
             report_rows(found, &mut faults);
         }
     }
 }
 
-fn check_move(spec: &StageSpec, faults: &mut Faults) {
-    let StageSpec::Move {
-        velocity_mm_per_s,
-        rotation,
-        sine,
-        ref motion_file,
-        ref motion_rows,
-        interpolation,
-        duration_s,
-        travel_mm,
-        travel_deg,
-        ref until,
-        time_limit_s,
-        ramp_s,
-        ..
-    } = *spec
-    else {
-        return;
-    };
+fn check_move(stage: &MoveSpec, faults: &mut Faults) {
+    let MoveSpec { velocity_mm_per_s, rotation, sine, ref until, ramp_s, .. } = *stage;
+    let MoveSpec { duration_s, travel_mm, travel_deg, .. } = *stage;
     let count = |given: &[bool]| given.iter().filter(|given| **given).count();
-    let recorded = motion_file.is_some() || motion_rows.is_some();
+    let recorded = stage.motion_file.is_some() || stage.motion_rows.is_some();
     if count(&[velocity_mm_per_s.is_some(), rotation.is_some(), sine.is_some(), recorded]) != 1 {
         let allowed = "one of `velocity_mm_per_s`, `rotation`, `sine` and `motion_file`";
         return faults.add("velocity_mm_per_s", "", allowed, "a `move` has one motion");
     }
     if recorded {
-        let both = motion_rows.as_ref().and(motion_file.as_ref()).map(|_| "both");
+        let both = stage.motion_rows.as_ref().and(stage.motion_file.as_ref()).map(|_| "both");
         faults.idle("motion_file", both, "`motion_rows` are there already");
         let ramp = Some(ramp_s).filter(|ramp| *ramp != 0.0 && until.is_none());
         for (field, found) in [
@@ -54,12 +39,12 @@ fn check_move(spec: &StageSpec, faults: &mut Faults) {
             let why = "a recorded motion begins with its first row and ends with its last";
             faults.idle(field, found, why);
         }
-        let rows = motion_rows.as_deref().unwrap_or_default();
+        let rows = stage.motion_rows.as_deref().unwrap_or_default();
         let still = rows.len() > 1 && rows.iter().all(|row| row[1..] == rows[0][1..]);
         let (found, allowed) = ("no displacement", "rows that differ");
         return faults.add_if(still, "motion_rows", found, allowed, "nothing would move");
     }
-    let how = interpolation.map(|how| format!("{how:?}").to_lowercase());
+    let how = stage.interpolation.map(|how| format!("{how:?}").to_lowercase());
     faults.idle("interpolation", how, "only a `motion_file` has rows to join");
     let (travel, name) = match () {
         () if velocity_mm_per_s.is_some() => (travel_mm, "travel_mm"),
@@ -87,7 +72,7 @@ fn check_move(spec: &StageSpec, faults: &mut Faults) {
         return faults.not_zero(field, by, "nothing would move");
     }
     let (length, length_s) = match until {
-        Some(_) => ("time_limit_s", time_limit_s),
+        Some(_) => ("time_limit_s", stage.time_limit_s),
         None => ("duration_s", duration_s),
     };
     let speed = match (&velocity_mm_per_s, &rotation) {

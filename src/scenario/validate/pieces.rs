@@ -22,18 +22,20 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     for (i, spec) in parts.specs() {
         let mut faults = faults.at(format!("stages[{i}]"));
         match spec {
-            StageSpec::Deposit { at_mm, .. } => {
-                check_height(parts, i, at_mm, &mut faults);
-                check_deposit(parts, spec, &mut faults);
+            StageSpec::Deposit(deposit) => {
+                check_height(parts, i, &deposit.at_mm, &mut faults);
+                check_deposit(parts, deposit, &mut faults);
             }
-            StageSpec::Press { loads, ramp_s, time_limit_s, until, .. } => {
+            StageSpec::Press(PressSpec { loads, ramp_s, time_limit_s, until, .. }) => {
                 loads::check(parts, loads, &mut faults);
                 let wrong = until.is_none() && ramp_s > time_limit_s;
                 let allowed = format!("at most {} s, `time_limit_s`", short(*time_limit_s));
                 let why = "the stage would end before the load is whole";
                 faults.add_if(wrong, "ramp_s", ramp_s, allowed, why);
             }
-            StageSpec::Release { pieces, .. } => loads::check_release(parts, pieces, &mut faults),
+            StageSpec::Release(stage) => {
+                loads::check_release(parts, &stage.pieces, &mut faults);
+            }
             _ => {}
         }
     }
@@ -151,21 +153,9 @@ fn check_names_of_stages(parts: &Parts, faults: &mut Faults) {
     faults.add_if(wrong, "stages", "no `deposit`", "at least one", why);
 }
 
-fn check_deposit(parts: &Parts, spec: &StageSpec, faults: &mut Faults) {
-    let StageSpec::Deposit {
-        how,
-        at_mm,
-        area_mm,
-        diameter_mm,
-        rate_g_per_s,
-        sizes_mm,
-        mass_g,
-        time_limit_s,
-        ..
-    } = *spec
-    else {
-        return;
-    };
+fn check_deposit(parts: &Parts, deposit: &DepositSpec, faults: &mut Faults) {
+    let DepositSpec { how, at_mm, area_mm, diameter_mm, rate_g_per_s, .. } = *deposit;
+    let DepositSpec { sizes_mm, mass_g, time_limit_s, .. } = *deposit;
     check_place(parts, at_mm, faults);
     let unclear = area_mm.is_some() == diameter_mm.is_some();
     let message = "a deposit has one area";
@@ -234,10 +224,10 @@ fn check_who_stands(parts: &Parts, faults: &mut Faults) {
         let of_load = |k: usize| format!("loads[{k}].piece");
         let of_piece = |k: usize| format!("pieces[{k}]");
         let (names, field): (Vec<&String>, &dyn Fn(usize) -> String) = match spec {
-            StageSpec::Move { pieces, .. }
-            | StageSpec::Release { pieces, .. }
-            | StageSpec::Remove { pieces, .. } => (pieces.iter().collect(), &of_piece),
-            StageSpec::Press { loads, .. } => {
+            StageSpec::Move(MoveSpec { pieces, .. })
+            | StageSpec::Release(ReleaseSpec { pieces, .. })
+            | StageSpec::Remove(RemoveSpec { pieces, .. }) => (pieces.iter().collect(), &of_piece),
+            StageSpec::Press(PressSpec { loads, .. }) => {
                 (loads.iter().map(|load| &load.piece).collect(), &of_load)
             }
             _ => continue,
@@ -256,8 +246,8 @@ fn check_who_stands(parts: &Parts, faults: &mut Faults) {
                 known.iter().filter(|name| !removed.contains(**name)).copied().collect();
             faults.add(&field(k), Value::from(name.as_str()), standing.join(", "), message);
         }
-        if let StageSpec::Remove { pieces, .. } = spec {
-            removed.extend(pieces.iter().map(String::as_str));
+        if let StageSpec::Remove(stage) = spec {
+            removed.extend(stage.pieces.iter().map(String::as_str));
         }
     }
 }

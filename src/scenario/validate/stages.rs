@@ -18,22 +18,20 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
 /// A plate that would be laid into the wall, and limits of a placement where none is drawn.
 fn check_placements(parts: &Parts, faults: &mut Faults) {
     for (i, spec) in parts.specs() {
-        let StageSpec::PlaceTopPlate { placement, offset_mm, rotation_deg, .. } = *spec else {
-            continue;
-        };
+        let StageSpec::PlaceTopPlate(stage) = spec else { continue };
         let mut faults = faults.at(format!("stages[{i}]"));
-        if placement == 0 {
+        if stage.placement == 0 {
             let why =
                 "it means nothing with placement 0, which lays the plate on the axis, unturned";
             // That of a plate whose rotation was not typed.
-            let rotation = Some(rotation_deg).filter(|deg| *deg != half_turn());
-            faults.idle("offset_mm", offset_mm, why);
+            let rotation = Some(stage.rotation_deg).filter(|deg| *deg != half_turn());
+            faults.idle("offset_mm", stage.offset_mm, why);
             faults.idle("rotation_deg", rotation, why);
             continue;
         }
         let (Some(cylinder), Some(plate)) = (&parts.cylinder, &parts.top_plate) else { continue };
         let clearance = (cylinder.inner_diameter_mm - plate.diameter_mm) / 2.0;
-        let Some(offset) = offset_mm else { continue };
+        let Some(offset) = stage.offset_mm else { continue };
         let wrong = offset > clearance && clearance > 0.0;
         let room = short(clearance);
         let allowed = format!("at most the clearance between plate and cylinder, {room} mm");
@@ -44,17 +42,8 @@ fn check_placements(parts: &Parts, faults: &mut Faults) {
 
 /// Base and time of a pile.
 fn check_pile(parts: &Parts, spec: &StageSpec, faults: &mut Faults) {
-    let StageSpec::SlowPluviation {
-        feed_rate_grains_per_s,
-        spout_diameter_mm,
-        base,
-        base_diameter_mm,
-        time_limit_s,
-        ..
-    } = spec
-    else {
-        return;
-    };
+    let StageSpec::SlowPluviation(stage) = spec else { return };
+    let SlowPluviationSpec { base, base_diameter_mm, spout_diameter_mm, time_limit_s, .. } = stage;
     match (base.kind, base.friction) {
         (BaseKind::Plane, None) => {
             let allowed = "a number of at least 0 and at most 10";
@@ -74,7 +63,7 @@ fn check_pile(parts: &Parts, spec: &StageSpec, faults: &mut Faults) {
     let why = "grains would be released outside the base";
     faults.add_if(wrong, "base_diameter_mm", base_diameter_mm, allowed, why);
     let Some(grading) = &parts.grading else { return };
-    let feeding = grading.count / feed_rate_grains_per_s;
+    let feeding = grading.count / stage.feed_rate_grains_per_s;
     let wrong = feeding.is_finite() && *time_limit_s <= feeding;
     let allowed = format!("more than {} s", short(feeding));
     let why = "the stage ends before all grains have been fed";

@@ -107,7 +107,7 @@ fn find_coarse_steps(parts: &Parts, faults: &mut Faults) {
 /// Cycles per second of a stage's fastest sinusoid, of the table or of pieces; 0 of every other
 /// stage, and of a recorded motion, of which only the speed is judged.
 fn cycles_per_s(stage: &StageSpec) -> f64 {
-    if let StageSpec::Move { sine: Some(sine), .. } = stage {
+    if let StageSpec::Move(MoveSpec { sine: Some(sine), .. }) = stage {
         return sine.frequency_hz;
     }
     let Some(motion) = stage.motion() else { return 0.0 };
@@ -172,8 +172,8 @@ fn motions(parts: &Parts) -> Vec<Fast> {
             let height = radii / from_deg(funnel.half_angle_deg).tan();
             fall(i, height, "from the funnel's top to its lid")
         }
-        StageSpec::SlowPluviation { drop_height_mm, .. } => {
-            fall(i, *drop_height_mm, "from the spout to the pile")
+        StageSpec::SlowPluviation(stage) => {
+            fall(i, stage.drop_height_mm, "from the spout to the pile")
         }
         // Grains leave the funnel's mouth nearly at rest.
         StageSpec::Pour { falling_height_mm, .. } => {
@@ -188,9 +188,9 @@ fn motions(parts: &Parts) -> Vec<Fast> {
             let moves = speed.is_finite() && motion.frames_per_s.is_none();
             moves.then_some(Fast { stage: i, speed, what })
         }
-        StageSpec::Deposit { at_mm, .. } => {
+        StageSpec::Deposit(stage) => {
             let lowest = lowest_mm(parts.pieces().map(|(_, piece)| piece))?;
-            fall(i, (at_mm[2] - lowest).max(0.0), "from the deposit to the lowest piece")
+            fall(i, (stage.at_mm[2] - lowest).max(0.0), "from the deposit to the lowest piece")
         }
         StageSpec::Move { .. } => {
             let motion = spec.piece_motion()?;
@@ -202,16 +202,16 @@ fn motions(parts: &Parts) -> Vec<Fast> {
             let what = "a piece at its fastest".to_owned();
             speed.is_finite().then_some(Fast { stage: i, speed, what })
         }
-        StageSpec::Release { pieces, .. } => {
+        StageSpec::Release(stage) => {
             let lowest = lowest_mm(parts.pieces().map(|(_, piece)| piece))?;
-            let named = parts.pieces().filter(|(_, piece)| pieces.contains(&piece.name));
+            let named = parts.pieces().filter(|(_, piece)| stage.pieces.contains(&piece.name));
             let highest = named.map(|(_, piece)| piece.at_mm[2]).fold(lowest, f64::max);
             let what = "a piece that is let go and falls to the lowest".to_owned();
             Some(Fast { what, ..fall(i, highest - lowest, "")? })
         }
-        StageSpec::Press { approach_mm_per_s, .. } => {
+        StageSpec::Press(stage) => {
             let what = "a piece that is pressed on".to_owned();
-            Some(Fast { stage: i, speed: from_mm(*approach_mm_per_s), what })
+            Some(Fast { stage: i, speed: from_mm(stage.approach_mm_per_s), what })
         }
         _ => None,
     };

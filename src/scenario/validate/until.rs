@@ -23,11 +23,9 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
 
 /// The limit of a motion that a condition ends.
 fn check_limit(spec: &StageSpec, faults: &mut Faults) {
-    let StageSpec::Move { until, time_limit_s, motion_file, motion_rows, .. } = spec else {
-        return;
-    };
-    let recorded = motion_file.is_some() || motion_rows.is_some();
-    let (found, allowed, message) = match (until, time_limit_s) {
+    let StageSpec::Move(stage) = spec else { return };
+    let recorded = stage.motion_file.is_some() || stage.motion_rows.is_some();
+    let (found, allowed, message) = match (&stage.until, stage.time_limit_s) {
         (_, Some(limit)) if recorded => {
             let why = "a recorded motion ends with its last row at the latest";
             return faults.idle("time_limit_s", Some(limit), why);
@@ -114,7 +112,7 @@ fn check_way(
     };
     let names = pieces_of(measures, until);
     let kinematic = |name: &String| match spec {
-        StageSpec::Move { pieces, .. } => pieces.is_empty() || pieces.contains(name),
+        StageSpec::Move(stage) => stage.pieces.is_empty() || stage.pieces.contains(name),
         _ => false,
     };
     let gives_way = |name: &String| holds.get(name.as_str()).is_some_and(|hold| hold.gives_way());
@@ -153,11 +151,8 @@ fn check_turn(parts: &Parts, until: &ConditionSpec, holds: &Holds, faults: &mut 
 /// How far a motion carries the pieces that it moves until its limit, at full speed but for the
 /// time in which it grows and dies away.
 fn check_reach(spec: &StageSpec, until: &ConditionSpec, faults: &mut Faults) {
-    let StageSpec::Move { pieces, velocity_mm_per_s, rotation, sine, time_limit_s, ramp_s, .. } =
-        spec
-    else {
-        return;
-    };
+    let StageSpec::Move(stage) = spec else { return };
+    let MoveSpec { pieces, velocity_mm_per_s, rotation, sine, time_limit_s, ramp_s, .. } = stage;
     let (Some(piece), Some(limit)) = (&until.piece, time_limit_s) else { return };
     if !(pieces.contains(piece) && sine.is_none() && limit > ramp_s) {
         return;
