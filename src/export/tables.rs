@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::measure::{pairs_within, touching_gap};
+use crate::record::csv_of;
 use crate::units::{to_g, to_mm, to_mm3};
 
 /// Columns of [`grains_csv`], in the order of its cells.
@@ -18,16 +19,6 @@ const CONTACTS: &str = "first,second,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z,\
 
 /// Columns of [`pairs_csv`], in the order of its cells.
 const PAIRS: &str = "first,second,gap_mm,overlap_percent";
-
-/// A header and rows with as many cells; groups of cells within a row lie flat.
-fn table(columns: &str, rows: impl Iterator<Item = impl Serialize>) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-    writer.write_record(columns.split(','))?;
-    for row in rows {
-        writer.serialize(row)?;
-    }
-    writer.into_inner().map_err(|e| e.into_error().into())
-}
 
 fn in_mm(of: &Vector) -> [f64; 3] {
     [to_mm(of.x), to_mm(of.y), to_mm(of.z)]
@@ -52,7 +43,7 @@ pub fn grains_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
             [w.x, w.y, w.z],
         )
     });
-    table(GRAINS, rows)
+    csv_of(GRAINS, rows)
 }
 
 /// One row a loaded contact: point midway between the surfaces, unit normal from the second to the
@@ -66,7 +57,7 @@ pub fn contacts_csv(setup: &Setup, specimen: &Specimen) -> Result<Vec<u8>, csv::
         let (n, f) = (c.normal, c.force_n);
         (names, in_mm(&c.point_m), [n.x, n.y, n.z], [f.x, f.y, f.z])
     };
-    table(CONTACTS, specimen.state.contacts.iter().map(row))
+    csv_of(CONTACTS, specimen.state.contacts.iter().map(row))
 }
 
 /// One row for every two grains that touch, measured outside any engine: gap, negative where they
@@ -84,7 +75,7 @@ pub fn pairs_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
         let overlap_percent = 100.0 * (-p.gap).max(0.0) / (sizes / 2.0);
         (grain_name(p.a), grain_name(p.b), to_mm(p.gap), overlap_percent)
     });
-    table(PAIRS, rows)
+    csv_of(PAIRS, rows)
 }
 
 #[cfg(test)]

@@ -58,7 +58,7 @@ pub use stage::{StageRecord, StoredStage};
 pub use store::StageStore;
 pub use store_check::{StoreReport, StoredItem, StoredState, check_store};
 pub use summary::*;
-pub use tables::to_csv;
+pub use tables::{csv_of, to_csv};
 pub use unfinished::{begin_file, remove_abandoned};
 pub use variations::{RunRow, VariationRow, variations_csv};
 

@@ -14,6 +14,23 @@ pub fn to_csv<T: Serialize>(rows: impl IntoIterator<Item = T>) -> Result<Vec<u8>
     writer.into_inner().map_err(|e| e.into_error().into())
 }
 
+/// A header of columns, separated by commas, and rows with as many cells; groups of cells within a
+/// row lie flat.
+///
+/// # Errors
+/// As [`to_csv`].
+pub fn csv_of<T: Serialize>(
+    columns: &str,
+    rows: impl IntoIterator<Item = T>,
+) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    writer.write_record(columns.split(','))?;
+    for row in rows {
+        writer.serialize(row)?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
+}
+
 /// Adds columns to a table, by the number of the row; a cell without a number is empty.
 pub(super) fn with_columns(
     table: &[u8],
