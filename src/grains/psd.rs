@@ -29,8 +29,6 @@ pub struct Fraction {
     pub mass: f64,
     /// Solid volume in m³.
     pub volume: f64,
-    /// Mean size in m.
-    pub mean_size: f64,
     /// Number of grains.
     pub grains: usize,
 }
@@ -81,7 +79,6 @@ impl ParticleSizeDistribution {
                 mass_percent: row.mass_percent * 100.0 / sum,
                 mass,
                 volume,
-                mean_size,
                 grains: 0,
             });
         }
@@ -117,7 +114,6 @@ impl ParticleSizeDistribution {
                 mass_percent: mass / total_mass * 100.0,
                 mass,
                 volume: own().fold(0.0, |volume, g| volume + g.volume),
-                mean_size: (block.passing + block.retained) / 2.0,
                 grains: own().count(),
             };
             table.push(SieveFraction {

@@ -37,7 +37,8 @@ pub(super) fn name_of(party: &Party, setup: &Setup) -> String {
     }
 }
 
-pub(super) fn free_grain(grain: &Grain, state: BodyState) -> Body {
+/// A grain as a free body.
+pub fn free_grain(grain: &Grain, state: BodyState) -> Body {
     Body {
         shape: grain.shape.clone(),
         motion: Motion::Free { mass: grain.mass, inertia: grain.inertia },

@@ -7,6 +7,7 @@ use nalgebra::UnitQuaternion;
 use super::{VerifyError, view::View};
 use crate::geometry::{ConvexPolyhedron, MassProperties, Pose, Vector};
 use crate::grains::{Grain, GrainSet, generate};
+use crate::protocol::free_grain;
 use crate::scenario::{CellShape, SieveFraction, SievedGrains, SievedShape};
 use crate::world::{
     Body, BodyId, BodyState, Contact, Material, Motion, PairCoefficients, PairTable,
@@ -415,12 +416,7 @@ pub fn grains(count: usize, seed: u64) -> Result<GrainSet, VerifyError> {
 
 /// A grain as a free body at rest at a pose.
 pub fn grain_body(grain: &Grain, pose: Pose) -> Body {
-    Body {
-        shape: grain.shape.clone(),
-        motion: Motion::Free { mass: grain.mass, inertia: grain.inertia },
-        material: Material::Grain,
-        state: BodyState::at_rest(pose),
-    }
+    free_grain(grain, BodyState::at_rest(pose))
 }
 
 /// Height in m of the lowest vertex of a shape in an orientation, relative to its centroid.
