@@ -1,8 +1,8 @@
 //! The settings of the engine as they stand in the key of a stage: what all engines read, and what
 //! the one that carries the grains asks for alone. Those of others change no key.
 //!
-//! They are types of their own, so that settings may be renamed or written otherwise without a new
-//! key. Fields, their order and the words of choices are part of the key: who changes them raises
+//! They are types of their own, so that settings may be written otherwise without a new key.
+//! Fields, their order and the words of choices are part of the key: who changes them raises
 //! `FORMAT` of `stage_key.rs`.
 
 use super::*;
@@ -10,11 +10,34 @@ use crate::scenario::{
     ContactSolver, FrictionModel, InertiaRule, NativeSettings, RapierSettings, StockSettings,
 };
 
-/// What all engines read, and one of the groups.
-#[derive(Serialize)]
-pub(super) struct EngineKey {
-    backend: &'static str,
-    contact_solver: &'static str,
+/// The key of some settings, each by its name: a new one must be put here, or left out, on purpose.
+macro_rules! key {
+    (
+        $(#[$about:meta])*
+        $key:ident of $settings:ident {
+            $($(#[$of_field:meta])* $field:ident: $type:ty,)*
+        } without { $($left_out:ident),* }
+    ) => {
+        $(#[$about])*
+        #[derive(Serialize)]
+        struct $key {
+            $($(#[$of_field])* $field: $type,)*
+        }
+
+        impl $key {
+            fn of(settings: &$settings) -> Self {
+                let $settings { $($field,)* $($left_out: _,)* } = settings;
+                Self { $($field: *$field,)* }
+            }
+        }
+    };
+}
+
+key! {
+/// What all engines read.
+CommonKey of EngineSettings {
+    backend: Backend,
+    contact_solver: ContactSolver,
     grain_size_mm: f64,
     rate_hz: f64,
     iterations: u32,
@@ -29,29 +52,25 @@ pub(super) struct EngineKey {
     angular_damping: f64,
     gyroscopic: bool,
     allow_coarse_steps: bool,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    stock: Option<StockKey>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    native: Option<NativeKey>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    rapier: Option<RapierKey>,
+} without { stock, native, rapier }
 }
 
+key! {
 /// What stock Bullet contacts ask for.
-#[derive(Serialize)]
-struct StockKey {
+StockKey of StockSettings {
     collision_margin_mm: f64,
-    inertia: &'static str,
+    inertia: InertiaRule,
     least_mass_g: f64,
     relative_contact_threshold: f64,
     sleeping: bool,
     sleeping_speed_m_per_s: f64,
     sleeping_spin_rad_per_s: f64,
+} without {}
 }
 
-/// What the native contact solver asks for.
-#[derive(Serialize)]
-struct NativeKey {
+key! {
+/// What the native contact solver asks for; its threads change no bit.
+NativeKey of NativeSettings {
     substep_rate_hz: f64,
     iterations: u32,
     solver_tolerance: f64,
@@ -61,11 +80,12 @@ struct NativeKey {
     contacts_at_once: u32,
     #[serde(skip_serializing_if = "Option::is_none")]
     checkpoint_every_s: Option<f64>,
+} without { threads, may_leave_threads, portable }
 }
 
+key! {
 /// What rapier asks for.
-#[derive(Serialize)]
-struct RapierKey {
+RapierKey of RapierSettings {
     substeps: u32,
     iterations: u32,
     relaxing_iterations: u32,
@@ -77,171 +97,41 @@ struct RapierKey {
     engine_unit_mm: f64,
     prediction_mm: f64,
     corrective_speed_m_per_s: f64,
-    friction_model: &'static str,
+    friction_model: FrictionModel,
     friction_while_correcting: bool,
     spanned_faces: bool,
     contact_recycling: bool,
     recycling_distance_mm: f64,
+} without {}
+}
+
+/// What all engines read, and one of the groups.
+#[derive(Serialize)]
+pub(super) struct EngineKey {
+    #[serde(flatten)]
+    common: CommonKey,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stock: Option<StockKey>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    native: Option<NativeKey>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rapier: Option<RapierKey>,
 }
 
 impl EngineKey {
-    /// Of settings, each by its name: a new one must be put here, or left out, on purpose.
     pub(super) fn of(settings: &EngineSettings) -> Self {
-        let EngineSettings {
-            backend,
-            contact_solver,
-            grain_size_mm,
-            rate_hz,
-            iterations,
-            length_scale,
-            friction_directions,
-            contact_threshold_mm,
-            erp,
-            warm_start,
-            split_impulse,
-            restitution_velocity_threshold_m_per_s,
-            linear_damping,
-            angular_damping,
-            gyroscopic,
-            allow_coarse_steps,
-            ref stock,
-            ref native,
-            ref rapier,
-        } = *settings;
-        let (stock, native, rapier) = match (backend, contact_solver) {
-            (Backend::Rapier, _) => (None, None, Some(RapierKey::of(rapier))),
-            (Backend::Bullet, ContactSolver::Stock) => (Some(StockKey::of(stock)), None, None),
-            (Backend::Bullet, ContactSolver::Native) => (None, Some(NativeKey::of(native)), None),
-        };
-        Self {
-            backend: match backend {
-                Backend::Bullet => "bullet",
-                Backend::Rapier => "rapier",
-            },
-            contact_solver: match contact_solver {
-                ContactSolver::Stock => "stock",
-                ContactSolver::Native => "native",
-            },
-            grain_size_mm,
-            rate_hz,
-            iterations,
-            length_scale,
-            friction_directions,
-            contact_threshold_mm,
-            erp,
-            warm_start,
-            split_impulse,
-            restitution_velocity_threshold_m_per_s,
-            linear_damping,
-            angular_damping,
-            gyroscopic,
-            allow_coarse_steps,
-            stock,
-            native,
-            rapier,
+        let mut key =
+            Self { common: CommonKey::of(settings), stock: None, native: None, rapier: None };
+        match (settings.backend, settings.contact_solver) {
+            (Backend::Rapier, _) => key.rapier = Some(RapierKey::of(&settings.rapier)),
+            (Backend::Bullet, ContactSolver::Stock) => {
+                key.stock = Some(StockKey::of(&settings.stock));
+            }
+            (Backend::Bullet, ContactSolver::Native) => {
+                key.native = Some(NativeKey::of(&settings.native));
+            }
         }
-    }
-}
-
-impl StockKey {
-    fn of(settings: &StockSettings) -> Self {
-        let StockSettings {
-            collision_margin_mm,
-            inertia,
-            least_mass_g,
-            relative_contact_threshold,
-            sleeping,
-            sleeping_speed_m_per_s,
-            sleeping_spin_rad_per_s,
-        } = *settings;
-        let inertia = match inertia {
-            InertiaRule::Exact => "exact",
-            InertiaRule::BoundingBox => "bounding_box",
-            InertiaRule::BoundingBoxWithDefaultMargin => "bounding_box_with_default_margin",
-        };
-        Self {
-            collision_margin_mm,
-            inertia,
-            least_mass_g,
-            relative_contact_threshold,
-            sleeping,
-            sleeping_speed_m_per_s,
-            sleeping_spin_rad_per_s,
-        }
-    }
-}
-
-impl NativeKey {
-    fn of(settings: &NativeSettings) -> Self {
-        // Threads and instructions change no bit.
-        let NativeSettings {
-            substep_rate_hz,
-            iterations,
-            solver_tolerance,
-            contact_stiffness_n_per_m,
-            contact_damping_ratio,
-            max_depenetration_velocity_m_per_s,
-            threads: _,
-            may_leave_threads: _,
-            portable: _,
-            contacts_at_once,
-            checkpoint_every_s,
-        } = *settings;
-        Self {
-            substep_rate_hz,
-            iterations,
-            solver_tolerance,
-            contact_stiffness_n_per_m,
-            contact_damping_ratio,
-            max_depenetration_velocity_m_per_s,
-            contacts_at_once,
-            checkpoint_every_s,
-        }
-    }
-}
-
-impl RapierKey {
-    fn of(settings: &RapierSettings) -> Self {
-        let RapierSettings {
-            substeps,
-            iterations,
-            relaxing_iterations,
-            contact_frequency_hz,
-            contact_damping_ratio,
-            wall_contact_frequency_hz,
-            wall_contact_damping_ratio,
-            warm_start,
-            engine_unit_mm,
-            prediction_mm,
-            corrective_speed_m_per_s,
-            friction_model,
-            friction_while_correcting,
-            spanned_faces,
-            contact_recycling,
-            recycling_distance_mm,
-        } = *settings;
-        let friction_model = match friction_model {
-            FrictionModel::Coulomb => "coulomb",
-            FrictionModel::Simplified => "simplified",
-        };
-        Self {
-            substeps,
-            iterations,
-            relaxing_iterations,
-            contact_frequency_hz,
-            contact_damping_ratio,
-            wall_contact_frequency_hz,
-            wall_contact_damping_ratio,
-            warm_start,
-            engine_unit_mm,
-            prediction_mm,
-            corrective_speed_m_per_s,
-            friction_model,
-            friction_while_correcting,
-            spanned_faces,
-            contact_recycling,
-            recycling_distance_mm,
-        }
+        key
     }
 }
 
@@ -319,6 +209,15 @@ mod tests {
             );
             assert_eq!(key(&settings), expected, "law: left what it is, right what was stored");
         }
+    }
+
+    /// Law: likewise the words of choices.
+    #[test]
+    fn the_words_of_choices_are_as_they_were_stored() {
+        let boxes = [InertiaRule::BoundingBox, InertiaRule::BoundingBoxWithDefaultMargin];
+        let expected = json!(["bounding_box", "bounding_box_with_default_margin"]);
+        assert_eq!(json!(boxes), expected, "law: left what it is, right what was stored");
+        assert_eq!(json!(FrictionModel::Coulomb), "coulomb", "law: likewise of rapier");
     }
 
     /// Law: the words of choices, and what is left out where it is not typed, are as settings are
