@@ -11,7 +11,6 @@ mod comparison;
 mod convergence;
 pub(crate) mod figures;
 pub(crate) mod html;
-mod laws;
 pub(crate) mod page;
 pub(crate) mod plot;
 mod png;
@@ -55,7 +54,6 @@ pub use convergence::{
     Cheapest, Convergence, ConvergenceRow, Deviation, Deviations, write_convergence,
 };
 pub use figures::{Figure, side_view as pile_picture};
-pub use laws::{LawCase, LawCurve, LawRow, write_laws};
 pub use plot::{Look, Plot};
 pub use png::{Picture, draw as draw_svg, render as svg_to_png};
 pub use quality::Standard;

@@ -10,6 +10,7 @@ mod bench;
 mod case;
 mod experiment;
 mod judge;
+mod page;
 mod scene;
 mod suite;
 mod view;

@@ -11,10 +11,10 @@ use std::{
 
 use rayon::prelude::*;
 
-use super::{Case, Setting, Status, Verdict, verify};
+use super::{Case, Setting, Status, Verdict, page, verify};
 use crate::protocol::Progress;
-use crate::record::{FileError, write_file, write_json};
-use crate::report::{LawCase, LawCurve, LawRow, ReportError, write_laws};
+use crate::record::{FileError, write_json};
+use crate::report::ReportError;
 use crate::world::WorldMaker;
 
 /// The suite's name to whoever shows progress.
@@ -87,32 +87,10 @@ pub fn run_suite(options: &SuiteOptions, make: WorldMaker) -> Result<Vec<Verdict
     let verdicts = verdicts.ok_or(SuiteError::Cancelled)?;
     if let Some(out) = &options.out {
         write_json(&out.join("verify.json"), &verdicts)?;
-        let path = out.join("verify.csv");
-        let rows = table(&verdicts).map_err(|e| FileError::new("write", &path, e))?;
-        write_file(&path, &rows)?;
-        write_laws(out, &pages(&options.cases, &verdicts))?;
+        page::rows(&verdicts).write(&out.join("verify.csv"))?;
+        page::write(out, &options.cases, &verdicts)?;
     }
     Ok(verdicts)
-}
-
-/// `verify.csv`: one row a case and setting.
-fn table(verdicts: &[Verdict]) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let header = "case,setting,engine,expected,tolerance,got,unit,status";
-    writer.write_record(header.split(','))?;
-    for v in verdicts {
-        writer.write_record([
-            v.id.as_str(),
-            &v.setting,
-            &format!("{} {}, {}", v.backend, v.version, v.precision),
-            &v.expected.to_string(),
-            &v.tolerance.to_string(),
-            &v.got.map_or(String::new(), |got| got.to_string()),
-            &v.unit,
-            v.status.words(),
-        ])?;
-    }
-    writer.into_inner().map_err(|e| e.into_error().into())
 }
 
 /// A pool of a number of threads, or of as many as the system gives.
@@ -127,52 +105,6 @@ fn pool(threads: usize) -> Result<rayon::ThreadPool, SuiteError> {
 fn in_words(verdict: &Verdict) -> String {
     let got = verdict.got.map_or_else(|| "nothing".to_owned(), |g| format!("{g:.4}"));
     format!("{}, got {got} {}", verdict.status.words(), verdict.unit)
-}
-
-fn pages(cases: &[Case], verdicts: &[Verdict]) -> Vec<LawCase> {
-    cases
-        .iter()
-        .map(|case| {
-            let of_case: Vec<&Verdict> = verdicts.iter().filter(|v| v.id == case.id).collect();
-            let axes = of_case.iter().find_map(|v| v.outcome.as_ref());
-            LawCase {
-                id: case.id.clone(),
-                title: case.title.clone(),
-                law: case.law.clone(),
-                source: case.source.clone(),
-                quantity: case.quantity.clone(),
-                x: axes.map(|o| o.x.clone()).unwrap_or_default(),
-                y: axes.map(|o| o.y.clone()).unwrap_or_default(),
-                rows: of_case.iter().map(|v| row(v)).collect(),
-                curves: of_case.iter().flat_map(|v| curves(v)).collect(),
-            }
-        })
-        .collect()
-}
-
-fn row(verdict: &Verdict) -> LawRow {
-    LawRow {
-        setting: verdict.setting.clone(),
-        engine: format!("{} {}, {}", verdict.backend, verdict.version, verdict.precision),
-        expected: verdict.expected,
-        got: verdict.got,
-        tolerance: verdict.tolerance,
-        unit: verdict.unit.clone(),
-        verdict: verdict.status.words().to_owned(),
-        met: verdict.pass,
-        as_expected: verdict.status.as_expected(),
-        remarks: verdict.known_reason.iter().chain(&verdict.note).cloned().collect(),
-    }
-}
-
-fn curves(verdict: &Verdict) -> Vec<LawCurve> {
-    let all = verdict.outcome.iter().flat_map(|o| &o.curves);
-    all.map(|c| LawCurve {
-        setting: (!c.law).then(|| verdict.setting.clone()),
-        name: c.name.clone(),
-        points: c.points.clone(),
-    })
-    .collect()
 }
 
 /// How many verdicts have each status.
