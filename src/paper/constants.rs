@@ -8,6 +8,8 @@ pub const TOTAL_MASS_G: f64 = 2343.0;
 pub const GRAIN_COUNT: usize = 1456;
 /// Falling heights of the pluviation tests in mm (section 2: 0, 5, 10 and 20 cm).
 pub const FALLING_HEIGHTS_MM: [f64; 4] = [0.0, 50.0, 100.0, 200.0];
+/// Millimetres in a centimetre, in which the text gives falling heights.
+pub(super) const MM_IN_CM: f64 = 10.0;
 /// Falling height of the specimens that were vibrated, in mm (section 2: 5 cm).
 pub const VIBRATED_FALLING_HEIGHT_MM: f64 = 50.0;
 /// Frequency of the vibration in Hz (section 2: 3 cps).

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{StudyView, constants::VIBRATED_FALLING_HEIGHT_MM};
+use super::{StudyView, constants::VIBRATED_FALLING_HEIGHT_MM, view::is_poured_from};
 use crate::{
     record::{RunKind, RunRecord, SeriesRow},
     report::{quality::never_mixed, settlement::settlement_curve},
@@ -39,10 +39,6 @@ impl MeanSettlement {
         let shaken = study.runs.iter().filter(|r| {
             matches!(r.kind, RunKind::VibrationContinuous | RunKind::VibrationPlacement)
         });
-        let poured = |r: &&RunRecord| {
-            r.kind == RunKind::Pluviation
-                && (r.falling_height_mm - VIBRATED_FALLING_HEIGHT_MM).abs() < 0.5
-        };
         let (of, left_out) = never_mixed(shaken);
         let valid = !left_out.all;
         let curves = |wanted: fn(&RunRecord) -> bool| -> Vec<Curve> {
@@ -52,6 +48,7 @@ impl MeanSettlement {
         };
         let (own, all) = (curves(|r| r.kind == RunKind::VibrationContinuous), curves(|_| true));
         // Runs that were poured count as those that were shaken do.
+        let poured = |r: &&RunRecord| is_poured_from(r, VIBRATED_FALLING_HEIGHT_MM);
         let poured = study.runs.iter().filter(poured);
         let rests: Vec<Curve> = poured
             .filter(|r| r.counts_in_means() || !valid)

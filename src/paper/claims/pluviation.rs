@@ -5,8 +5,12 @@ use crate::measure::{
     statistics::{least_squares_slope, mean},
 };
 use crate::paper::{
-    Claim, Stated, StudyView, claim::Draft, claims::list, constants::FALLING_HEIGHTS_MM,
-    uncertainty::trend, view::height_mm,
+    Claim, Stated, StudyView,
+    claim::Draft,
+    claims::list,
+    constants::{FALLING_HEIGHTS_MM, MM_IN_CM},
+    uncertainty::trend,
+    view::height_mm,
 };
 use crate::record::{RunKind, RunRecord};
 use crate::report::text::{listed, number};
@@ -62,7 +66,6 @@ fn monotone(study: &StudyView) -> Claim {
 }
 
 fn slope(study: &StudyView) -> Claim {
-    const MM_IN_CM: f64 = 10.0;
     let slope = |c| Some(least_squares_slope(&study.standing_heights(c))? * MM_IN_CM);
     let slopes: Vec<f64> = study.configurations().filter_map(slope).collect();
     Draft::of("standing-height-slope")

@@ -8,12 +8,10 @@
 use crate::measure::{Interval, inference::MeanTest};
 use crate::paper::{
     Claim, ClaimKind, PaperValue, StudyView, Verdict, claim::Draft, constants,
-    view::angle_of_repose,
+    uncertainty::CONFIDENCE, view::angle_of_repose,
 };
 use crate::record::RunKind;
 use crate::report::text::number;
-
-const CONFIDENCE: f64 = 0.95;
 
 /// Why a single pile is not compared.
 const ONE_PILE: &str = "one configuration has no interval";

@@ -2,7 +2,11 @@
 
 use super::ReportInput;
 use crate::{
-    paper::{StudyView, Verdict, constants::FALLING_HEIGHTS_MM, uncertainty::settlements},
+    paper::{
+        StudyView, Verdict,
+        constants::FALLING_HEIGHTS_MM,
+        uncertainty::{MODES, settlements},
+    },
     record::{RunKind, RunRecord, left_out_in_words},
     report::{
         Standard,
@@ -55,10 +59,7 @@ fn missing(study: &StudyView) -> Option<String> {
                 missing.push(format!("pluviation from {fh} cm (configuration {c})"));
             }
         }
-        for (kind, name) in [
-            (RunKind::VibrationContinuous, "continuous"),
-            (RunKind::VibrationIntermittent, "intermittent"),
-        ] {
+        for (kind, name) in MODES {
             if study.vibration(kind, c).is_none() {
                 missing.push(format!("{name} vibration (configuration {c})"));
             }

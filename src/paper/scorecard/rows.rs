@@ -9,7 +9,8 @@ use crate::{
         claims::edge_ratio,
         constants::{CONTINUOUS_S, PERIOD_S},
         uncertainty::{
-            PlacementScatter, SETTLEMENT_OF_PLATE, SHARE_AFTER_5_S, placement_scatter, trend,
+            CONFIDENCE, PlacementScatter, SETTLEMENT_OF_PLATE, SHARE_AFTER_5_S, placement_scatter,
+            trend,
         },
         view::{angle_of_repose, plate},
     },
@@ -17,9 +18,6 @@ use crate::{
     record::{RunKind, RunRecord, Settlement},
     report::text::{compact, number},
 };
-
-/// Confidence of the rows' intervals.
-const CONFIDENCE: f64 = 0.95;
 
 /// Said of a plate's rows where the programme has no other placements.
 const ONE_PLACEMENT: &str = "One placement of the plate per specimen.";

@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use super::{
     StudyView, bands,
+    constants::MM_IN_CM,
     view::{height_mm, is_poured_from, plate, surface},
 };
 use crate::measure::{
@@ -20,13 +21,12 @@ use crate::measure::{
     statistics::{least_squares_slope, mean},
 };
 use crate::record::{RunKind, RunRecord, Settlement};
-use crate::report::text::number;
+use crate::report::{settlement::SETTLEMENTS, text::number};
 
 /// Confidence of every interval and test.
 pub const CONFIDENCE: f64 = 0.95;
 /// Probability with which the configurations asked for would find the trend.
 pub const POWER: f64 = 0.8;
-const MM_IN_CM: f64 = 10.0;
 
 /// `uncertainty.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -212,10 +212,8 @@ pub fn uncertainty(all: &StudyView) -> Uncertainty {
         let height = |r: &RunRecord| is_poured_from(r, fh).then(|| height_mm(r));
         quantities.push(Quantity::of(name, "mm", Some(fh), study, &height));
     }
-    type Of = fn(&RunRecord) -> Option<&Settlement>;
-    let of: [(&str, Of); 2] = [("plate", plate), ("mean surface", surface)];
     for (kind, mode) in MODES {
-        for (what, settlement) in of {
+        for (what, settlement) in SETTLEMENTS {
             let continuous = kind == RunKind::VibrationContinuous;
             let early = |s: &Settlement| {
                 if continuous { s.after_5_s } else { s.after_each_period.first().copied() }
@@ -242,7 +240,8 @@ pub fn uncertainty(all: &StudyView) -> Uncertainty {
     }
 }
 
-const MODES: [(RunKind, &str); 2] = [
+/// The programme's vibrations.
+pub(super) const MODES: [(RunKind, &str); 2] = [
     (RunKind::VibrationContinuous, "continuous"),
     (RunKind::VibrationIntermittent, "intermittent"),
 ];

@@ -2,7 +2,7 @@
 
 use crate::{
     measure::Interval,
-    paper::{StudyView, uncertainty},
+    paper::{StudyView, constants::MM_IN_CM, uncertainty, view::height_mm},
     record::{RunKind, RunRecord},
     report::{
         Figure, ReportError,
@@ -14,7 +14,6 @@ use crate::{
     },
 };
 
-const MM_IN_CM: f64 = 10.0;
 /// Half the width of an interval's end stroke, in cm of falling height.
 const STROKE_CM: f64 = 0.25;
 
@@ -25,7 +24,6 @@ pub(super) fn over_falling_height(study: &StudyView) -> Result<Figure, ReportErr
         let falls = a.falling_height_mm.total_cmp(&b.falling_height_mm);
         a.configuration.cmp(&b.configuration).then(falls)
     });
-    let mean = |r: &RunRecord| r.summary.standing_height_mm.mean_surface;
     let p95 = |r: &RunRecord| r.summary.standing_height_mm.p95;
     let highest_fall =
         runs.iter().map(|r| r.falling_height_mm / MM_IN_CM).fold(20.0, f64::max).min(1e3);
@@ -39,7 +37,7 @@ pub(super) fn over_falling_height(study: &StudyView) -> Result<Figure, ReportErr
         let some_left_out = of.iter().any(|r| !r.counts_in_means());
         let mark = if some_left_out { ", not valid in part" } else { "" };
         let label = format!("Configuration {}{mark}", of[0].configuration);
-        plot.add(label, Look::marked(n), points(&mean));
+        plot.add(label, Look::marked(n), points(&height_mm));
     }
     let table = table!(runs.iter().map(|r| (r, r.summary.standing_height_mm)), |(r, height)| {
         "run" => &r.name,
@@ -53,7 +51,7 @@ pub(super) fn over_falling_height(study: &StudyView) -> Result<Figure, ReportErr
     });
     plot.add_key_of_thin("95th percentile of the surface (same colours)");
     let counting = runs.iter().filter(|r| r.counts_in_means());
-    let range = Interval::of(counting.map(|r| mean(r))).map(|i| {
+    let range = Interval::of(counting.map(|r| height_mm(r))).map(|i| {
         let (low, high) = (number(i.low, 1), number(i.high, 1));
         format!("The simulated mean surfaces lie between {low} and {high} mm.")
     });

@@ -2,7 +2,12 @@
 
 use crate::{
     measure::statistics::mean,
-    paper::{InterpretationColumn, bands, constants, mean_settlement::mean_curve},
+    paper::{
+        InterpretationColumn, bands,
+        constants::{FALLING_HEIGHTS_MM, MM_IN_CM},
+        mean_settlement::mean_curve,
+        view::height_mm,
+    },
     record::{RunKind, RunRecord},
     report::{
         Figure, ReportError,
@@ -15,7 +20,6 @@ use crate::{
     },
 };
 
-const MM_IN_CM: f64 = 10.0;
 /// What every caption says of runs that do not count.
 const MIND: &str =
     "Means are of valid runs; “not valid” marks curves of which, in part or in whole, no run is.";
@@ -73,11 +77,10 @@ fn heights(columns: &[InterpretationColumn]) -> Result<Figure, ReportError> {
     for column in columns {
         let mut points = Vec::new();
         let mut some_not_valid = false;
-        for fh in constants::FALLING_HEIGHTS_MM {
-            let height = |r: &RunRecord| r.summary.standing_height_mm.mean_surface;
-            let from = column.poured_from(fh).filter(|r| height(r).is_finite());
+        for fh in FALLING_HEIGHTS_MM {
+            let from = column.poured_from(fh).filter(|r| height_mm(r).is_finite());
             let (shown, left_out) = never_mixed(from);
-            let heights: Vec<f64> = shown.into_iter().map(height).collect();
+            let heights: Vec<f64> = shown.into_iter().map(height_mm).collect();
             if let Some(mean) = mean(&heights) {
                 points.push((fh / MM_IN_CM, mean));
                 some_not_valid |= left_out.all;
