@@ -4,7 +4,7 @@ use std::sync::mpsc::RecvTimeoutError;
 
 use super::picture::{prepare, refuse_existing};
 use super::*;
-use crate::viewer::{Redirect, RunData, Server, Site, read_run_data, self_contained};
+use crate::viewer::{Redirect, Server, Site, read_run_data, self_contained};
 
 /// Play a run in the browser, in three dimensions
 #[derive(Debug, Args)]
@@ -50,18 +50,6 @@ struct Shown {
 }
 
 impl Shown {
-    fn of(run: &RunData, address: Option<String>, file: Option<PathBuf>) -> Self {
-        Self {
-            scenario: run.scenario.clone(),
-            grains: run.grains,
-            stages: run.stages,
-            frames: run.frames,
-            frames_kept: run.kept,
-            address,
-            file,
-        }
-    }
-
     fn text(&self) -> String {
         let Self { scenario, grains, stages, frames, .. } = self;
         let scenario = plain(scenario);
@@ -83,10 +71,18 @@ pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliE
         refuse_existing(file, args.force)?;
     }
     let data = read_run_data(&args.run)?;
+    let mut shown = Shown {
+        scenario: data.scenario.clone(),
+        grains: data.grains,
+        stages: data.stages,
+        frames: data.frames,
+        frames_kept: data.kept,
+        address: None,
+        file: args.save.clone(),
+    };
     if let Some(file) = &args.save {
         prepare(file, args.force)?;
         write_file(file, self_contained(&data).as_bytes())?;
-        let shown = Shown::of(&data, None, Some(file.clone()));
         return context.done(&shown.text(), &shown);
     }
     let (stop, stopped) = std::sync::mpsc::channel();
@@ -95,7 +91,6 @@ pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliE
     if let Err(error) = ctrlc::set_handler(move || sender.send(()).unwrap_or_default()) {
         say(&format!("warning: Ctrl-C will stop at once, not cleanly: {error}"));
     }
-    let mut shown = Shown::of(&data, None, None);
     let server = Server::start(Site::new(data), args.port)?;
     shown.address = Some(server.url());
     context.print(&shown.text(), &shown)?;
