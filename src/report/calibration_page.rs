@@ -1,19 +1,7 @@
 //! The files of a calibration: tables, a figure, and the page as Markdown and as HTML.
 
-use std::path::Path;
-
-use super::{
-    Figure, ReportError,
-    calibration::{
-        Calibration, CalibrationEnding, CalibrationRun, CalibrationValue, FrictionIdentity,
-        PUBLISHED_ANGLE_OF_REPOSE_DEG, target_in_words, with_unit,
-    },
-    figures,
-    page::{Block, Page},
-    table::{Cell, Table, besides, dash, from_to, missing, plus_minus, table},
-    text::{capital, compact, number},
-};
-use crate::record::{FileError, to_csv, write_csv, write_json};
+use super::*;
+use crate::record::to_csv;
 
 /// Writes `evaluations.csv`: one row a run.
 ///

@@ -1,12 +1,8 @@
 //! A figure of any columns of a table over another: one panel for each unit, with the units on its
 //! axes.
 
-use super::{
-    axis::Axis,
-    columns::quantity_and_unit,
-    plot::{Look, Plot, Series, stacked},
-    text::capital,
-};
+use super::*;
+use super::{columns::quantity_and_unit, plot::Series};
 
 /// A column: its name and its numbers, row by row.
 #[derive(Debug, Clone, PartialEq)]

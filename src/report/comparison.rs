@@ -1,23 +1,8 @@
 //! The page of a comparison of engines.
 
-use std::path::Path;
-
-use serde::Serialize;
-
-use super::{
-    Figure, ReportError, Standard,
-    axis::Axis,
-    page::{Block, Page},
-    plot::{Look, Plot},
-    style,
-    table::{Cell, Table, dash, row},
-    text::{compact, number},
-};
-use crate::{
-    plain::plain,
-    record::{SeriesRow, Summary, write_json},
-    world::BackendInfo,
-};
+use super::*;
+use crate::record::Summary;
+use crate::world::BackendInfo;
 
 /// `compare.json`, and what only its page needs.
 #[derive(Debug, Clone, Serialize)]

@@ -1,20 +1,7 @@
 //! What a convergence study found: every setting beside the finest of its
 //! ladder and of the study, as tables and figures.
 
-use std::path::Path;
-
-use serde::Serialize;
-
-use super::{
-    Figure, ReportError, Standard, figures,
-    page::{Block, Page},
-    table::{Cell, Record, Table, besides, dash, missing, plus_minus, table},
-    text::{compact, number},
-};
-use crate::{
-    measure::Estimate,
-    record::{VariationRow, left_out_in_words, write_json},
-};
+use super::*;
 
 /// Deviation of a result from a converged one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

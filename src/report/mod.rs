@@ -30,13 +30,36 @@ pub(crate) mod text;
 #[cfg(test)]
 mod tests;
 
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
+
+use serde::Serialize;
+use serde_json::Value;
 
 use crate::{
     grains::{self, GrainShape, ParticleSizeDistribution, SieveAnalysis},
-    record::{AngleOfRepose, FileError, GradationSummary, RunRecord},
+    measure::{Estimate, Interval, statistics::mean},
+    plain::plain,
+    record::{
+        AngleOfRepose, FileError, GradationSummary, LaboratoryNames, RunRecord, SeriesRow,
+        VariationRow, create_folder, left_out_in_words, write_csv, write_file, write_json,
+    },
     specimen::Specimen,
     units::to_mm,
+};
+
+// What several files share.
+use {
+    axis::Scale,
+    html::glue,
+    page::{Block, Page},
+    plot::{stacked, with_one_legend},
+    style::{Dash, Marker},
+    sweep::shown,
+    sweep_outcomes::in_words,
+    table::{
+        Cell, Record, Table, besides, counted, dash, from_to, missing, plus_minus, row, table,
+    },
+    text::{capital, compact, number},
 };
 
 pub use axis::Axis;

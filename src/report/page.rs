@@ -1,15 +1,12 @@
 //! A page: what a study has to say, put down once, shown as Markdown and as HTML.
 
-use std::path::Path;
-
 use maud::{Markup, html};
 
+use super::*;
 use super::{
-    Figure, ReportError,
-    html::{document, figure_block, glue},
-    table::{Table, in_markdown},
+    html::{document, figure_block},
+    table::in_markdown,
 };
-use crate::{plain::plain, record::write_file};
 
 /// A part of a page.
 #[derive(Debug, Clone)]

@@ -7,10 +7,7 @@ mod pen;
 
 use plotters::style::RGBColor;
 
-use super::{
-    axis::{Axis, Scale},
-    style::{self, Dash, Marker},
-};
+use super::*;
 
 /// How a series looks.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,23 +1,8 @@
 //! What a sensitivity study found: how far each parameter moves height and
 //! settlement, as tables and a ranked figure.
 
-use std::path::Path;
-
-use serde::Serialize;
-
-use super::{
-    Figure, ReportError,
-    calibration::with_unit,
-    convergence::{estimate, specimen},
-    figures,
-    page::{Block, Page},
-    table::{Cell, Record, Table, counted, dash, from_to, missing, plus_minus, table},
-    text::{compact, number},
-};
-use crate::{
-    measure::Estimate,
-    record::{VariationRow, write_json},
-};
+use super::convergence::{estimate, specimen};
+use super::*;
 
 /// How far a parameter moves a length, in mm. Differences are paired by
 /// configuration.

@@ -1,12 +1,7 @@
 //! What a sweep found.
 
-use std::collections::BTreeMap;
-
-use serde::Serialize;
-use serde_json::Value;
-
+use super::*;
 use crate::measure::{bootstrap_interval, inference::MeanTest};
-use crate::record::LaboratoryNames;
 
 /// What is varied.
 #[derive(Debug, Clone, PartialEq, Serialize)]

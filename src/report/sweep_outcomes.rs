@@ -1,12 +1,9 @@
 //! The results of runs that stand in the tables of a sweep, by their path in `summary.json`: fixed
 //! ones of every run, and all numbers of a laboratory.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
-use serde_json::Value;
-
-use super::SweepRun;
-use crate::record::LaboratoryNames;
+use super::*;
 
 /// Numbers of a run that stand in every table, by their path in `summary.json`,
 /// with what they are in words. The first five have figures.

@@ -1,18 +1,7 @@
 //! The files of a sweep: tables, and the page as Markdown and as HTML.
 
-use std::path::Path;
-
-use super::{
-    Figure, ReportError, Sweep, SweepEffect, SweepEstimate, SweepPoint, SweepRun, figures,
-    page::{Block, Page},
-    sweep::shown,
-    sweep_outcomes::{all_outcomes, in_words, main_outcomes},
-    table::{Cell, Table, besides, counted, dash, mean_within, missing, row, table},
-};
-use crate::{
-    plain::plain,
-    record::{left_out_in_words, write_json},
-};
+use super::*;
+use super::{sweep_outcomes::all_outcomes, table::mean_within};
 
 /// The one result that is another each time, and has a table of its own.
 const WALL_TIME: &str = "wall_s";

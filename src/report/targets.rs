@@ -1,18 +1,8 @@
 //! Which values of the factors of sweeps meet several targets together: what was found, and its
 //! files.
 
-use std::{collections::BTreeMap, path::Path};
-
-use serde::Serialize;
-
-use super::{
-    ReportError,
-    page::{Block, Page},
-    table::{Cell, Table, from_to, plus_minus, row, table},
-    text::compact,
-};
+use super::*;
 use crate::measure::{inference::wilson_interval, regression::LinearFit};
-use crate::record::write_json;
 
 /// A result and the range in which it is wanted.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,18 +1,6 @@
 //! Result against the unknown: every run, means, the line, and what was found.
 
-use super::Figure;
-use crate::{
-    measure::Interval,
-    report::{
-        Calibration, ReportError,
-        axis::Axis,
-        calibration::{target_in_words, with_unit},
-        plot::{Look, Plot},
-        style::Marker,
-        table::table,
-        text::{capital, compact},
-    },
-};
+use super::*;
 
 /// Points of the curve of the identity.
 const PIECES: usize = 60;

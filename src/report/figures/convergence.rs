@@ -1,18 +1,7 @@
 //! Results against the rate, deviations of every setting, cost against error.
 
-use super::Figure;
-use crate::{
-    measure::Estimate,
-    record::VariationRow,
-    report::{
-        Convergence, ConvergenceRow, Deviation, ReportError, Standard,
-        axis::{Axis, Scale},
-        convergence::with_precision,
-        plot::{Look, Plot},
-        style::{self, Dash},
-        table::{Table, row},
-    },
-};
+use super::*;
+use crate::report::convergence::with_precision;
 
 /// Height given to a setting, in SVG units.
 const ROW: u32 = 66;

@@ -1,18 +1,7 @@
 //! The grains: their grain size distribution, and how elongation, flatness and sphericity are spread.
 
-use super::Figure;
-use crate::{
-    grains::{GrainShape, ShapeRatio},
-    measure::Interval,
-    report::{
-        ReportError,
-        axis::{Axis, Scale},
-        plot::{Look, Plot},
-        style,
-        table::{Table, row},
-        text::number,
-    },
-};
+use super::*;
+use crate::grains::ShapeRatio;
 
 /// Openings of sieves in a decade (ISO 565, series R 10).
 const OPENINGS: [f64; 10] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0];

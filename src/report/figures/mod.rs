@@ -9,15 +9,8 @@ mod sensitivity;
 pub(crate) mod settlement;
 mod sweep;
 
-use std::path::Path;
-
-use super::{
-    ReportError,
-    plot::{Plot, stacked},
-    png,
-    table::{Table, row},
-};
-use crate::record::{create_folder, write_file};
+use super::png;
+use super::*;
 
 pub(super) use calibration::of_calibration;
 pub(super) use convergence::of_convergence;

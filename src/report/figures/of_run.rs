@@ -1,15 +1,7 @@
 //! The figures of a single run, for its own folder.
 
-use super::{Figure, settlement};
-use crate::{
-    record::{RunRecord, SeriesRow},
-    report::{
-        ReportError,
-        axis::Axis,
-        plot::{Look, Plot},
-        table::table,
-    },
-};
+use super::settlement;
+use super::*;
 
 /// `heights`, `energy` and, where the run was vibrated, `settlement`.
 pub(crate) fn of_run(run: &RunRecord) -> Result<Vec<Figure>, ReportError> {

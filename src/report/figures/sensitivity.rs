@@ -1,19 +1,7 @@
 //! The effects of parameters as ranked bars, a panel an outcome.
 
-use super::Figure;
-use crate::{
-    measure::Estimate,
-    report::{
-        Effect, ParameterRow, ReportError, Sensitivity,
-        axis::Axis,
-        calibration::with_unit,
-        plot::{Look, Plot, with_one_legend},
-        sensitivity::{OUTCOMES, ranked},
-        style,
-        table::{Table, row},
-        text::compact,
-    },
-};
+use super::*;
+use crate::report::sensitivity::{OUTCOMES, ranked};
 
 /// Height given to a parameter, in SVG units.
 const ROW: u32 = 80;

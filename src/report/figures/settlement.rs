@@ -1,18 +1,9 @@
 //! Settlement of the top plate and of the grains over time.
 
-use super::Figure;
-use crate::{
-    measure::Interval,
-    record::{RunRecord, SeriesRow},
-    report::{
-        ReportError,
-        plot::{Look, Plot},
-        quality::found_in,
-        settlement::{SETTLEMENTS, settlement_curve},
-        style,
-        table::{Table, table},
-        text::number,
-    },
+use super::*;
+use crate::report::{
+    quality::found_in,
+    settlement::{SETTLEMENTS, settlement_curve},
 };
 
 /// The settlement of one run, for its own folder; `None` where it was not vibrated.

@@ -1,18 +1,6 @@
 //! What each factor of a sweep moves, and how two of them act together.
 
-use super::Figure;
-use crate::{
-    measure::{Interval, statistics::mean},
-    report::{
-        ReportError, Sweep, SweepEffect, SweepFactor, SweepPoint, SweepRun,
-        axis::{Axis, Scale},
-        plot::{Look, Plot, with_one_legend},
-        style::{self, Marker},
-        sweep::shown,
-        sweep_outcomes::{in_words, main_outcomes},
-        table::{Table, counted, row},
-    },
-};
+use super::*;
 
 /// Height of a panel, in SVG units.
 const PANEL: u32 = 560;
