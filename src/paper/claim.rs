@@ -1,12 +1,6 @@
 //! A statement of the paper beside what a study found.
 
-use std::sync::LazyLock;
-
-use serde::{Deserialize, Serialize};
-
-use super::bands::{PaperValue, Stated};
-use crate::measure::Interval;
-use crate::record::RunRecord;
+use super::*;
 
 /// What a statement is: only results test the simulation.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,13 +1,9 @@
 //! Settlement over time, of several runs as one curve with its band, and of the same specimens
 //! unshaken.
 
-use serde::{Deserialize, Serialize};
-
-use super::{StudyView, constants::VIBRATED_FALLING_HEIGHT_MM, view::is_poured_from};
-use crate::{
-    record::{RunKind, RunRecord, SeriesRow},
-    report::{quality::never_mixed, settlement::settlement_curve},
-};
+use super::view::is_poured_from;
+use super::*;
+use crate::record::SeriesRow;
 
 /// A curve: time in s, settlement in mm.
 type Curve = Vec<(f64, f64)>;

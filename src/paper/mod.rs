@@ -36,3 +36,37 @@ pub use report::{
 pub use scorecard::{ResultCounts, RowCounts, ScoreRow, Scorecard, scorecard};
 pub use uncertainty::{Uncertainty, uncertainty};
 pub use view::{Intermittent, StudyView};
+
+use std::{
+    path::{Path, PathBuf},
+    sync::{Arc, LazyLock},
+};
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::measure::{Interval, inference::MeanTest, statistics::mean};
+use crate::plain::without_zeros;
+use crate::record::{NO_VALID_RUN, RunKind, RunRecord, Settlement, left_out_in_words, write_json};
+use crate::report::{
+    Figure, Look, Picture, Plot, ReportError, Standard,
+    page::{Block, Page},
+    quality::never_mixed,
+    settlement::settlement_curve,
+    style,
+    table::{Cell, Table, counted, dash, from_to, row, table},
+    text::{compact, listed, number, thousandths},
+};
+use crate::scale::Scale;
+use crate::scenario::{
+    Backend, ContactSolver, EngineSettings, GrainsSpec, Override, Scenario, StageSpec,
+};
+use crate::study::{MEANWHILE, Plan, RunOptions, Study, StudyError, make_grains, standard};
+
+// What several files share.
+use {
+    claim::{Draft, unit_of},
+    constants::{CONTINUOUS_S, FALLING_HEIGHTS_MM, MM_IN_CM, VIBRATED_FALLING_HEIGHT_MM},
+    uncertainty::{CONFIDENCE, PlacementScatter, trend},
+    view::{angle_of_repose, height_mm, plate, surface},
+};

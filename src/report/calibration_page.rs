@@ -1,7 +1,7 @@
 //! The files of a calibration: tables, a figure, and the page as Markdown and as HTML.
 
 use super::*;
-use crate::record::to_csv;
+use crate::record::{to_csv, write_csv};
 
 /// Writes `evaluations.csv`: one row a run.
 ///

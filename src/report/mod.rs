@@ -41,7 +41,7 @@ use crate::{
     plain::plain,
     record::{
         AngleOfRepose, FileError, GradationSummary, LaboratoryNames, RunRecord, SeriesRow,
-        VariationRow, create_folder, left_out_in_words, write_csv, write_file, write_json,
+        VariationRow, left_out_in_words, write_file, write_json,
     },
     specimen::Specimen,
     units::to_mm,
@@ -50,7 +50,6 @@ use crate::{
 // What several files share.
 use {
     axis::Scale,
-    html::glue,
     page::{Block, Page},
     plot::{stacked, with_one_legend},
     style::{Dash, Marker},

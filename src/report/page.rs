@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::*;
 use super::{
-    html::{document, figure_block},
+    html::{document, figure_block, glue},
     table::in_markdown,
 };
 

@@ -10,8 +10,8 @@ mod tests;
 
 pub(super) use vibration::edge_ratio;
 
-use super::{Claim, StudyView, Verdict, constants::GRAIN_COUNT};
-use crate::record::RunRecord;
+use super::constants::GRAIN_COUNT;
+use super::*;
 
 /// Computes every claim, in the paper's order, of the runs that count in means. Runs that are
 /// missing leave `ours` null; such a claim reads neither as within nor as outside. Where runs were

@@ -1,19 +1,7 @@
 //! Claims on pluviation: section 4, Figure 7.
 
-use crate::measure::{
-    Interval,
-    statistics::{least_squares_slope, mean},
-};
-use crate::paper::{
-    Claim, Stated, StudyView,
-    claim::Draft,
-    claims::list,
-    constants::{FALLING_HEIGHTS_MM, MM_IN_CM},
-    uncertainty::trend,
-    view::height_mm,
-};
-use crate::record::{RunKind, RunRecord};
-use crate::report::text::{listed, number};
+use super::*;
+use crate::measure::statistics::least_squares_slope;
 
 pub(super) fn claims(study: &StudyView) -> Vec<Claim> {
     vec![falls(study), monotone(study), slope(study), within_laboratory(study), reproducible(study)]

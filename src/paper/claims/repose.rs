@@ -5,13 +5,7 @@
 //! over the configurations holds it, as a measured mean and a number are
 //! compared. One configuration has no such interval, and cannot be compared.
 
-use crate::measure::{Interval, inference::MeanTest};
-use crate::paper::{
-    Claim, ClaimKind, PaperValue, StudyView, Verdict, claim::Draft, constants,
-    uncertainty::CONFIDENCE, view::angle_of_repose,
-};
-use crate::record::RunKind;
-use crate::report::text::number;
+use super::*;
 
 /// Why a single pile is not compared.
 const ONE_PILE: &str = "one configuration has no interval";

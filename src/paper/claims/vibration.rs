@@ -1,17 +1,12 @@
 //! Claims on vibration: section 4, Figures 8, 9 and 10.
 
-use crate::measure::{Interval, statistics::mean};
+use super::*;
 use crate::paper::{
-    Claim, Stated, StudyView,
     bands::FINAL_SETTLEMENT_MM,
-    claim::Draft,
-    claims::list,
     constants::{FREQUENCY_HZ, MONITORING_INTERVAL_S},
     fluctuation::rms_about_running_mean,
-    view::{plate, shaken_curve, shaken_periods, surface},
+    view::{shaken_curve, shaken_periods},
 };
-use crate::record::{RunKind, RunRecord};
-use crate::report::text::{listed, number};
 
 /// Time in s after a period's start and before its end that counts as "right
 /// at the end and at the beginning". Ours: one and a half cycles.

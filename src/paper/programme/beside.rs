@@ -1,16 +1,11 @@
 //! What other engines and settings made of the same programme: kept in the
 //! output folder, so that the report of one shows the others.
 
-use std::path::Path;
+use serde::de::DeserializeOwned;
 
-use serde::{Serialize, de::DeserializeOwned};
-use serde_json::Value;
-
-use crate::paper::Column;
+use super::*;
 use crate::protocol::Progress;
 use crate::record::{Beside, hash_json, keep_beside};
-use crate::scenario::{Backend, ContactSolver, EngineSettings, Scenario};
-use crate::study::StudyError;
 
 /// Folder of the columns in the output folder.
 const FOLDER: &str = "beside";

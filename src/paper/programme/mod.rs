@@ -7,6 +7,8 @@ mod pictures;
 mod reproduce;
 mod side_by_side;
 
+use super::*;
+
 pub use interpretations::Interpretation;
 pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
 pub use side_by_side::{InterpretationsOptions, InterpretationsOutcome, interpretations};

@@ -1,30 +1,17 @@
 //! The paper's whole programme: every configuration poured from every falling
 //! height, and the specimens poured from 5 cm shaken in both modes.
 
-use std::{
-    collections::BTreeMap,
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::collections::BTreeMap;
 
-use serde_json::json;
-
-use super::{beside, interpretations::Interpretation, pictures::of_programme};
+use super::pictures::of_programme;
+use super::*;
 use crate::grains::{GrainSet, ParticleSizeDistribution};
-use crate::paper::{
-    self, Claim, Column, Intermittent, MeanSettlement, ReportInput, Scorecard, StudyView,
-    constants::{FALLING_HEIGHTS_MM, VIBRATED_FALLING_HEIGHT_MM},
-};
+use crate::paper;
 use crate::plain::in_shell;
-use crate::record::{RunKind, RunRecord, read_json, write_json};
-use crate::report::{self, Figure, Picture};
-use crate::scale::Scale;
-use crate::scenario::{EngineSettings, GrainsSpec, Override, Scenario, StageSpec};
+use crate::record::read_json;
+use crate::report;
 use crate::specimen::Specimen;
-use crate::study::{
-    MEANWHILE, Plan, PlannedRun, RunOptions, Study, StudyError, carry_out, described, folder_of,
-    make_grains, preset, refused, standard,
-};
+use crate::study::{PlannedRun, carry_out, described, folder_of, preset, refused};
 use crate::units::{to_cm3, to_g, to_mm};
 use crate::world::EffectiveSettings;
 

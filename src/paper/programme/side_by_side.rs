@@ -1,21 +1,13 @@
 //! The programme under several interpretations of the paper, side by side.
 
-use std::{collections::BTreeSet, path::PathBuf, sync::Arc};
+use std::collections::BTreeSet;
 
-use serde_json::json;
-
-use super::{
-    beside,
-    interpretations::Interpretation,
-    reproduce::{Scenarios, programme, study_view},
-};
-use crate::paper::{self, InterpretationColumn, InterpretationFailure, write_interpretations};
-use crate::record::{RunRecord, StageStore, create_folder};
-use crate::scale::Scale;
-use crate::scenario::{Override, warnings};
-use crate::study::{
-    MEANWHILE, Plan, RunOptions, Study, StudyError, carry_out_each, make_grains, standard,
-};
+use super::reproduce::{Scenarios, programme, study_view};
+use super::*;
+use crate::paper;
+use crate::record::{StageStore, create_folder};
+use crate::scenario::warnings;
+use crate::study::carry_out_each;
 
 /// Folder of the columns in the output folder.
 const FOLDER: &str = "interpretations";

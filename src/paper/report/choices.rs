@@ -1,19 +1,11 @@
 //! What the paper does not give, what was chosen, and why: `choices.json` says it, with the values
 //! of a scenario in the place of what stands in braces.
 
-use std::{borrow::Cow, sync::LazyLock};
+use std::borrow::Cow;
 
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
-
-use crate::{
-    motion::MotionFacts,
-    report::text::compact,
-    scenario::{
-        Backend, BaseKind, ContactSolver, GrainsSpec, Scenario, StageSpec, StockSettings,
-        StrokeKind,
-    },
-};
+use super::*;
+use crate::motion::MotionFacts;
+use crate::scenario::{BaseKind, StockSettings, StrokeKind};
 
 /// A value the paper does not give.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

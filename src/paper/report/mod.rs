@@ -10,15 +10,10 @@ mod shortfalls;
 mod tests;
 mod uncertainty;
 
-use std::{collections::BTreeMap, path::Path};
+use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
-
-use super::{Claim, MeanSettlement, Scorecard, StudyView};
-use crate::{
-    report::{Figure, Picture, ReportError, Standard},
-    world::EffectiveSettings,
-};
+use super::*;
+use crate::world::EffectiveSettings;
 
 pub use choices::{Choice, choices, pile_choices};
 pub use interpretations::{

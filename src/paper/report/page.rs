@@ -1,11 +1,7 @@
 //! `report.html`: one page that needs nothing else.
 
-use super::{ReportInput, sections, shortfalls, uncertainty};
-use crate::report::{
-    Figure,
-    html::picture_block,
-    page::{Block, Page},
-};
+use super::*;
+use crate::report::html::picture_block;
 
 /// The page: what is reproduced and why not, the scorecard and one figure; then everything else.
 pub(super) fn page(input: &ReportInput, headline: Figure, figures: Vec<Figure>) -> Page {

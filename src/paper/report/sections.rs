@@ -2,21 +2,8 @@
 
 use maud::{Markup, html};
 
-use super::{Choice, Column, ReportInput};
-use crate::{
-    measure::Interval,
-    paper::{
-        Claim, ClaimKind, NotValid, PaperValue, ScoreRow, Scorecard, StudyView, Verdict,
-        claim::unit_of,
-    },
-    record::{NO_VALID_RUN, RunKind, RunRecord, left_out_in_words},
-    report::{
-        html::{glue, name},
-        page::Block,
-        table::{Cell, Table, dash, from_to, row, table},
-        text::{compact, number},
-    },
-};
+use super::*;
+use crate::report::html::{glue, name};
 
 fn verdict(verdict: Verdict) -> (&'static str, &'static str) {
     match verdict {

@@ -1,19 +1,7 @@
 //! What falls short, said from the data.
 
-use super::ReportInput;
-use crate::{
-    paper::{
-        StudyView, Verdict,
-        constants::FALLING_HEIGHTS_MM,
-        uncertainty::{MODES, settlements},
-    },
-    record::{RunKind, RunRecord, left_out_in_words},
-    report::{
-        Standard,
-        table::{counted, from_to},
-        text::{compact, number, thousandths},
-    },
-};
+use super::*;
+use crate::paper::uncertainty::{MODES, settlements};
 
 /// One sentence or two a shortfall; never empty, for the paper's figures are
 /// never available.

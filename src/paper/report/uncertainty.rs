@@ -2,19 +2,8 @@
 
 use maud::html;
 
-use crate::{
-    measure::Interval,
-    paper::{
-        Uncertainty,
-        uncertainty::{LaboratoryScatter, PlacementScatter, Quantity, SettledRun, Trend, p_value},
-    },
-    record::NO_VALID_RUN,
-    report::{
-        page::Block,
-        table::{Cell, Table, counted, dash, table},
-        text::number,
-    },
-};
+use super::*;
+use crate::paper::uncertainty::{LaboratoryScatter, Quantity, SettledRun, Trend, p_value};
 
 /// Interval, tests, numerical creep and the laboratory's scatter.
 pub(super) fn section(of: &Uncertainty) -> Vec<Block> {

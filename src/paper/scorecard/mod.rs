@@ -7,10 +7,7 @@ mod rows;
 #[cfg(test)]
 mod tests;
 
-use serde::Serialize;
-
-use super::{Claim, ClaimKind, StudyView, Verdict};
-use crate::measure::Interval;
+use super::*;
 
 /// `scorecard.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,22 +1,10 @@
 //! The rows, each made from its statement's claims and from what the runs measured.
 
-use super::ScoreRow;
-use crate::{
-    measure::{Interval, inference::MeanTest, statistics::mean},
-    paper::{
-        Claim, PaperValue, StudyView, Verdict,
-        claim::unit_of,
-        claims::edge_ratio,
-        constants::{CONTINUOUS_S, PERIOD_S},
-        uncertainty::{
-            CONFIDENCE, PlacementScatter, SETTLEMENT_OF_PLATE, SHARE_AFTER_5_S, placement_scatter,
-            trend,
-        },
-        view::{angle_of_repose, plate},
-    },
-    plain::without_zeros,
-    record::{RunKind, RunRecord, Settlement},
-    report::text::{compact, number},
+use super::*;
+use crate::paper::{
+    claims::edge_ratio,
+    constants::PERIOD_S,
+    uncertainty::{SETTLEMENT_OF_PLATE, SHARE_AFTER_5_S, placement_scatter},
 };
 
 /// Said of a plate's rows where the programme has no other placements.

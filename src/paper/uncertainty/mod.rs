@@ -8,20 +8,13 @@ mod tests;
 pub use placements::{PlacementScatter, SpecimenPlacements};
 pub(super) use placements::{SETTLEMENT_OF_PLATE, SHARE_AFTER_5_S, scatter as placement_scatter};
 
-use serde::Serialize;
-
-use super::{
-    StudyView, bands,
-    constants::MM_IN_CM,
-    view::{height_mm, is_poured_from, plate, surface},
-};
+use super::view::is_poured_from;
+use super::*;
 use crate::measure::{
-    Interval,
-    inference::{MeanTest, page_test, values_needed},
-    statistics::{least_squares_slope, mean},
+    inference::{page_test, values_needed},
+    statistics::least_squares_slope,
 };
-use crate::record::{RunKind, RunRecord, Settlement};
-use crate::report::{settlement::SETTLEMENTS, text::number};
+use crate::report::settlement::SETTLEMENTS;
 
 /// Confidence of every interval and test.
 pub const CONFIDENCE: f64 = 0.95;

@@ -1,19 +1,8 @@
 //! Placements of the plate on the same specimens: how far the settlement scatters with the
 //! placement, and how far with the specimen.
 
-use serde::Serialize;
-
-use super::CONFIDENCE;
-use crate::measure::{
-    Interval,
-    nested::{Bounded, Nested},
-};
-use crate::paper::{
-    StudyView,
-    view::{plate, surface},
-};
-use crate::record::{RunKind, RunRecord};
-use crate::report::text::number;
+use super::*;
+use crate::measure::nested::{Bounded, Nested};
 
 /// Name of the quantity that the paper gives a range of.
 pub(in crate::paper) const SETTLEMENT_OF_PLATE: &str = "settlement of the plate, final";

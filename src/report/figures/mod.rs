@@ -11,6 +11,7 @@ mod sweep;
 
 use super::png;
 use super::*;
+use crate::record::create_folder;
 
 pub(super) use calibration::of_calibration;
 pub(super) use convergence::of_convergence;

@@ -2,17 +2,8 @@
 //! stock Bullet, with the laboratory's range where it was read; beside it how the surface of the
 //! same specimens sinks in the rest test, unshaken and without a plate.
 
-use super::NO_RANGE_OF_QUICK;
-use crate::{
-    paper::{Column, MeanSettlement, StudyView, bands, constants::CONTINUOUS_S},
-    report::{
-        Figure, ReportError,
-        plot::{Envelope, Look, Plot},
-        style::{self, Dash},
-        table::{Table, counted, row},
-        text::{compact, number, thousandths},
-    },
-};
+use super::*;
+use crate::report::{plot::Envelope, style::Dash};
 
 /// Half the length of the strokes at the ends of the laboratory's bracket, in s.
 const STROKE_S: f64 = 0.35;

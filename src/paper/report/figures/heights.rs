@@ -1,18 +1,8 @@
 //! Standing height over falling height: every run, and means with their confidence.
 
-use crate::{
-    measure::Interval,
-    paper::{StudyView, constants::MM_IN_CM, uncertainty, view::height_mm},
-    record::{RunKind, RunRecord},
-    report::{
-        Figure, ReportError,
-        plot::{Look, Plot},
-        quality::found_in,
-        style::{self, Marker},
-        table::table,
-        text::number,
-    },
-};
+use super::*;
+use crate::paper::uncertainty;
+use crate::report::{quality::found_in, style::Marker};
 
 /// Half the width of an interval's end stroke, in cm of falling height.
 const STROKE_CM: f64 = 0.25;

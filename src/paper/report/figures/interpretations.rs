@@ -1,24 +1,7 @@
 //! Curves of several interpretations of the paper in one frame.
 
-use crate::{
-    measure::statistics::mean,
-    paper::{
-        InterpretationColumn, bands,
-        constants::{FALLING_HEIGHTS_MM, MM_IN_CM},
-        mean_settlement::mean_curve,
-        view::height_mm,
-    },
-    record::{RunKind, RunRecord},
-    report::{
-        Figure, ReportError,
-        plot::{Look, Plot},
-        quality::never_mixed,
-        settlement::settlement_curve,
-        style,
-        table::{Table, row},
-        text::listed,
-    },
-};
+use super::*;
+use crate::paper::mean_settlement::mean_curve;
 
 /// What every caption says of runs that do not count.
 const MIND: &str =

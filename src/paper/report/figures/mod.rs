@@ -7,14 +7,9 @@ mod quality;
 mod settlement;
 mod sizes;
 
-use crate::{
-    paper::StudyView,
-    record::{AngleOfRepose, RunKind},
-    report::{
-        Figure, ReportError, Standard,
-        figures::{by_azimuth, grains::of_shapes},
-    },
-};
+use super::*;
+use crate::record::AngleOfRepose;
+use crate::report::figures::{by_azimuth, grains::of_shapes};
 
 pub(super) use headline::figure as headline;
 pub(super) use interpretations::of_interpretations;

@@ -1,16 +1,7 @@
 //! Numerical creep and overlap of every run beside the accuracy standard.
 
-use crate::{
-    measure::Interval,
-    paper::StudyView,
-    record::RunRecord,
-    report::{
-        Axis, Figure, ReportError, Standard,
-        plot::{Look, Plot},
-        table::table,
-        text::number,
-    },
-};
+use super::*;
+use crate::report::Axis;
 
 /// Height given to a run, in SVG units.
 const ROW: u32 = 66;

@@ -1,16 +1,7 @@
 //! Figures 9 and 10: settlement of the top plate over time.
 
-use super::NO_RANGE_OF_QUICK;
-use crate::{
-    paper::{StudyView, bands, constants::CONTINUOUS_S},
-    plain::without_zeros,
-    record::{RunKind, RunRecord},
-    report::{
-        Figure, ReportError,
-        figures::settlement::{curves, finals},
-        text::number,
-    },
-};
+use super::*;
+use crate::report::figures::settlement::{curves, finals};
 
 pub(super) fn continuous(study: &StudyView) -> Result<Figure, ReportError> {
     let runs: Vec<&RunRecord> = study.of_kind(RunKind::VibrationContinuous).collect();

@@ -4,17 +4,7 @@
 mod page;
 mod table;
 
-use std::path::Path;
-
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
-
-use super::figures;
-use crate::{
-    paper::Claim,
-    record::{RunKind, RunRecord, write_json},
-    report::{ReportError, Standard},
-};
+use super::*;
 
 pub use table::{InterpretationCell, InterpretationRow};
 

@@ -2,19 +2,9 @@
 
 use maud::html;
 
-use super::{InterpretationCell, InterpretationColumn, InterpretationRow, table::decimals};
-use crate::{
-    paper::Verdict,
-    record::RunRecord,
-    report::{
-        Figure, Standard,
-        html::name,
-        page::{Block, Page},
-        quality::sentence_of_left_out,
-        table::{Cell, Table, counted, row},
-        text::number,
-    },
-};
+use super::table::decimals;
+use super::*;
+use crate::report::{html::name, quality::sentence_of_left_out};
 
 /// What a reader must know of every column, with its own numbers.
 fn belief(c: &InterpretationColumn, standard: Standard) -> String {

@@ -1,18 +1,8 @@
 //! The table of interpretations: its rows, from which every form of it is made.
 
-use serde::Serialize;
-
-use super::InterpretationColumn;
-use crate::{
-    measure::{Interval, statistics::mean},
-    paper::{Claim, ResultCounts, Verdict, constants, report::sections::paper_value},
-    record::{NO_VALID_RUN, RunKind, RunRecord, Settlement},
-    report::{
-        quality::never_mixed,
-        settlement::SETTLEMENTS,
-        text::{compact, number},
-    },
-};
+use super::*;
+use crate::paper::report::sections::paper_value;
+use crate::report::settlement::SETTLEMENTS;
 
 /// A row of the table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
