@@ -5,8 +5,8 @@ use std::ffi::OsStr;
 
 use super::difference::first_difference;
 use super::*;
-use crate::record::{AtWork, RunLock, at_work_in, write_json};
-use crate::study::{AT_LEAST, MEANWHILE};
+use crate::record::at_work_in;
+use crate::study::MEANWHILE;
 
 /// Says which command left a folder's results, and what it was asked.
 pub(super) const FILE: &str = "command.json";

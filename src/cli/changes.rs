@@ -3,8 +3,6 @@
 use std::fmt;
 use std::str::FromStr;
 
-use clap::Args;
-
 use super::*;
 
 /// Options of commands that run scenarios.

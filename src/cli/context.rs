@@ -5,8 +5,7 @@ use std::io::{self, IsTerminal, Write};
 use tracing::Level;
 
 use super::*;
-use crate::protocol::{Progress, Silent};
-use crate::record::RunLock;
+use crate::protocol::Silent;
 
 /// How to tell of progress, print results, and stop.
 pub struct Context {

@@ -5,7 +5,6 @@ use std::fs;
 
 use super::difference::first_difference;
 use super::*;
-use crate::record::{AtWork, RunLock, write_json};
 use crate::scenario::of_earlier_version;
 
 /// The action that is refused, as errors name it.

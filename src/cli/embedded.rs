@@ -4,11 +4,8 @@
 use std::ffi::OsString;
 use std::sync::Once;
 
-use clap::Parser;
-
 use super::Command;
 use super::*;
-use crate::protocol::Progress;
 
 /// The stack of the thread that a command runs on, in bytes: that of a program's first.
 const STACK: usize = 8 << 20;

@@ -3,8 +3,6 @@
 use std::env;
 use std::sync::mpsc;
 
-use clap::Args;
-
 use super::*;
 
 #[derive(Debug, Clone, Copy, Default, Args)]

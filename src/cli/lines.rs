@@ -3,7 +3,6 @@
 use std::io::Write;
 
 use super::*;
-use crate::protocol::Progress;
 
 /// At most one line about a stage in this time, beside those at its begin and end.
 const LINE_INTERVAL: Duration = Duration::from_secs(10);

@@ -4,7 +4,6 @@ use std::cell::RefCell;
 use std::io::Write;
 
 use super::*;
-use crate::protocol::Progress;
 
 thread_local! {
     /// Who hears what commands of this thread would write to the standard error.

@@ -67,9 +67,13 @@ use crate::export::ExportError;
 use crate::grains::load_scenario;
 use crate::paper::Interpretation;
 use crate::plain::{grams, plain, plain_lines, plain_path, three_decimals, without_zeros};
-use crate::record::{FileError, Summary, read_file, read_json, remove_abandoned, write_file};
+use crate::protocol::Progress;
+use crate::record::{
+    AtWork, FileError, RunLock, Summary, read_file, read_json, remove_abandoned, write_file,
+    write_json,
+};
 use crate::scenario::{Backend, Override, Scenario};
-use crate::study::{RunOptions, StudyError, SweepTasks, available_cores};
+use crate::study::{AT_LEAST, RunOptions, StudyError, SweepTasks, available_cores};
 use crate::world::{self, BackendInfo};
 use {
     changes::*, context::*, field_page::*, jobs::*, messages::*, overall::*, picture::*,

@@ -5,7 +5,6 @@ use std::sync::{MutexGuard, PoisonError};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 use super::*;
-use crate::protocol::Progress;
 
 /// Takes a lock also after a thread that held it has failed.
 pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {

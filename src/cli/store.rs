@@ -1,7 +1,5 @@
 //! `pluvia store` checks the stored stages of an output folder.
 
-use clap::Subcommand;
-
 use super::*;
 use crate::record::{StoreReport, StoredItem, StoredState, check_store, refuse_no_folder};
 

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::report::{Target, write_targets};
-use crate::study::{AT_LEAST, TargetRuns, meet_targets};
+use crate::study::{TargetRuns, meet_targets};
 
 /// Find which values of the factors of sweeps meet several targets together
 #[derive(Debug, Args)]

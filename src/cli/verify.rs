@@ -1,7 +1,6 @@
 //! `pluvia verify` compares the engines with analytical solutions.
 
 use super::*;
-use crate::study::AT_LEAST;
 use crate::verify::{SuiteOptions, builtin, run_suite, settings};
 
 /// Compare the engines with analytical solutions

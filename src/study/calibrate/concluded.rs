@@ -1,11 +1,7 @@
 //! From a search to what is said of it.
 
+use super::search::Answer;
 use super::*;
-use super::{
-    kept::{CONFIDENCE, Kept},
-    line::in_result,
-    search::Answer,
-};
 use crate::measure::Interval;
 use crate::record::left_out_in_words;
 use crate::report::{

@@ -1,7 +1,6 @@
 //! The last part of a search: values near the solution through which a line is
 //! fitted, and as many runs of them as it takes.
 
-use super::under_way::{Going, Halt, Search};
 use super::*;
 
 /// Least half width of a window, in parts of the range.

@@ -19,9 +19,11 @@ use crate::measure::{InversePrediction, inference::t_quantile};
 use crate::report::{
     Calibration, CalibrationEnding as Ending, CalibrationRun, CalibrationValue, text::compact,
 };
+use kept::{CONFIDENCE, Kept};
+use line::in_result;
 use question::{ANGLE_OF_REPOSE, Reading};
 use search::search;
-use under_way::Question;
+use under_way::{Experiment, Going, Halt, Question, Search};
 
 /// What to find, and how.
 pub struct CalibrationOptions {

@@ -7,11 +7,6 @@
 //! are added until the interval is as narrow as asked.
 
 use super::*;
-use super::{
-    kept::Kept,
-    line::in_result,
-    under_way::{Experiment, Going, Halt, Search},
-};
 
 #[derive(Debug, Clone)]
 pub(super) struct Answer {

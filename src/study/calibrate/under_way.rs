@@ -1,6 +1,5 @@
 //! A search under way: what is asked, what was run for it, and how far off that is.
 
-use super::kept::Kept;
 use super::*;
 
 #[derive(Debug, Clone)]
