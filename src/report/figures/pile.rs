@@ -1,26 +1,18 @@
 //! A pile of grains: its side view with the fitted flanks, and its slope by azimuth.
 
-use plotters::{
-    prelude::*,
-    style::text_anchor::{HPos, VPos},
+use plotters::style::{
+    Color, RGBColor,
+    text_anchor::{HPos, VPos},
 };
 
-use super::Figure;
-use crate::{
-    geometry::Vector,
-    measure::{self, statistics::mean},
-    record::{AngleOfRepose, AzimuthAngle},
-    report::{
-        ReportError,
-        axis::Axis,
-        plot::{Look, Plot},
-        sheet::{Drawn, Place, Sheet, drawn, whole},
-        silhouette::{Facet, facets},
-        style::{self, INK},
-        table::{Table, row, table},
-    },
-    specimen::Specimen,
-    units::to_mm,
+use super::*;
+use crate::geometry::Vector;
+use crate::measure;
+use crate::record::AzimuthAngle;
+use crate::report::{
+    sheet::{Drawn, Place, Sheet, drawn, whole},
+    silhouette::{Facet, facets},
+    style::INK,
 };
 
 /// Directions within this angle in degrees of right and left give the drawn lines.
