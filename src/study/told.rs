@@ -9,13 +9,8 @@ pub fn tell_warnings<'a>(
     scenarios: impl IntoIterator<Item = &'a Scenario>,
     progress: &dyn Progress,
 ) {
-    let mut told = BTreeSet::new();
-    for warning in scenarios.into_iter().flat_map(warnings) {
-        let text = format!("warning: {warning}");
-        if told.insert(text.clone()) {
-            progress.message(&text);
-        }
-    }
+    let told = scenarios.into_iter().flat_map(warnings).map(|said| format!("warning: {said}"));
+    each_once(told).iter().for_each(|text| progress.message(text));
 }
 
 /// What a reader should know of a scenario once its grains are there: openings that are shorter
