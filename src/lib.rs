@@ -27,6 +27,7 @@ pub mod cli;
 pub mod export;
 pub mod geometry;
 pub mod grains;
+mod in_order;
 pub mod input;
 pub mod measure;
 pub mod motion;

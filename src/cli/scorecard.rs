@@ -2,6 +2,7 @@
 //! the tally, the rows, and how they were judged.
 
 use super::*;
+use crate::in_order::grouped;
 use crate::paper::{Scorecard, Verdict};
 
 /// Columns that a line of words takes at most.
@@ -28,13 +29,8 @@ pub(super) fn of(card: &Scorecard) -> String {
 
 /// How rows were judged, those together that say the same.
 fn notes(card: &Scorecard) -> String {
-    let mut said: Vec<(&str, Vec<&str>)> = Vec::new();
-    for row in card.rows.iter().filter(|row| !row.note.is_empty()) {
-        match said.iter_mut().find(|(note, _)| *note == row.note) {
-            Some((_, statements)) => statements.push(row.statement),
-            None => said.push((&row.note, vec![row.statement])),
-        }
-    }
+    let noted = card.rows.iter().filter(|row| !row.note.is_empty());
+    let said = grouped(noted.map(|row| (&row.note, row.statement)));
     let lines = said.iter().map(|(note, of)| wrapped(&format!("{}: {note}", of.join("; "))));
     let lines: String = lines.collect();
     if lines.is_empty() { lines } else { format!("\n{lines}") }

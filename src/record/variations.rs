@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::grains::table_csv;
+use crate::in_order::grouped;
 use crate::measure::Estimate;
 use crate::scenario::Scenario;
 
@@ -223,21 +224,8 @@ impl VariationRow {
     /// The variations of runs, in the order of their first runs; those of each
     /// precision by themselves.
     pub fn of(runs: &[RunRow]) -> Vec<Self> {
-        let mut keys: Vec<(&str, &str)> = Vec::new();
-        for run in runs {
-            let key = (run.variation.as_str(), run.precision.as_str());
-            if !keys.contains(&key) {
-                keys.push(key);
-            }
-        }
-        let of_key = |(variation, precision): (&str, &str)| {
-            let of: Vec<&RunRow> = runs
-                .iter()
-                .filter(|r| r.variation == variation && r.precision == precision)
-                .collect();
-            Self::of_one(&of)
-        };
-        keys.into_iter().filter_map(of_key).collect()
+        let keyed = runs.iter().map(|run| ((&run.variation, &run.precision), run));
+        grouped(keyed).iter().filter_map(|(_, of)| Self::of_one(of)).collect()
     }
 
     fn of_one(runs: &[&RunRow]) -> Option<Self> {

@@ -3,6 +3,7 @@
 
 use super::*;
 use super::{columns::quantity_and_unit, plot::Series};
+use crate::in_order::each_once;
 
 /// A column: its name and its numbers, row by row.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,13 +47,7 @@ impl ColumnChart {
     /// # Errors
     /// A sentence on what has no place on the axes or cannot be drawn.
     pub fn svg(&self) -> Result<String, String> {
-        let mut units: Vec<&str> = Vec::new();
-        for column in &self.y {
-            let (_, unit) = quantity_and_unit(&column.name);
-            if !units.contains(&unit) {
-                units.push(unit);
-            }
-        }
+        let units = each_once(self.y.iter().map(|column| quantity_and_unit(&column.name).1));
         let plots = units.iter().map(|unit| self.panel(unit));
         stacked(&plots.collect::<Result<Vec<Plot>, String>>()?)
     }

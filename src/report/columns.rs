@@ -1,5 +1,6 @@
 //! A table of a run by its columns: names with units, ranges, the numbers of chosen rows.
 
+use crate::in_order::each_once;
 use crate::record::FileError;
 use crate::scenario::{nearest, renamed_result};
 use std::path::Path;
@@ -143,13 +144,8 @@ impl ColumnTable {
 
     /// Different texts of a column, in the order in which they come.
     pub fn texts(&self, column: usize) -> Vec<&str> {
-        let mut seen = Vec::new();
-        for cell in self.rows.iter().filter_map(|row| row.get(column)) {
-            if !cell.is_empty() && !seen.contains(&cell.as_str()) {
-                seen.push(cell);
-            }
-        }
-        seen
+        let cells = self.rows.iter().filter_map(|row| row.get(column)).map(String::as_str);
+        each_once(cells.filter(|cell| !cell.is_empty()))
     }
 
     /// The cells of a column, row by row; none where a row is too short.

@@ -78,6 +78,7 @@ use serde_json::{Map, Value, json};
 use crate::apparatus::ApparatusError;
 use crate::geometry::Vector;
 use crate::grains::{self, GrainSet, GrainsError, ParticleSizeDistribution, load_scenario};
+use crate::in_order::{each_once, grouped};
 use crate::measure::{
     self, Container, Estimate, HeightMap, LoadedContact, MeasureError, change_for_one_unit,
     contacts_of_grains_in, fabric, grain_energy, height_cell_over, inference::MeanTest,
@@ -168,17 +169,6 @@ pub enum StudyError {
     /// Asked to stop; what is finished is stored, and the same command resumes from there.
     #[error("stopped; run the same command again to resume")]
     Cancelled,
-}
-
-/// Each of several once, in the order in which it first comes.
-fn each_once<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T> {
-    let mut once: Vec<T> = Vec::new();
-    for one in all {
-        if !once.contains(&one) {
-            once.push(one);
-        }
-    }
-    once
 }
 
 /// Refuses what a study is asked for, and says why.

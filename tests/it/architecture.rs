@@ -14,7 +14,7 @@ use tokens::{Token, tokens};
 /// Rows of the layout table in `ARCHITECTURE.md`. A module uses only modules
 /// of rows above its own, and those of its own row that `SAME_ROW` names.
 const ROWS: [&[&str]; 10] = [
-    &["units", "geometry", "motion", "scale", "caught", "input", "plain"],
+    &["units", "geometry", "motion", "scale", "caught", "input", "plain", "in_order"],
     &["scenario"],
     &["grains", "apparatus"],
     &["world", "specimen"],

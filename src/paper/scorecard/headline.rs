@@ -1,6 +1,7 @@
 //! What is reproduced, what is not, and why, in words made from the rows and the runs.
 
 use super::{RowCounts, ScoreRow};
+use crate::in_order::{each_once, grouped};
 use crate::paper::{StudyView, Verdict, constants::GRAIN_COUNT, uncertainty::trend};
 use crate::record::{RunRecord, left_out_in_words};
 use crate::report::text::number;
@@ -127,14 +128,7 @@ fn missed(row: &ScoreRow) -> String {
 
 /// A sentence on statements, those with the same reason together; none without any.
 fn by_reason<'a>(what: &str, rows: impl Iterator<Item = &'a ScoreRow>) -> Option<String> {
-    let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
-    for row in rows {
-        let statement = lower(row.statement);
-        match groups.iter_mut().find(|(reason, _)| *reason == row.reason) {
-            Some((_, statements)) => statements.push(statement),
-            None => groups.push((&row.reason, vec![statement])),
-        }
-    }
+    let groups = grouped(rows.map(|row| (row.reason.as_str(), lower(row.statement))));
     let group = |(reason, statements): &(&str, Vec<String>)| {
         // "Not run" says itself that it was not run.
         let because = if reason.is_empty() || what.eq_ignore_ascii_case(reason) {
@@ -152,7 +146,7 @@ fn why<'a>(counting: &StudyView, rows: impl Iterator<Item = &'a ScoreRow>) -> Ve
     let mut found: Vec<String> = Vec::new();
     let mut not_investigated = Vec::new();
     for row in rows {
-        let sentences = match row.id {
+        found.extend(match row.id {
             "standing-height-falls" => vec![trend(counting).verdict],
             "continuous-final-settlement" => {
                 vec![MOVES_SETTLEMENT.to_owned(), MOVES_QUICK_SETTLEMENT.to_owned()]
@@ -165,13 +159,9 @@ fn why<'a>(counting: &StudyView, rows: impl Iterator<Item = &'a ScoreRow>) -> Ve
                 not_investigated.push(lower(row.statement));
                 continue;
             }
-        };
-        for sentence in sentences {
-            if !found.contains(&sentence) {
-                found.push(sentence);
-            }
-        }
+        });
     }
+    let mut found = each_once(found);
     found.extend(said("What moves it was not investigated", &not_investigated));
     found
 }

@@ -1,6 +1,7 @@
 //! Results against the rate, deviations of every setting, cost against error.
 
 use super::*;
+use crate::in_order::grouped;
 use crate::report::convergence::with_precision;
 
 /// Height given to a setting, in SVG units.
@@ -99,15 +100,7 @@ fn lines(of: &Convergence) -> Vec<Ladder<'_>> {
 
 /// Every ladder in every precision.
 fn ladders(of: &Convergence) -> Vec<Ladder<'_>> {
-    let mut ladders: Vec<Ladder> = Vec::new();
-    for row in &of.rows {
-        let name = with_precision(&row.ladder, row, of);
-        match ladders.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, rows)) => rows.push(row),
-            None => ladders.push((name, vec![row])),
-        }
-    }
-    ladders
+    grouped(of.rows.iter().map(|row| (with_precision(&row.ladder, row, of), row)))
 }
 
 fn against_rate(of: &Convergence, lines: &[Ladder], shown: &Shown) -> Result<Figure, ReportError> {

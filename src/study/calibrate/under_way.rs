@@ -74,18 +74,9 @@ pub(super) struct Search<'a> {
 impl Search<'_> {
     /// Runs what is missing of values up to a number of configurations.
     pub(super) fn evaluate(&mut self, values: &[f64], configurations: u32) -> Going<()> {
-        let mut missing: Vec<(u32, Vec<f64>)> = Vec::new();
-        for &value in values {
-            let from = self.kept.tried(value);
-            if from >= configurations {
-                continue;
-            }
-            match missing.iter_mut().find(|(known, _)| *known == from) {
-                Some((_, together)) if !together.contains(&value) => together.push(value),
-                Some(_) => {}
-                None => missing.push((from, vec![value])),
-            }
-        }
+        let values = each_once(values.iter().copied());
+        let tried = values.into_iter().map(|value| (self.kept.tried(value), value));
+        let missing = grouped(tried.filter(|(from, _)| *from < configurations));
         let runs: usize =
             missing.iter().map(|(from, v)| (configurations - from) as usize * v.len()).sum();
         if runs > self.left() {

@@ -336,16 +336,12 @@ type Planned = (PlannedRun, RunRow);
 /// Runs whose worlds may live at the same time: Bullet keeps the contact
 /// threshold, in its own units of length, once for a process.
 fn batches(planned: Vec<Planned>) -> Vec<Vec<Planned>> {
-    let mut batches: Vec<(Option<u64>, Vec<Planned>)> = Vec::new();
-    for (run, row) in planned {
+    let threshold = |(run, _): &Planned| {
         let engine = &run.scenario.engine;
-        let key = (engine.backend == Backend::Bullet)
-            .then(|| (engine.contact_threshold_mm * engine.length_scale).to_bits());
-        match batches.iter_mut().find(|(known, _)| *known == key) {
-            Some((_, batch)) => batch.push((run, row)),
-            None => batches.push((key, vec![(run, row)])),
-        }
-    }
+        (engine.backend == Backend::Bullet)
+            .then(|| (engine.contact_threshold_mm * engine.length_scale).to_bits())
+    };
+    let batches = grouped(planned.into_iter().map(|one| (threshold(&one), one)));
     batches.into_iter().map(|(_, batch)| batch).collect()
 }
 
