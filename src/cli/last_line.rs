@@ -1,7 +1,7 @@
 //! The last line of a command: whether its runs are valid and count in means.
 
 use super::*;
-use crate::record::left_out_in_words;
+use crate::record::{left_out_in_words, left_out_with_reasons};
 
 /// How a last line begins that says of results that they are none to quote.
 const WARNINGS: [&str; 2] = ["NOT VALID", "LEFT OUT OF MEANS"];
@@ -26,12 +26,8 @@ pub(super) fn of_run(summary: &Summary) -> String {
 /// The last line of several runs: whether they are valid, and why they are not.
 pub(super) fn of_runs<'a>(runs: impl Iterator<Item = (&'a str, &'a Summary)>) -> String {
     const MOST: usize = 6;
-    let all: Vec<(&str, Vec<String>)> = runs.map(|(n, s)| (n, s.why_left_out())).collect();
-    let against: Vec<String> = all
-        .iter()
-        .filter(|(_, why)| !why.is_empty())
-        .map(|(name, why)| format!("{name} ({})", why.join("; ")))
-        .collect();
+    let all: Vec<(&str, &Summary)> = runs.collect();
+    let against = left_out_with_reasons(all.iter().copied());
     if against.is_empty() {
         return match all.len() {
             0 => "no run has a result\n".to_owned(),

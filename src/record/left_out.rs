@@ -101,6 +101,17 @@ impl GrainsSummary {
     }
 }
 
+/// The runs of those that are left out of means, each with its reasons: `name (why; why)`.
+pub fn left_out_with_reasons<'a>(
+    runs: impl IntoIterator<Item = (&'a str, &'a Summary)>,
+) -> Vec<String> {
+    let named = |(name, summary): (&str, &Summary)| {
+        let why = summary.why_left_out();
+        (!why.is_empty()).then(|| format!("{name} ({})", why.join("; ")))
+    };
+    runs.into_iter().filter_map(named).collect()
+}
+
 impl RunRecord {
     /// Whether the run counts in means.
     pub fn counts_in_means(&self) -> bool {

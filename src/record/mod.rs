@@ -47,7 +47,7 @@ pub use grain_table::grains_csv;
 pub use hash::{hash_bytes, hash_json};
 pub use identity::{StageEnd, StageIdentity};
 pub use laboratory::*;
-pub use left_out::{MOST_MISSING, NO_VALID_RUN, left_out_in_words};
+pub use left_out::{MOST_MISSING, NO_VALID_RUN, left_out_in_words, left_out_with_reasons};
 pub use lock::AtWork;
 pub use profile::{DistributionRow, ProfileRow, distributions};
 pub use run::{RunKind, RunRecord, run_file};

@@ -1,7 +1,7 @@
 //! The page of a comparison of engines.
 
 use super::*;
-use crate::record::Summary;
+use crate::record::{Summary, left_out_with_reasons};
 use crate::world::BackendInfo;
 
 /// `compare.json`, and what only its page needs.
@@ -124,11 +124,8 @@ fn lead(of: &CompareRecord) -> String {
             number(q.band.unwrap_or(0.0), 2)
         ));
     }
-    let against = of.runs.iter().filter_map(|r| {
-        let why = r.summary.why_left_out();
-        (!why.is_empty()).then(|| format!("{} ({})", r.name, why.join("; ")))
-    });
-    let against: Vec<String> = against.collect();
+    let named = of.runs.iter().map(|r| (r.name.as_str(), &r.summary));
+    let against = left_out_with_reasons(named);
     if !against.is_empty() {
         sentences
             .push(format!("NOT counted in means, and no result to quote: {}.", against.join(", ")));

@@ -6,6 +6,7 @@
 //! told apart.
 
 use super::{plan::Prepared, *};
+use crate::record::left_out_with_reasons;
 use crate::report::ComparedQuantity;
 use crate::scenario::{StockSettings, check};
 
@@ -184,13 +185,8 @@ const QUANTITIES: [Compared; 13] = [
 /// Why engines cannot be compared: a run from grains of its own that is not
 /// valid, or lacks grains, shows its fault and not its engine. What is handed on decides no band.
 fn not_judged(runs: &[CompareRun]) -> Option<String> {
-    let against: Vec<String> = runs
-        .iter()
-        .filter(|r| r.specimen_by.is_none())
-        .map(|r| (&r.name, r.summary.why_left_out()))
-        .filter(|(_, why)| !why.is_empty())
-        .map(|(name, why)| format!("{name} ({})", why.join("; ")))
-        .collect();
+    let own = runs.iter().filter(|r| r.specimen_by.is_none());
+    let against = left_out_with_reasons(own.map(|r| (r.name.as_str(), &r.summary)));
     (!against.is_empty()).then(|| against.join(", "))
 }
 

@@ -38,6 +38,7 @@ pub struct Executed {
 }
 
 /// How to run runs.
+#[derive(Clone)]
 pub struct RunOptions {
     /// Folder for results; what is finished there is not done again.
     pub out: PathBuf,

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::paper::uncertainty::{MODES, settlements};
+use crate::record::left_out_with_reasons;
 
 /// One sentence or two a shortfall; never empty, for the paper's figures are
 /// never available.
@@ -74,12 +75,8 @@ fn claims_missed(input: &ReportInput) -> Vec<String> {
 
 /// Which runs are left out of means, each with why.
 fn left_out(study: &StudyView) -> Option<String> {
-    let each: Vec<String> = study
-        .runs
-        .iter()
-        .filter(|r| !r.counts_in_means())
-        .map(|r| format!("{} ({})", r.name, r.summary.why_left_out().join("; ")))
-        .collect();
+    let named = study.runs.iter().map(|r| (r.name.as_str(), &r.summary));
+    let each = left_out_with_reasons(named);
     left_out_in_words(each.len(), study.runs.len())
         .map(|said| format!("{said}, ranges and claims: {}.", each.join(", ")))
 }

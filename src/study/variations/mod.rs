@@ -203,13 +203,7 @@ pub(super) fn carry_out_in(
     let of = |number: u32| varied.all.iter().filter(|(variation, _)| variation.has(number)).count();
     let in_all: usize = configurations.iter().flat_map(Range::clone).map(of).sum();
     let parts = Arc::new(InParts::new(options.progress.clone(), in_all));
-    let options = &RunOptions {
-        out: options.out.clone(),
-        jobs: options.jobs,
-        frames: options.frames,
-        cancel: options.cancel.clone(),
-        progress: parts.clone(),
-    };
+    let options = &RunOptions { progress: parts.clone(), ..options.clone() };
     let mut rows = Vec::new();
     for together in configurations {
         let mut all = Vec::new();
