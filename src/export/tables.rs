@@ -126,7 +126,7 @@ mod tests {
     #[test]
     fn a_table_without_rows_has_the_header_of_one_with_them() {
         let text = |rows: Vec<([String; 2], f64)>| {
-            let table = table("first,second,gap_mm", rows.into_iter()).expect("a table");
+            let table = csv_of("first,second,gap_mm", rows).expect("a table");
             String::from_utf8(table).expect("UTF-8")
         };
         let (none, one) = (text(Vec::new()), text(vec![([0, 1].map(grain_name), -0.5)]));
