@@ -35,7 +35,7 @@ inside /venv/bin/pip install --quiet --no-index --find-links /house pluvia
 inside /venv/bin/python - <<'PYTHON'
 import pluvia
 
-run = pluvia.run(pluvia.example("quick/pluviation"), "/first", changes={"grains.total_mass_g": 200})
+run = pluvia.run(pluvia.example("quick/pluviation"), "/first", changes={"grains.total_mass_g": 300})
 assert run["grains.count"] > 100, run
 assert run["void_ratio"] > 0.3, run
 assert len(run.contacts) > 0

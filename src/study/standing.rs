@@ -21,10 +21,12 @@ pub(super) struct Standing {
 }
 
 impl Standing {
-    /// Of a specimen that was poured into a cylinder, or was not.
+    /// Of a specimen that was poured into a cylinder, or was not; the median sieve size of its
+    /// grains in m.
     pub(super) fn of(
         specimen: &Specimen,
         container: &Container,
+        median: f64,
         is_poured: bool,
     ) -> Result<Self, StudyError> {
         let height =
@@ -47,7 +49,7 @@ impl Standing {
         let no_voids = no_height
             .clone()
             .filter(|_| has_walls)
-            .or_else(|| voids.and_then(|_| no_voids(specimen, container, height.mean_surface)));
+            .or_else(|| voids.and_then(|_| no_voids(height.mean_surface, median)));
         let voids = voids.filter(|_| no_voids.is_none());
         Ok(Self {
             no_height,
@@ -104,20 +106,20 @@ pub(super) fn empty_above(specimen: &Specimen, region: &Region, median: f64) -> 
         .then(|| format!("the region reaches {:.1} mm above the highest grain in it", to_mm(empty)))
 }
 
-/// Why a void ratio to a mean surface height in m makes no sense; none where it does. Below one
-/// grain, the mean surface is that of a floor which is bare in places: voids between the grains
-/// that lie apart do not count, and the figure is that of single grains.
-fn no_voids(specimen: &Specimen, container: &Container, mean_surface: f64) -> Option<String> {
-    let members = container.members(specimen);
-    let grains = &specimen.grains.grains;
-    let mean = members.iter().map(|&n| grains[n].equivalent_diameter).sum::<f64>()
-        / members.len().max(1) as f64;
-    (mean_surface < mean).then(|| {
+/// Median grains that a layer must be high for a void ratio. Ours: only from three on does a grain
+/// lie between one on the floor and one at the surface. Of a lower layer every grain touches the
+/// floor or the surface, so that the figure is that of these two and not of the grains between.
+const LEAST_LAYERS: f64 = 3.0;
+
+/// Why a void ratio to a mean surface height makes no sense; none where it does. Height and median
+/// sieve size of the grains in m.
+fn no_voids(mean_surface: f64, median: f64) -> Option<String> {
+    (mean_surface < LEAST_LAYERS * median).then(|| {
         format!(
-            "the mean surface stands {:.1} mm high, below one grain ({:.1} mm): the floor is bare \
-             in places, and there is no layer that voids could be counted in",
-            1e3 * mean_surface,
-            1e3 * mean
+            "the mean surface stands {:.1} mm high, below {LEAST_LAYERS} median grains of {:.1} mm: \
+             all grains lie at the floor or at the surface, and none between them",
+            to_mm(mean_surface),
+            to_mm(median)
         )
     })
 }
@@ -260,6 +262,18 @@ mod tests {
         begun.bodies[1].fate = Fate::ThroughWall;
         begun.bodies[2].fate = Fate::Spilled;
         assert_eq!(passed_before(&begun), 2, "law: two of three that are gone");
+    }
+
+    /// Law: a single layer has no void ratio, three median grains have one.
+    #[test]
+    fn void_ratios_of_a_single_layer_are_withheld() {
+        for (grains, is_withheld) in [(0.4, true), (1.2, true), (2.9, true), (3.0, false)] {
+            let why = no_voids(grains * 0.01, 0.01);
+            assert_eq!(why.is_some(), is_withheld, "law: {grains} grains high, got {why:?}");
+        }
+        let why = no_voids(0.012, 0.01).expect("law: withheld");
+        let said = "the mean surface stands 12.0 mm high, below 3 median grains of 10.0 mm";
+        assert!(why.starts_with(said), "law: with height and limit, got {why}");
     }
 
     /// Law: 5 of 230 grains are no specimen; half of them are.

@@ -54,7 +54,9 @@ pub fn summarise(
     let container = container(setup, &specimen);
     let series = series(&stages, setup);
     let rest_rows = rest_test.map_or_else(Vec::new, |stage| rows(stage, setup));
-    let end = Standing::of(&specimen, &container, is_poured(&specimen.state))?;
+    let known = described(&run.grains);
+    let median = known.sieved.size_at_percent(50.0);
+    let end = Standing::of(&specimen, &container, median, is_poured(&specimen.state))?;
     let poured = scenario
         .stages
         .iter()
@@ -62,7 +64,7 @@ pub fn summarise(
         .find(|(spec, _)| matches!(spec, StageSpec::Pour { .. }))
         .map(|(_, stage)| {
             let poured = Specimen { grains: run.grains.clone(), state: stage.state.clone() };
-            Standing::of(&poured, &self::container(setup, &poured), true)
+            Standing::of(&poured, &self::container(setup, &poured), median, true)
         })
         .transpose()?;
 
@@ -157,7 +159,6 @@ pub fn summarise(
         }
     }
     let coordination = coordination(&members, &pairs);
-    let known = described(&run.grains);
     let specified = run.grains.specified();
     let mut sieve = SieveSummary::of(&known.sieved, specified.as_ref());
     sieve.secondary = stages

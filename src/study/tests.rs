@@ -221,7 +221,10 @@ fn a_summary_tells_where_every_grain_is() {
     // These grains cover the floor no more than once.
     assert_eq!((s.void_ratio, s.porosity), (None, None), "law: no layer, no void ratio");
     let why = s.withheld.iter().find(|w| w.field == "void_ratio");
-    assert!(why.is_some_and(|w| w.reason.contains("below one grain")), "law: with the reason");
+    assert!(
+        why.is_some_and(|w| w.reason.contains("below 3 median grains")),
+        "law: with the reason"
+    );
     assert!(s.rest_test.is_some() && s.creep_um_per_s.is_some());
     assert!(s.settlement_mm.is_none(), "nothing was shaken");
     assert_eq!(s.falling_height_mm, Some(50.0));
