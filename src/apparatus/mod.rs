@@ -7,7 +7,7 @@ mod overlap;
 mod pieces;
 mod walls;
 
-pub use overlap::{depth_in_others, overlapping, stands_in};
+pub use overlap::{depth_in_others, overlapping, overlaps, stands_in};
 pub use pieces::RigidPiece;
 pub use walls::{Cylinder, Funnel, TopPlate, round_floor};
 

@@ -2,6 +2,7 @@
 
 use super::{ApparatusError, ApparatusFault, RigidPiece};
 use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
+use crate::scenario::PieceSpec;
 
 /// Pieces that are less than this deep in each other, in m, touch.
 const TOUCHING: f64 = 1e-6;
@@ -11,21 +12,35 @@ const TOUCHING: f64 = 1e-6;
 /// # Errors
 /// Names every pair of them.
 pub fn overlapping(pieces: &[RigidPiece]) -> Result<(), ApparatusError> {
+    let named = |[a, b]: [usize; 2]| format!("`{}` and `{}`", pieces[a].name, pieces[b].name);
+    let found: Vec<String> = pairs(pieces).into_iter().map(named).collect();
+    if found.is_empty() {
+        return Ok(());
+    }
+    let reason = ApparatusFault::Overlap(found.join(", "));
+    Err(ApparatusError { part: "laboratory", reason })
+}
+
+/// The pieces of a scenario that begin within each other, where neither may, as pairs of their
+/// numbers; none where one of them cannot be built, which whoever builds them says.
+pub fn overlaps(specs: &[PieceSpec]) -> Vec<[usize; 2]> {
+    let pieces: Result<Vec<RigidPiece>, _> = specs.iter().map(RigidPiece::new).collect();
+    pieces.map_or_else(|_| Vec::new(), |pieces| pairs(&pieces))
+}
+
+/// Numbers of pieces that begin within each other, where neither may.
+fn pairs(pieces: &[RigidPiece]) -> Vec<[usize; 2]> {
     let solids: Vec<Vec<Solid>> = pieces.iter().map(|piece| solids(piece, piece.at)).collect();
     let mut found = Vec::new();
     for (a, one) in solids.iter().enumerate() {
         for (b, other) in solids.iter().enumerate().skip(a + 1) {
             let may = pieces[a].may_cross || pieces[b].may_cross;
             if !may && meet(one, other, 0.0) {
-                found.push(format!("`{}` and `{}`", pieces[a].name, pieces[b].name));
+                found.push([a, b]);
             }
         }
     }
-    if found.is_empty() {
-        return Ok(());
-    }
-    let reason = ApparatusFault::Overlap(found.join(", "));
-    Err(ApparatusError { part: "laboratory", reason })
+    found
 }
 
 /// The number of a piece that piece number `one` stands in by more than a depth in m, with the
@@ -131,7 +146,6 @@ impl Solid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::PieceSpec;
 
     fn pieces(specs: &[&str]) -> Vec<RigidPiece> {
         let built = |text: &&str| {

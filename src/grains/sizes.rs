@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::*;
+use crate::apparatus;
 use crate::input;
 use crate::scale::{GrainSizes, Quantity, SieveMass};
 use crate::scenario::{self, Grading, GrainsSpec, Loaded, Override, Readers, ScenarioErrors};
@@ -10,8 +11,9 @@ use crate::scenario::{self, Grading, GrainsSpec, Loaded, Override, Readers, Scen
 /// Any: sizes depend on it only where grains are drawn from meshes.
 const SEED: u64 = 1;
 
-/// Who reads what scenarios name.
-const READERS: Readers = Readers { grading: grading_of, parts: parts_of_piece };
+/// Who reads what scenarios name, and builds their pieces.
+const READERS: Readers =
+    Readers { grading: grading_of, parts: parts_of_piece, overlaps: apparatus::overlaps };
 
 impl GrainSet {
     /// Sizes by the sieves of the blocks; by equivalent diameters where grains come from no

@@ -15,13 +15,15 @@ pub struct Loaded {
 /// cannot be read, which whoever makes the grains then says.
 pub type GradingOf = fn(&GrainsSpec) -> Option<Grading>;
 
-/// Who reads what a scenario names.
+/// Who reads what a scenario names, and builds its pieces.
 #[derive(Debug, Clone, Copy)]
 pub struct Readers {
     /// Tells of grains that have no sieve table.
     pub grading: GradingOf,
     /// Reads the convex parts of pieces from mesh files.
     pub parts: PartsOf,
+    /// Finds pieces that begin within each other.
+    pub overlaps: OverlapsOf,
 }
 
 /// Loads a scenario: reads the file and those it extends, lays the overrides
@@ -119,6 +121,7 @@ fn load_document_with(
         faults.extend(found.into_iter().map(|fault| document.with_origin(fault)));
     }
     faults.extend(unread);
+    faults.extend(overlapping_pieces::faults(&document, readers.overlaps, &faults));
     if !faults.is_empty() {
         return Err(ScenarioErrors::Faults(faults));
     }

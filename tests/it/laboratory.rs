@@ -288,3 +288,17 @@ fn what_does_not_suit_is_reported_and_pieces_in_each_other_are_refused() {
     let error = Setup::new(&of(within)).expect_err("law: the lid is in the walls").to_string();
     assert!(error.contains("`box` and `lid`"), "{error}");
 }
+
+/// Law: pieces in each other are a fault of the file, at the place of the later one, beside all
+/// others.
+#[test]
+fn pieces_in_each_other_are_faults_of_the_scenario() {
+    let mut within = changed(sound(), "pieces[1].at_mm", json!([0, 0, 100]));
+    let words =
+        "`box` and `lid` overlap (found [0.0, 0.0, 100.0]; allowed: a place where they touch";
+    assert_told(&faults(&within), "pieces[1].at_mm", words);
+    within["rest_test_s"] = json!(-1);
+    let found = faults(&within);
+    assert_told(&found, "pieces[1].at_mm", words);
+    assert_told(&found, "rest_test_s", "out of range");
+}
