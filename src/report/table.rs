@@ -73,13 +73,25 @@ pub(crate) fn plus_minus(mean: f64, off: Option<f64>, shown: impl Fn(f64) -> Str
 /// A mean and half of its confidence interval, to the second digit of the latter: more would be no
 /// finding.
 pub(crate) fn mean_within(mean: f64, half: Option<f64>) -> String {
-    let decimals = half.filter(|half| *half > 0.0).map(|half| 1.0 - half.log10().floor());
-    match decimals {
-        Some(decimals) if decimals <= 8.0 => {
-            plus_minus(mean, half, |v| number(v, decimals.max(0.0) as usize))
-        }
-        _ => plus_minus(mean, half, compact),
+    match decimals_within(half) {
+        Some(decimals) => plus_minus(mean, half, |v| number(v, decimals)),
+        None => plus_minus(mean, half, compact),
     }
+}
+
+/// A value that scatters with a standard deviation, to the second digit of that.
+pub(crate) fn scattered(value: f64, deviation: f64) -> String {
+    match decimals_within(Some(deviation)) {
+        Some(decimals) => number(value, decimals),
+        None => compact(value),
+    }
+}
+
+/// Decimals to the second digit of how far something may be off; none where that is not known, or
+/// too little to be shown.
+fn decimals_within(off: Option<f64>) -> Option<usize> {
+    let decimals = 1.0 - off.filter(|off| *off > 0.0)?.log10().floor();
+    (decimals <= 8.0).then(|| decimals.max(0.0) as usize)
 }
 
 /// From one value to another.

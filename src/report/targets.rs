@@ -61,6 +61,13 @@ pub struct TargetFound {
     pub best: f64,
 }
 
+impl TargetFound {
+    /// A value of it, to the digit by which runs scatter about the model.
+    fn shown(&self, value: f64) -> String {
+        scattered(value, self.fit.residual_standard_deviation)
+    }
+}
+
 /// Two targets, or all.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Together {
@@ -132,6 +139,10 @@ pub struct TargetsFound {
 /// twenty, the usual level of a test.
 pub const EXCLUDED_BELOW: f64 = 0.05;
 
+/// Steps that the range of a factor is divided into at least, where a page says where a probability
+/// is largest. Ours: linear models do not tell places apart that are nearer.
+const STEPS: f64 = 20.0;
+
 impl TargetsFound {
     /// What it comes to, in a sentence or two.
     pub fn answer(&self) -> String {
@@ -149,7 +160,7 @@ impl TargetsFound {
                 percent(self.all.best),
                 match self.all.at.is_empty() {
                     true => String::new(),
-                    false => format!(", at {}", place(&self.all.at)),
+                    false => format!(", at {}", self.place(&self.all.at)),
                 }
             ),
         });
@@ -158,6 +169,20 @@ impl TargetsFound {
         said.extend(excluded("Not met anywhere by itself", alone));
         said.extend(excluded("Targets that exclude each other", pairs));
         said.join(" ")
+    }
+
+    /// A place that was found, each factor to at least a twentieth of its range.
+    fn place(&self, at: &BTreeMap<String, f64>) -> String {
+        let shown = |(name, x): (&String, &f64)| {
+            let range = self.factors.get(name).map_or(0.0, |[low, high]| high - low);
+            let decimals = (STEPS / range).log10().ceil();
+            let value = match decimals <= 8.0 {
+                true => number(*x, decimals.max(0.0) as usize),
+                false => compact(*x),
+            };
+            format!("{name} {value}")
+        };
+        at.iter().map(shown).collect::<Vec<_>>().join(", ")
     }
 
     fn titles(&self) -> impl Iterator<Item = String> {
@@ -173,7 +198,7 @@ impl TargetsFound {
         table!(&self.targets, |t| {
             "target" => t.target.title(),
             "wanted" => t.target.range(),
-            "smallest to largest" => from_to(t.values[0], t.values[1]),
+            "smallest to largest" => t.values.map(|value| t.shown(value)).join(" to "),
             "runs that meet it" => share(t.runs_meeting, t.runs_counted, t.share_meeting),
             "fit" => format!("{:.2}, {:.2} unseen", t.fit.explained, t.fit.predicted).replace('-', "−"),
             "best" => Cell::number(percent(t.best)),
@@ -187,7 +212,7 @@ impl TargetsFound {
             let mut cells = row![name, from_to(*low, *high)];
             cells.extend(self.targets.iter().map(|t| {
                 let effect = t.effects.get(name);
-                effect.map(|(by, half)| Cell::number(plus_minus(*by, Some(*half), compact))).into()
+                effect.map(|(by, half)| Cell::number(mean_within(*by, Some(*half)))).into()
             }));
             table.row(cells);
         }
@@ -204,7 +229,7 @@ impl TargetsFound {
             "points that meet them" => found.points.map(PointsMet::text),
             "mean" => Cell::number(percent(found.mean)),
             "best" => Cell::number(percent(found.best)),
-            "at" => place(&found.at),
+            "at" => self.place(&found.at),
         })
     }
 
@@ -224,7 +249,8 @@ impl TargetsFound {
         for point in &self.met_at {
             let at = |name: &String| point.at.get(name).map(|x| Cell::number(compact(*x))).into();
             let mut cells: Vec<Cell> = self.factors.keys().map(at).collect();
-            cells.extend(point.values.iter().map(|x| Cell::number(compact(*x))));
+            let values = self.targets.iter().zip(&point.values);
+            cells.extend(values.map(|(target, value)| Cell::number(target.shown(*value))));
             table.row(cells);
         }
         table
@@ -293,12 +319,6 @@ fn percent(share: f64) -> String {
     }
 }
 
-fn place(at: &BTreeMap<String, f64>) -> String {
-    let values: Vec<String> =
-        at.iter().map(|(name, x)| format!("{name} {}", compact(*x))).collect();
-    values.join(", ")
-}
-
 /// Writes `targets.json` and `targets.md`.
 ///
 /// # Errors
@@ -306,4 +326,75 @@ fn place(at: &BTreeMap<String, f64>) -> String {
 pub fn write_targets(out: &Path, found: &TargetsFound) -> Result<(), ReportError> {
     write_json(&out.join("targets.json"), found)?;
     found.as_page().write(out, &["targets.md"])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found() -> TargetsFound {
+        let target = Target {
+            runs: "t".to_owned(),
+            result: "void_ratio".to_owned(),
+            share_of: None,
+            low: 0.6,
+            high: 0.7,
+        };
+        let fit = LinearFit {
+            count: 12,
+            residual_standard_deviation: 0.034_567,
+            explained: 0.81,
+            predicted: 0.67,
+        };
+        let at = |friction: f64, height: f64| -> BTreeMap<String, f64> {
+            let at = [("friction", friction), ("height", height)];
+            at.map(|(name, x)| (name.to_owned(), x)).into()
+        };
+        let effects = [("friction", (0.097_84, 0.038_99)), ("height", (0.009_282, 1.211))];
+        let target = TargetFound {
+            target,
+            runs_counted: 12,
+            runs_meeting: 5,
+            share_meeting: [0.19, 0.68],
+            values: [0.574_123, 0.746_123],
+            fit,
+            effects: effects.map(|(name, effect)| (name.to_owned(), effect)).into(),
+            best: 0.86,
+        };
+        let at_best = at(0.579_312, 21.560_1);
+        TargetsFound {
+            factors: [("friction", [0.3, 0.8]), ("height", [5.0, 30.0])]
+                .map(|(name, range)| (name.to_owned(), range))
+                .into(),
+            targets: vec![target],
+            correlations: None,
+            pairs: Vec::new(),
+            all: Together { targets: vec![0], mean: 0.48, best: 0.6, at: at_best, points: None },
+            met_at: vec![MetAt { at: at(0.3, 5.0), values: vec![0.606_812] }],
+            searched: 20_000,
+        }
+    }
+
+    /// Law: effects have the second digit of their interval, results that of their scatter, places
+    /// a twentieth of the range.
+    #[test]
+    fn a_page_has_the_digits_that_are_known() {
+        let page = found().page();
+        for shown in [
+            "0.098 ± 0.039 |",
+            "| 0.0 ± 1.2 |",
+            "| 0.574 to 0.746 |",
+            "| 0.3 | 5 | 0.607 |",
+            "at friction 0.58, height 22.",
+            "| friction 0.58, height 22 |",
+        ] {
+            assert!(page.contains(shown), "law: `{shown}` stands in\n{page}");
+        }
+        let mut exact = found();
+        exact.targets[0].fit.residual_standard_deviation = 0.0;
+        exact.factors.insert("friction".to_owned(), [0.579_3, 0.579_3]);
+        let page = exact.page();
+        assert!(page.contains("| 0.5741 to 0.7461 |"), "law: four digits without scatter\n{page}");
+        assert!(page.contains("at friction 0.5793"), "law: and without a range\n{page}");
+    }
 }
