@@ -9,6 +9,11 @@ use crate::grains::{self, Realisation};
 /// Places under the spout that are tried before a grain waits for the next check.
 const TRIES: usize = 16;
 
+/// Looks in a row at which a grain is due and finds no place, though everything is at rest, before
+/// feeding counts as stuck: 2 s of the paper's gravel. Ours: of [`TRIES`] random places at each none
+/// was free, so that with 95 % confidence less than 0.2 % of the area is (3 over their number).
+const STUCK_AFTER: u32 = 100;
+
 /// A grain counts as landed this number of times of free fall after it was let go, and
 /// [`scale::LANDED_AFTER`] later.
 const FALLS: f64 = 2.0;
@@ -115,6 +120,10 @@ pub struct Fed {
     falling: Vec<(usize, f64)>,
     /// Where the places under the spout come from.
     rng: Pcg64,
+    /// Looks in a row at which a grain was due and found no place, though everything was at rest;
+    /// not in a checkpoint of before these were counted.
+    #[serde(default)]
+    blocked: u32,
 }
 
 impl Fed {
@@ -159,6 +168,7 @@ impl Feeder {
                 count: 0,
                 falling: Vec::new(),
                 rng: stream(seed, &format!("places under the spout of mixing {configuration}")),
+                blocked: 0,
             }),
             feed,
             gravity,
@@ -203,6 +213,21 @@ impl Feeder {
             self.so_far.count += 1;
         }
         released
+    }
+
+    /// Whether a grain is due that has found no place at a time in s.
+    pub(super) fn is_blocked(&self, time: f64) -> bool {
+        !self.is_empty() && self.is_due(time)
+    }
+
+    /// Counts looks in a row at which a grain is blocked by what is at rest.
+    pub(super) fn note_blocked(&mut self, by_what_rests: bool) {
+        self.so_far.blocked = if by_what_rests { self.so_far.blocked + 1 } else { 0 };
+    }
+
+    /// Whether no grain will find a place any more, as far as that can be known.
+    pub(super) fn is_stuck(&self) -> bool {
+        self.so_far.blocked >= STUCK_AFTER
     }
 
     /// Whether the next grain is due at a time in s.

@@ -85,6 +85,45 @@ fn rain_falls_at_its_rate_and_only_as_much_as_is_asked_for() {
     );
 }
 
+/// Law: a deposit whose grains find no place ends when everything has been at rest for a while, and
+/// says so; one that goes on from a checkpoint ends at the same time.
+#[test]
+fn a_deposit_without_room_ends_long_before_its_limit() {
+    // In this world grains stay where they are let go: there is room for a few.
+    let rain = stage(json!({ "stage": "deposit", "at_mm": [0, 0, 100],
+        "area_mm": [30, 30], "rate_g_per_s": 80, "time_limit_s": 600 }));
+    let outcome = carry_out(specimen(), &rain).expect("rain");
+    assert!((1.0..3.0).contains(&outcome.simulated), "law: not 600 s, got {} s", outcome.simulated);
+    let all = outcome.specimen.grains.grains.len();
+    let waiting = outcome.specimen.state.bodies.iter().filter(|g| g.fate == Fate::Waiting).count();
+    assert!((1..all).contains(&waiting), "law: {waiting} of {all} wait still");
+    let [told] = &outcome.warnings[..] else { panic!("one warning, got {:?}", outcome.warnings) };
+    let end =
+        format!("the stage ended after {:.2} s, before its limit of 600 s: ", outcome.simulated);
+    assert!(told.starts_with(&end), "law: when it ended, got {told}");
+    let left = format!("no place was free for the next of {waiting} grains");
+    assert!(told.contains(&left), "law: and why, got {told}");
+    // So low that grains at rest on the floor are in the way of others.
+    let mut scenario = scenario();
+    scenario.engine.native.checkpoint_every_s = Some(0.5);
+    let low = stage(json!({ "stage": "deposit", "at_mm": [0, 0, 12],
+        "area_mm": [40, 40], "rate_g_per_s": 200, "time_limit_s": 60 }));
+    let go = |midway: Option<Midway>| {
+        let (make, mut seams) = (&crate::world::create, Seams::default());
+        let outcome = run_stage(&scenario, make, specimen(), &low, midway, &mut seams);
+        (outcome.expect("it runs"), seams.0)
+    };
+    let (whole, seams) = go(None);
+    assert!(whole.simulated < 20.0, "law: not 60 s, got {} s", whole.simulated);
+    assert!(seams.len() >= 2, "law: it has segments, {}", seams.len());
+    let (resumed, _) = go(Some(stored(&seams[seams.len() - 1])));
+    assert_eq!(
+        resumed.simulated, whole.simulated,
+        "law: a checkpoint keeps how long nothing moved"
+    );
+    assert_eq!(resumed.specimen.state, whole.specimen.state, "law: to the last bit");
+}
+
 /// Law: a deposit says how many grains fell out, and that fewer were there than it asks for; one
 /// that gets what it asks for says nothing.
 #[test]

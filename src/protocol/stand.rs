@@ -266,12 +266,14 @@ impl<'a> Stand<'a> {
                 self.midway.calm_since_s = calm.then_some(since);
                 settled = calm && time - since >= self.setup.settle.hold;
             }
+            // Nothing at rest makes room.
+            let stuck = feeder.as_deref().is_some_and(Feeder::is_stuck);
             // What settles has the forces that the last look asked for; those until the next look
             // are set now.
             if regular && let Some(text) = self.keep_mean_stress(check_every as f64 * dt) {
                 observer.warn(&text);
             }
-            if due || step == last_step || Some(step) == shaken || settled {
+            if due || step == last_step || Some(step) == shaken || settled || stuck {
                 if due {
                     self.midway.next_sample_s += self.setup.sample_interval;
                 }
@@ -281,13 +283,16 @@ impl<'a> Stand<'a> {
                 let moment = self.moment(time, table_velocity(time));
                 self.show(observer, moment);
             }
-            if settled {
+            if settled || stuck {
                 break;
             }
             if let Some(feeder) = feeder.as_deref_mut().filter(|_| step < last_step) {
                 let state = &self.specimen.state;
                 let clear = |at: &Vector, r: f64| self.pieces.solids.is_clear(at, r, state);
-                for (grain, pose) in feeder.due(&self.specimen, time, &clear) {
+                let let_go = feeder.due(&self.specimen, time, &clear);
+                let is_blocked = let_go.is_empty() && feeder.is_blocked(time);
+                feeder.note_blocked(is_blocked && self.calm());
+                for (grain, pose) in let_go {
                     self.let_go(grain, pose)?;
                     observer.let_go(grain, &pose.translation.vector);
                 }
@@ -369,6 +374,11 @@ impl<'a> Stand<'a> {
     /// When the part that goes on began, in s since the stage began.
     pub(super) fn part_began_s(&self) -> f64 {
         self.midway.part_began as f64 * self.world.time_step()
+    }
+
+    /// How long the stage has taken so far, in s.
+    pub(super) fn time_s(&self) -> f64 {
+        self.midway.steps as f64 * self.world.time_step()
     }
 
     pub(super) fn warn(&mut self, warning: String) {
