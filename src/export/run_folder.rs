@@ -7,6 +7,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::*;
+use crate::plain::plain_path;
 use crate::record::{read_file, read_unchanged, refuse_without};
 use crate::scenario::{self, MeantStage, NoOneStage, StageSpec};
 
@@ -151,14 +152,23 @@ pub fn stage_at_rest(folder: &Path) -> Result<Option<&'static str>, ExportError>
 pub(super) type FrameReader = fn(&Path, &str) -> Result<Option<(Vec<Frame>, PathBuf)>, FileError>;
 
 /// What a folder is that has no manifest.
-fn without_manifest(folder: &Path) -> &'static str {
-    match () {
+fn without_manifest(folder: &Path) -> String {
+    let grains = folder.join("grains.json");
+    let what = match () {
         () if folder.join("unfinished.json").is_file() => {
             "its run is not finished; run the same command again to resume"
         }
         () if folder.join("runs").is_dir() => "it holds several runs; name one in its `runs`",
+        () if grains.is_file() && !folder.join("specimen.json").exists() => {
+            let file = plain_path(&grains);
+            return format!(
+                "it holds grains alone, of which no run was made: `pluvia picture {file} --out \
+                 grains.png` shows them, and `pluvia run` with their scenario makes a run"
+            );
+        }
         () => "it is no folder of a run: it has no manifest.json",
-    }
+    };
+    what.to_owned()
 }
 
 /// Refuses what is there and is no folder of a finished run.
@@ -166,7 +176,7 @@ fn without_manifest(folder: &Path) -> &'static str {
 /// # Errors
 /// [`FileError`], refused, with what it is.
 pub fn refuse_no_run(folder: &Path) -> Result<(), FileError> {
-    refuse_without(folder, MANIFEST, without_manifest(folder))
+    refuse_without(folder, MANIFEST, &without_manifest(folder))
 }
 
 /// Why a manifest of this text cannot be read: an earlier version may have written it.

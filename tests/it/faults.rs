@@ -161,9 +161,10 @@ fn each_refusal_has_one_exit_code() {
 #[test]
 fn folders_of_another_kind_are_wrong_arguments() {
     let folder = Folder::new();
-    for name in ["empty", "several/runs", "rows"] {
+    for name in ["empty", "several/runs", "rows", "loose"] {
         fs::create_dir_all(folder.path(name)).expect("made");
     }
+    fs::write(folder.path("loose/grains.json"), r#"{ "blocks": [] }"#).expect("written");
     fs::write(folder.path("rows/series.csv"), "time_s,stage,a\n0,0,1\n1,1,2\n").expect("written");
     let path = folder.scenario("small.json", &small::layer(30.0));
     let planned = folder.path("planned");
@@ -202,6 +203,8 @@ fn folders_of_another_kind_are_wrong_arguments() {
         if of_empty == NO_RUN {
             check("planned", 2, &["planned", NO_RUN]);
             check("several", 2, &["several", "it holds several runs"]);
+            let shown = "`pluvia picture loose/grains.json --out grains.png` shows them";
+            check("loose", 2, &["it holds grains alone", shown, "`pluvia run`"]);
         }
     }
     let mut of_rows = program::pluvia();
