@@ -15,7 +15,8 @@ pub fn write_file(path: &Path, content: &[u8]) -> Result<(), FileError> {
     let fail = |e: io::Error| FileError::new("write", path, e);
     let folder = above(path);
     let mut temporary = begin_file(folder).map_err(fail)?;
-    temporary.write_all(content).map_err(fail)?;
+    // Its own `write_all` would name it.
+    temporary.as_file_mut().write_all(content).map_err(fail)?;
     temporary.as_file().sync_all().map_err(fail)?;
     make_readable(temporary.as_file()).map_err(fail)?;
     temporary.persist(path).map_err(|e| fail(e.error))?;
@@ -138,7 +139,9 @@ mod tests {
             write_file(&missing, b"x").expect_err("no folder"),
             read_json::<i32>(&missing).expect_err("no file"),
         ] {
-            assert!(error.to_string().contains("no/such/file.json"), "{error}");
+            let said = error.to_string();
+            assert!(said.contains("no/such/file.json"), "{said}");
+            assert!(!said.contains(".part"), "law: and no other, got {said}");
         }
     }
 }

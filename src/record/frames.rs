@@ -216,8 +216,7 @@ impl FrameWriter {
     /// When it cannot be made.
     pub fn new(folder: &Path, grains: usize, pieces: usize) -> Result<Self, FileError> {
         let refused = |e| FileError::new("create a file in", folder, e);
-        let file =
-            tempfile::Builder::new().prefix(".part-").tempfile_in(folder).map_err(refused)?;
+        let file = make_file(tempfile::Builder::new().prefix(".part-"), folder).map_err(refused)?;
         let (file, path) = file.into_parts();
         Self::begin(file, Place::Temporary(path), grains, pieces).map_err(refused)
     }

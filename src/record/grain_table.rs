@@ -1,10 +1,10 @@
 //! `grains.csv`: each grain, what it is and where it lies.
 
 use super::*;
-use crate::grains::grain_name;
+use crate::grains::{Block, grain_name};
 use crate::measure::Place;
 use crate::specimen::Specimen;
-use crate::units::{to_g, to_mm3};
+use crate::units::{to_g, to_mm3, to_typed_mm};
 
 /// Columns of [`grains_csv`], in the order of its cells.
 const COLUMNS: &str = "grain,passing_mm,retained_mm,volume_mm3,mass_g,equivalent_diameter_mm,\
@@ -33,14 +33,15 @@ pub fn grains_csv(
 ) -> Result<Vec<u8>, csv::Error> {
     let set = &specimen.grains;
     let known = sieved.iter().zip(shapes);
+    let typed = |block: &Block| [to_typed_mm(block.passing), to_typed_mm(block.retained)];
+    let sieves: Vec<_> = set.blocks.iter().map(typed).collect();
     let rows = set.grains.iter().zip(&specimen.state.bodies).zip(known).enumerate();
     let rows = rows.map(|(index, ((grain, state), (sieved, shape)))| {
-        let block = &set.blocks[grain.fraction];
         let at = state.body.pose.translation.vector;
         let q = state.body.pose.rotation.coords;
         (
             grain_name(index),
-            [to_mm(block.passing), to_mm(block.retained)],
+            sieves[grain.fraction],
             [to_mm3(grain.volume), to_g(grain.mass), to_mm(grain.equivalent_diameter)],
             [shape.vertices, shape.faces],
             places.get(index).map_or(state.fate, |place| place.fate(state.fate)),

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::grains::{Gradation, ParticleSizeDistribution, SieveAnalysis};
+use crate::units::to_typed_mm;
 
 /// Change of a sieve size, as a fraction of it, up to which a grain counts as the same. Engines
 /// hold shapes in single precision, which rounds a corner by up to 6e-8 of the grain's size, and
@@ -88,8 +89,8 @@ fn fractions(sieved: &SieveAnalysis, psd: &ParticleSizeDistribution) -> Vec<Siev
         let (grains, mass) =
             sieved.between(passing.unwrap_or(f64::INFINITY), retained.unwrap_or(0.0));
         SievedFraction {
-            passing_mm: passing.map(to_mm),
-            retained_mm: retained.map(to_mm),
+            passing_mm: passing.map(to_typed_mm),
+            retained_mm: retained.map(to_typed_mm),
             specified_percent,
             mass_percent: 100.0 * mass / total,
             grains,
@@ -239,6 +240,7 @@ impl ShapeSummary {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenario::SievedGrains;
 
     fn grains() -> Vec<Sieved> {
         (1..=10).map(|n| Sieved { size: 1e-3 * f64::from(n), mass: 1e-3 }).collect()
@@ -289,6 +291,28 @@ mod tests {
         let secondary = SecondarySieve::of(&grains(), &broken);
         assert!(!secondary.unchanged && secondary.changed == 2, "{secondary:?}");
         assert_eq!(secondary.grains, 11);
+    }
+
+    /// Law: sieves have the openings that were typed.
+    #[test]
+    fn openings_are_those_that_were_typed() {
+        let typed: SievedGrains = serde_json::from_value(serde_json::json!({
+            "total_mass_g": 100, "density_kg_per_m3": 2650,
+            "sieve_table": [
+                { "passing_mm": 4.75, "retained_mm": 2.36, "mass_percent": 50 },
+                { "passing_mm": 2.36, "retained_mm": 1.18, "mass_percent": 50 }
+            ]
+        }))
+        .expect("sieved grains");
+        let psd = ParticleSizeDistribution::new(&typed);
+        let rows = fractions(&SieveAnalysis::new(grains()), &psd.expect("a distribution"));
+        let openings: Vec<_> = rows.iter().map(|row| (row.passing_mm, row.retained_mm)).collect();
+        let [a, b, c] = [4.75, 2.36, 1.18].map(Some);
+        assert_eq!(
+            openings,
+            [(None, a), (a, b), (b, c), (c, None)],
+            "law: 1.18, not 1.1800000000000002"
+        );
     }
 
     #[test]

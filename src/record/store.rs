@@ -203,13 +203,19 @@ impl StageStore {
         stage.record.began_with_sha256 = asked.began_with.map(str::to_owned);
         stage.record.specimen_sha256 = hash_bytes(&specimen);
         stage.record.series_sha256 = hash_bytes(&series);
-        write_file(&part.path().join(STATE_FILE), &specimen)?;
-        write_file(&part.path().join(SERIES_FILE), &series)?;
+        // Whoever reads of an error knows where the file would have been.
+        let in_place = |error: FileError| {
+            let path = error.path.strip_prefix(part.path()).map(|name| target.join(name));
+            FileError { path: path.unwrap_or_else(|_| error.path.clone()), ..error }
+        };
+        write_file(&part.path().join(STATE_FILE), &specimen).map_err(in_place)?;
+        write_file(&part.path().join(SERIES_FILE), &series).map_err(in_place)?;
         if let Some(frames) = frames {
-            stage.record.frames_sha256 = frames.keep(&part.path().join(FRAMES_FILE))?;
+            let kept = frames.keep(&part.path().join(FRAMES_FILE)).map_err(in_place)?;
+            stage.record.frames_sha256 = kept;
         }
         stage.record.record_sha256 = stage.record.own_hash();
-        write_json(&part.path().join(RECORD_FILE), &stage.record)?;
+        write_json(&part.path().join(RECORD_FILE), &stage.record).map_err(in_place)?;
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
@@ -237,7 +243,12 @@ impl StageStore {
 
     fn part(&self) -> Result<tempfile::TempDir, FileError> {
         let part = tempfile::Builder::new().prefix(PART).tempdir_in(&self.root);
-        part.map_err(|e| FileError::new("create a folder in", &self.root, e))
+        part.map_err(|error| {
+            // Without the name that it would have had, of which nobody has heard.
+            let said = error.to_string();
+            let said = said.split(" at path ").next().unwrap_or_default();
+            FileError::new("create a folder in", &self.root, said)
+        })
     }
 
     /// Puts a written stage in its place, unless one is there that is to be

@@ -30,7 +30,7 @@ pub fn begin_file(folder: &Path) -> io::Result<NamedTempFile> {
 
 fn begin(folder: &Path, mut made: impl FnMut()) -> io::Result<NamedTempFile> {
     loop {
-        let file = Builder::new().prefix(BEGINS).suffix(ENDS).tempfile_in(folder)?;
+        let file = make_file(Builder::new().prefix(BEGINS).suffix(ENDS), folder)?;
         made();
         wait_alone(file.as_file());
         // Somebody may have removed it before it was held.
@@ -38,6 +38,22 @@ fn begin(folder: &Path, mut made: impl FnMut()) -> io::Result<NamedTempFile> {
             return Ok(file);
         }
     }
+}
+
+/// A new file with another name, that only its owner may read. An error says what the system said,
+/// and not the name, of which nobody has heard.
+///
+/// # Errors
+/// When it cannot be made.
+pub(super) fn make_file(named: &Builder, folder: &Path) -> io::Result<NamedTempFile> {
+    let mut options = File::options();
+    options.read(true).write(true).create_new(true);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt;
+        options.mode(0o600);
+    }
+    named.make_in(folder, |path| options.open(path))
 }
 
 fn is_on_its_way(name: &str) -> bool {
