@@ -28,6 +28,7 @@ struct State {
 
 struct Running {
     bar: ProgressBar,
+    name: String,
     expected: f64,
     /// When a stage began; none where pieces are counted.
     began: Option<Instant>,
@@ -51,11 +52,12 @@ fn times_real_time(ratio: f64) -> String {
 }
 
 fn bar(expected: f64) -> ProgressBar {
-    let style = ProgressStyle::with_template(
-        "{prefix} [{bar:10}] {percent:>3} % {elapsed} (ETA {eta}) {wide_msg}",
-    )
-    .unwrap_or_else(|_| ProgressStyle::default_bar())
-    .progress_chars("=> ");
+    // Words take what is left of a line, and are cut off there: a line that wraps is drawn anew
+    // below itself.
+    let style =
+        ProgressStyle::with_template("{wide_msg} [{bar:10}] {percent:>3} % {elapsed} (ETA {eta})")
+            .unwrap_or_else(|_| ProgressStyle::default_bar())
+            .progress_chars("=> ");
     // What is not in a `MultiProgress` yet must not draw itself.
     let bar = ProgressBar::hidden();
     bar.set_length(ticks(expected));
@@ -72,7 +74,6 @@ impl Bars {
         }
         if overall.total() > 0.0 && overall_bar.is_none() {
             let of_all = self.all.add(bar(overall.total()));
-            of_all.set_prefix("all stages");
             *overall_bar = Some(of_all);
         }
         let bar = bar(expected);
@@ -80,8 +81,9 @@ impl Bars {
             Some(below) => self.all.insert_before(below, bar),
             None => self.all.add(bar),
         };
-        bar.set_prefix(plain(name).into_owned());
-        running.insert(id, Running { bar, expected, began });
+        let name = plain(name).into_owned();
+        bar.set_message(name.clone());
+        running.insert(id, Running { bar, name, expected, began });
         state.show_overall();
     }
 }
@@ -91,7 +93,7 @@ impl State {
         if let Some(bar) = &self.overall_bar {
             bar.set_length(ticks(self.overall.total()));
             bar.set_position(ticks(self.overall.done()));
-            bar.set_message(self.overall.to_string());
+            bar.set_message(format!("all stages: {}", self.overall));
         }
     }
 }
@@ -127,7 +129,7 @@ impl Progress for Bars {
         let mut state = lock(&self.state);
         state.overall.update(id, simulated);
         state.show_overall();
-        let Some(Running { bar, expected, began }) = state.running.get(&id) else { return };
+        let Some(Running { bar, name, expected, began }) = state.running.get(&id) else { return };
         let position = ticks(simulated);
         // Stages that end when the grains have settled may take longer than expected.
         if bar.length().is_some_and(|length| length < position) {
@@ -137,13 +139,13 @@ impl Progress for Bars {
         let mut line = match began {
             Some(began) => {
                 let whole = expected.max(simulated);
-                let mut line = format!("{simulated:.2} of {whole:.1} s");
+                let mut line = format!("{name}: {simulated:.2} of {whole:.1} s");
                 if simulated > 0.0 {
                     line += &format!(", {}", speed(simulated, *began));
                 }
                 line
             }
-            None => format!("{simulated:.0} of {expected:.0}"),
+            None => format!("{name}: {simulated:.0} of {expected:.0}"),
         };
         if !note.is_empty() {
             line += &format!(", {note}");
@@ -223,25 +225,34 @@ mod tests {
         });
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 2, "a stage, and all of them: {text}");
-        for words in ["vibrate [", "50 %", "2.50 of 5.0 s", "× real time", "settlement 3.1 mm"] {
+        for words in ["vibrate: 2.50 of 5.0 s", "× real time", "settlement 3.1 mm", "]  50 %"] {
             assert!(lines[0].contains(words), "`{words}` is missing in: {}", lines[0]);
         }
-        for words in ["all stages [", "25 %", "ETA", "2.5 of about 10.0 s done"] {
+        for words in ["all stages: 2.5 of about 10.0 s done", "]  25 %", "ETA"] {
             assert!(lines[1].contains(words), "`{words}` is missing in: {}", lines[1]);
         }
     }
 
-    /// Law: the longest stage of a run has one line of a terminal of 80 columns, and its time there.
+    /// Law: the longest stage of a run has one line of a terminal of 40 columns or more, with how far
+    /// it is, and of a usual one of 80 also its time.
     #[test]
-    fn a_usual_terminal_holds_a_stage_in_a_line() {
-        let text = shown_in(80, |bars| {
-            bars.begin_work(16.0);
-            bars.begin_stage(1, "configuration 1, place the top plate", 5.0);
-            bars.update(1, 2.5, "settlement 3.1 mm");
-        });
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines.len(), 2, "law: a line each, got {text}");
-        assert!(lines[0].contains("2.50"), "law: how far it is, got {}", lines[0]);
+    fn a_narrow_terminal_holds_a_stage_in_a_line() {
+        for columns in [40, 60, 80, 120] {
+            let text = shown_in(columns, |bars| {
+                bars.begin_work(16.0);
+                bars.begin_stage(1, "configuration 1, place the top plate", 5.0);
+                bars.update(1, 2.5, "settlement 3.1 mm");
+            });
+            let lines: Vec<&str> = text.lines().collect();
+            assert_eq!(lines.len(), 2, "law: a line each in {columns} columns, got\n{text}");
+            for (line, words) in lines.iter().zip(["conf", "all "]) {
+                assert!(line.starts_with(words), "law: what it is of, {columns} columns: {line}");
+                assert!(line.ends_with(')'), "law: nothing is cut off behind, {columns}: {line}");
+            }
+            assert!(lines[0].contains("50 %"), "law: how far it is, got {}", lines[0]);
+            let has_time = lines[0].contains("2.50");
+            assert!(has_time || columns < 80, "law: and its time, got {}", lines[0]);
+        }
     }
 
     #[test]
