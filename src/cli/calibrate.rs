@@ -13,11 +13,11 @@ const FRICTION_RANGE: CalibrationRange = CalibrationRange { low: 0.1, high: 1.5 
 /// Find the friction that gives a measured angle of repose, or any field that gives a result
 #[derive(Debug, Args)]
 #[command(after_help = "\
-The command scans the whole range, narrows in on the crossing and fits a line there; the interval
-reflects the scatter between realisations. Leaves calibrate.json, calibrate.md, report.html,
-evaluations.csv, figures/ and runs/ in DIR. Exit code 1 means that no value gives the result, or
-that its interval is wider than asked; results are kept all the same. Finished stages in DIR are
-reused: after an interruption, run the same command again to resume.
+The command scans the whole range, narrows in on where the result passes the target, and fits a line
+there; the interval reflects the scatter between realisations. Leaves calibrate.json, calibrate.md,
+report.html, evaluations.csv, figures/ and runs/ in DIR. Exit code 1 means that no value reaches the
+target, or that the interval is wider than --tolerance asks; the results are kept. Finished stages
+in DIR are reused: after an interruption, run the same command again to resume.
 
 Examples:
   pluvia calibrate scenarios/paper/repose.json --angle-of-repose 38.4 --jobs 2
@@ -33,14 +33,14 @@ pub(super) struct CalibrateArgs {
     #[arg(long, value_name = "DEGREES", value_parser = angle, conflicts_with = "target",
           required_unless_present = "target", allow_negative_numbers = true)]
     angle_of_repose: Option<CalibrationTarget>,
-    /// Any number of a run's summary.json and its target value
+    /// A number of summary.json by its path, and its target value
     #[arg(long, value_name = "field=value", requires = "unknown", requires = "between")]
     target: Option<CalibrationTarget>,
-    /// The number of the scenario to find [default: contact.grain_grain_friction, with
+    /// The number to find, by its path in the scenario [default: contact.grain_grain_friction, with
     /// --angle-of-repose]
     #[arg(long, value_name = "path", requires = "between")]
     unknown: Option<String>,
-    /// Range to search for it [default: 0.1..1.5, with --angle-of-repose]
+    /// Range in which to search for it [default: 0.1..1.5, with --angle-of-repose]
     #[arg(long, value_name = "low..high", allow_hyphen_values = true)]
     between: Option<CalibrationRange>,
     /// Number of realisations per value, each a new random arrangement of the same grains; the same

@@ -7,13 +7,14 @@ use crate::study::{DensityOptions, IndexState, density};
 /// Find the loosest and the densest state of a scenario's grains
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Grains, contact and engine are the scenario's; mould and procedure are those of this command. The
-loosest state is of grains let fall from just above those in the mould (after ASTM D4254), the
-densest of grains vibrated vertically; grains without friction are a bound. ASTM D4253 vibrates for
-8 minutes at 60 Hz and 0.33 mm under 13.8 kPa; after a few seconds of that grains still sink: hence
-other values here. Leaves density.json, which also lists the deviations from the standards, and
-runs/ in DIR. Finished stages there are reused. Put e_max and e_min into a scenario as
-index_densities, and its summary gives relative densities.
+Grains, contact and engine are the scenario's; the command has a mould and a procedure of its own.
+Loosest state: grains fall into the mould from just above those already there (after ASTM D4254).
+Densest state: the same grains, vibrated vertically. Grains poured without friction are a bound that
+grains with friction do not reach by themselves. ASTM D4253 vibrates for 8 minutes at 60 Hz and
+0.33 mm under 13.8 kPa. That is too long to simulate, and after a few seconds grains still sink, so
+that the defaults are others. Leaves density.json, with all deviations from the standards, and runs/
+in DIR; finished stages there are reused. A scenario with e_max and e_min as `index_densities` has
+relative densities in its summary.
 
 Examples:
   pluvia density scenarios/quick/pluviation.json --configurations 3 --out out/density
@@ -23,11 +24,11 @@ pub(super) struct DensityArgs {
     /// The scenario file
     #[arg(value_name = "SCENARIO.json")]
     scenario: PathBuf,
-    /// Number of configurations, each a new random arrangement of the same grains
+    /// Number of realisations, each a new random arrangement of the same grains
     #[arg(long, value_name = "N", default_value_t = 3,
           value_parser = whole(1_u32, 1000))]
     configurations: u32,
-    /// Surcharge on the vibrated grains in kPa, by a plate; 0: no plate
+    /// Stress of a plate on the vibrated grains in kPa; 0 for no plate
     #[arg(long, value_name = "KPA", default_value_t = 0.0, value_parser = between(0.0, 1000.0))]
     surcharge_kpa: f64,
     /// Frequency of the vibration in Hz

@@ -11,9 +11,9 @@ use crate::units::{to_cm3, to_g};
 /// Make only the grains of a scenario; apparatus, engine and stages are ignored
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Leaves grains.json in DIR; for grains made by sieve fractions also sieve.csv; for grains made from
-meshes also stones.csv, with the outcome for each mesh; with another format also grains.obj,
-grains.stl or grains.ply, for programs that show meshes.
+Leaves grains.json in DIR. Grains made by a sieve table also have sieve.csv, grains made from meshes
+stones.csv with the outcome for each mesh. Another format adds grains.obj, grains.stl or grains.ply,
+for programs that show meshes. `pluvia picture DIR/grains.json --out FILE.png` shows the grains.
 
 Examples:
   pluvia grains scenarios/paper/pluviation.json --out out/grains

@@ -7,18 +7,18 @@ use crate::study::{ConvergenceDesign, SensitivityDesign};
 /// Print the JSON Schema of the scenario file, or of a study's design
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Editors use it to check and complete scenarios: name it in their settings, or in a scenario's
-own \"$schema\".
+With the schema, editors check a file and complete its fields. Name it in the editor's settings, or
+in the file itself as \"$schema\".
 
 Examples:
   pluvia schema > scenario.schema.json
   pluvia schema --of convergence > convergence.schema.json
   pluvia schema --page > scenario.md")]
 pub(super) struct SchemaArgs {
-    /// Which file
+    /// The file that the schema describes
     #[arg(long, value_enum, value_name = "FILE", default_value_t = Of::Scenario)]
     of: Of,
-    /// As a page of Markdown with a table of fields, their limits and defaults
+    /// Print a page of Markdown instead: every field with its limits and default
     #[arg(long)]
     page: bool,
 }

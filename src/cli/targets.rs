@@ -7,13 +7,14 @@ use crate::study::{TargetRuns, meet_targets};
 /// Find which values of the factors of sweeps meet several targets together
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Reads finished sweeps, runs nothing. A target is a column of their tables, or the ratio of two
-columns in percent, and a range for it. Runs of different sweeps form a point if they agree in all
-factors that their sweeps share; points that meet all targets are counted and listed. A linear
-model of all factors is fitted to each target; its scatter gives the probability that a run meets
-the target, and the correlations of residuals at the same point that of meeting several. The
-command says whether a combination meets all targets, and which two targets exclude each other.
-Sweeps of the same name are merged. Leaves targets.json and targets.md in DIR.
+Reads finished sweeps and runs nothing. A target is a range for a column of their tables, or for the
+ratio of two columns in percent. Runs of different sweeps form a point if they agree in all factors
+that their sweeps share; the points that meet all targets are counted and listed. The command fits a
+linear model of all factors to each target. From the scatter about the model follows the probability
+that a run meets the target; from the correlations of residuals at the same point, the probability
+that it meets several. The answer says whether a combination meets all targets, and which two
+targets exclude each other. Sweeps of the same name are merged. Leaves targets.json and targets.md
+in DIR.
 
 Examples:
   pluvia targets --runs shaken=out/shaken --target shaken:settlement_mm.final=14..19.61 \\
