@@ -244,7 +244,7 @@ impl StageStore {
     fn part(&self) -> Result<tempfile::TempDir, FileError> {
         let part = tempfile::Builder::new().prefix(PART).tempdir_in(&self.root);
         part.map_err(|error| {
-            // Without the name that it would have had, of which nobody has heard.
+            // Without the name that it would have had, which no reader knows.
             let said = error.to_string();
             let said = said.split(" at path ").next().unwrap_or_default();
             FileError::new("create a folder in", &self.root, said)

@@ -41,11 +41,11 @@ fn begin(folder: &Path, mut made: impl FnMut()) -> io::Result<NamedTempFile> {
 }
 
 /// A new file with another name, that only its owner may read. An error says what the system said,
-/// and not the name, of which nobody has heard.
+/// without that name, which no reader knows.
 ///
 /// # Errors
 /// When it cannot be made.
-pub(super) fn make_file(named: &Builder, folder: &Path) -> io::Result<NamedTempFile> {
+pub(super) fn make_file(named: &Builder<'_, '_>, folder: &Path) -> io::Result<NamedTempFile> {
     let mut options = File::options();
     options.read(true).write(true).create_new(true);
     #[cfg(unix)]
