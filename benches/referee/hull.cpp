@@ -61,6 +61,18 @@ void ask_faces(const Placed &reference, const Placed &other, int kind, double en
     }
 }
 
+// Of each edge of the one, edge by edge, its component along each normal of the other.
+std::vector<double> components(const Placed &edges, const Placed &faces) {
+    std::vector<double> all;
+    all.reserve(edges.directions.size() * faces.normals.size());
+    for (const Vec3 &direction : edges.directions) {
+        for (const Vec3 &normal : faces.normals) {
+            all.push_back(normal.dot(direction));
+        }
+    }
+    return all;
+}
+
 // Edges that make a face of the Minkowski difference: their arcs on the sphere
 // of normals cross.
 void ask_edges(const Placed &a, const Placed &b, double enough, Axis &best,
@@ -68,26 +80,27 @@ void ask_edges(const Placed &a, const Placed &b, double enough, Axis &best,
     const double to_beat = best.separation + EDGE_HANDICAP;
     Axis edges;
     edges.separation = to_beat;
+    const std::vector<double> of_a = components(a, b), of_b = components(b, a);
+    const std::size_t faces_of_a = a.normals.size(), faces_of_b = b.normals.size();
     for (std::size_t i = 0; i < a.directions.size(); ++i) {
         const Hull::Edge &ea = a.hull->edges[i];
-        const Vec3 &na = a.normals[static_cast<std::size_t>(ea.left)];
-        const Vec3 &nb = a.normals[static_cast<std::size_t>(ea.right)];
-        const Vec3 &da = a.directions[i];
-        const Vec3 &pa = a.vertices[static_cast<std::size_t>(ea.from)];
+        const auto left = static_cast<std::size_t>(ea.left);
+        const auto right = static_cast<std::size_t>(ea.right);
+        const double *along_normals_of_b = &of_a[i * faces_of_b];
         for (std::size_t j = 0; j < b.directions.size(); ++j) {
             const Hull::Edge &eb = b.hull->edges[j];
-            const Vec3 &db = b.directions[j];
             // Normals of B count reversed.
-            const Vec3 &nc = b.normals[static_cast<std::size_t>(eb.left)];
-            const Vec3 &nd = b.normals[static_cast<std::size_t>(eb.right)];
-            const double cba = -nc.dot(da), dba = -nd.dot(da);
+            const double cba = -along_normals_of_b[eb.left], dba = -along_normals_of_b[eb.right];
             if (cba * dba >= 0) {
                 continue;
             }
-            const double adc = na.dot(db), bdc = nb.dot(db);
+            const double *along_normals_of_a = &of_b[j * faces_of_a];
+            const double adc = along_normals_of_a[left], bdc = along_normals_of_a[right];
             if (adc * bdc >= 0 || cba * bdc <= 0) {
                 continue;
             }
+            const Vec3 &da = a.directions[i], &db = b.directions[j];
+            const Vec3 &pa = a.vertices[static_cast<std::size_t>(ea.from)];
             Vec3 normal = da.cross(db);
             const double size = normal.norm();
             if (size < 1e-6 * da.norm() * db.norm()) {

@@ -102,7 +102,7 @@ std::vector<Pour::Unforeseen> Pour::unforeseen(const Step &step, const Solution 
         known.insert({t.a, t.b, t.touch.key});
     }
     std::vector<Unforeseen> found;
-    const std::vector<double> margins(scene_.grains.size(), 0);
+    const std::vector<double> margins(scene_.grains.size(), -UNFORESEEN / 2);
     for (const SceneTouch &t : scene_touches(scene_, margins)) {
         const auto pair = foreseen.find({t.a, t.b});
         const double more = (pair == foreseen.end() ? 0 : pair->second) - t.touch.gap;
