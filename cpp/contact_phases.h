@@ -19,6 +19,8 @@ enum class Phase {
     SolveForcesBackward,
     SolveImpactsForward,
     SolveImpactsBackward,
+    AskForForces, // whether packs that bear nothing would bear something
+    AskForImpacts,
     AddResidual, // in order, by one thread
     FindFastestImpact,
     BeginCompression,
@@ -114,6 +116,15 @@ PLUVIA_INLINE void visit_all(Problem<L> &p, const Part &part) {
     unsolved = own;
 }
 
+template <Solved WHAT, class L> PLUVIA_INLINE void ask_all(Problem<L> &p, const Part &part) {
+    L &borne = p.unsolved[part.worker].borne;
+    for (std::size_t k = part.begin; k < part.end; ++k) {
+        const Pack<L> &pack = p.pairs->packs[part.at(k)];
+        borne = larger(
+            borne, would_bear<WHAT>(pack, &p.pairs->points[pack.first], p.bodies.motion.data()));
+    }
+}
+
 template <Solved WHAT, class L> PLUVIA_INLINE void find_change(Problem<L> &p, const Part &part) {
     const auto limit = static_cast<typename Lane<L>::Number>(p.limit);
     for (std::size_t block = part.begin; block < part.end; ++block) {
@@ -191,6 +202,12 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
         break;
     case Phase::SolveImpactsBackward:
         visit_all<Solved::Impacts, Half::Backward>(p, part);
+        break;
+    case Phase::AskForForces:
+        ask_all<Solved::Forces>(p, part);
+        break;
+    case Phase::AskForImpacts:
+        ask_all<Solved::Impacts>(p, part);
         break;
     case Phase::AddResidual:
         packs([&](const auto &pack, auto *points, auto *, auto *, std::size_t) __attribute__((

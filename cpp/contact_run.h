@@ -143,6 +143,7 @@ template <class L> class Run {
         for (Unsolved<L> &own : p_.unsolved) {
             all.speed = larger(all.speed, own.speed);
             all.fastest = larger(all.fastest, own.fastest);
+            all.borne = larger(all.borne, own.borne);
             own = Unsolved<L>{};
         }
         return all;
@@ -247,7 +248,7 @@ template <class L> class Run {
             const bool met_slowly = IMPACTS || !any_larger(unsolved.speed, limit);
             for_speed += still && !met_slowly;
             const bool solved = still && (met_slowly || for_speed >= MOST_FOR_SPEED);
-            if ((n == 1 || n % least == 0 || solved) && !wake(backward) && solved) {
+            if ((n == 1 || n % least == 0 || solved) && !wake<WHAT>(backward) && solved) {
                 break;
             }
             if ((IMPACTS || n >= least) && few_left && changed.active > 0 && !still) {
@@ -273,9 +274,16 @@ template <class L> class Run {
         now_.bodies(Phase::Extrapolate, bodies);
     }
 
-    // Looks at the pairs that are asleep. Whether one woke.
-    bool wake(Phase backward) {
+    // Looks at the pairs that are asleep. Whether one woke. Mostly none does, which is found in any
+    // order; else they are visited colour by colour, for one may wake the next.
+    template <Solved WHAT> bool wake(Phase backward) {
         if (asleep_.packs.empty()) {
+            return false;
+        }
+        now_.packs(WHAT == Solved::Impacts ? Phase::AskForImpacts : Phase::AskForForces,
+                   asleep_.packs);
+        now_.run();
+        if (!any_larger(take_unsolved().borne, N(0))) {
             return false;
         }
         p_.beta = L{};

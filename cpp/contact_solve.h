@@ -25,6 +25,7 @@ enum class Half { Forward, Backward };
 template <class L> struct alignas(64) Unsolved {
     L speed{};   // the fastest approach beyond the bias velocity
     L fastest{}; // approach of impacts
+    L borne{};   // the largest normal impulse that a visit would give
 };
 
 // Solves one point of each pair. Friction first, within the cone that the normal
@@ -87,6 +88,25 @@ PLUVIA_INLINE void visit(const Pack<L> &pack, Point<L> *points, Search<L> *searc
         solve<WHAT, HALF>(pack, points[p], search[p], beta, at, unsolved);
     }
     at.put_back(pack, motion);
+}
+
+// The largest normal impulse that a visit would give to a point of a pack that bears nothing. Where
+// it is 0, a visit changes nothing.
+template <Solved WHAT, class L>
+PLUVIA_INLINE L would_bear(const Pack<L> &pack, const Point<L> *points, const Records<L> *motion) {
+    const L zero{};
+    const Sides<L> at(pack, motion);
+    L most{};
+    for (int p = 0; p < pack.points; ++p) {
+        const Point<L> &c = points[p];
+        const L error = parting(at, pack.normal, c.angular) - c.bias + c.softness * c.impulse.x;
+        L next = larger(zero, L(c.impulse.x - c.normal_mass * error));
+        if (WHAT == Solved::Impacts) {
+            next = smaller(next, c.most);
+        }
+        most = larger(most, next);
+    }
+    return most;
 }
 
 } // namespace pluvia

@@ -130,8 +130,11 @@ bool Workers::go_on(int worker, std::uint64_t number, std::size_t of, std::size_
     while (share < shares && before(share + 1) <= over(at)) {
         ++share;
     }
-    if (share >= shares || !may_begin(number, of, share) ||
-        !stretch.at.compare_exchange_strong(at, at | BUSY, std::memory_order_acq_rel)) {
+    if (share >= shares || !may_begin(number, of, share)) {
+        return false;
+    }
+    // Nobody else does parts of the caller's.
+    if (of != 0 && !stretch.at.compare_exchange_strong(at, at | BUSY, std::memory_order_acq_rel)) {
         return false;
     }
     const Share &whole = job_.shares[share];
