@@ -72,7 +72,7 @@ sensitivity: build ## what each of our choices moves, in $(OUT)/sensitivity.md
 test: setup ## run the tests, except the slow ones
 	cargo test --locked
 
-test-slow: setup ## run the slow tests (some ten minutes on two cores)
+test-slow: setup ## run the slow tests (some twenty minutes on two cores)
 	cargo test --locked -- --ignored
 
 test-all: test test-slow ## run every test

@@ -43,6 +43,7 @@ fn run(scenario: &Path, out: &Path) -> Output {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn a_full_disk_ends_a_run_that_goes_on_when_there_is_room() {
     let (folder, scenario) = prepared();
     let (whole, full) = (finished(), folder.path().join("full"));

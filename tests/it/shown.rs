@@ -215,6 +215,7 @@ fn a_calibration_shows_names_as_they_are() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn a_comparison_and_the_report_show_names_as_they_are() {
     let Some(mut browser) = Browser::start("names in reports") else { return };
     let folder = tempfile::tempdir().expect("a folder");
@@ -239,6 +240,7 @@ fn a_comparison_and_the_report_show_names_as_they_are() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn the_viewer_shows_names_as_they_are() {
     let Some(mut browser) = Browser::start("names in the viewer") else { return };
     let folder = tempfile::tempdir().expect("a folder");

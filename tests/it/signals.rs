@@ -66,6 +66,7 @@ fn many() -> Value {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn while_grains_are_cut() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = write(folder.path(), "many.json", &many());

@@ -61,6 +61,7 @@ fn a_stage_in_the_place_of_another_is_reported_and_done_again() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn the_next_command_removes_what_a_killed_one_left_and_nothing_else() {
     let (_folder, scenario, out) = with_results();
     let folders = ["", "figures", "runs/a", "runs/a/figures", "stages"];

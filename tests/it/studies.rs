@@ -59,6 +59,7 @@ fn read(out: &Path, file: &str) -> Value {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn convergence_holds_every_rung_against_the_finest() {
     let folder = tempfile::tempdir().expect("a folder");
     let design = write(folder.path(), &convergence());
@@ -138,6 +139,7 @@ fn convergence_holds_every_rung_against_the_finest() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn sensitivity_gives_effects_in_pairs() {
     let folder = tempfile::tempdir().expect("a folder");
     let design = write(folder.path(), &sensitivity());

@@ -138,6 +138,7 @@ pub fn round(ground: &mut Ground) {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn limits_end_in_the_same_bytes_or_one_message() {
     let mut ground = Ground::quick(8);
     for most in [1, 3] {

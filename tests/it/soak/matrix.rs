@@ -95,6 +95,7 @@ pub fn round(ground: &mut Ground) {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn jobs_threads_instructions_and_kills_change_no_byte() {
     let mut ground = Ground::quick(11);
     let with = With { jobs: 2, threads: 2, portable: true, kill: true };

@@ -116,6 +116,7 @@ pub fn round(ground: &mut Ground) {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn processes_in_one_folder_leave_what_one_alone_does() {
     let mut ground = Ground::quick(5);
     together(sweep(), 3, true, &mut ground);

@@ -69,6 +69,7 @@ pub fn round(ground: &mut Ground) {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn one_that_is_stopped_holds_nobody_up_for_ever() {
     let mut ground = Ground::quick(10);
     beside_another(sweep(), sweep().takes / 2, &mut ground);
