@@ -109,9 +109,9 @@ template <class L> class Sequence {
              std::size_t least) {
         if (size > 0) {
             const auto threads = static_cast<std::size_t>(p_.contacts->workers.count());
-            const std::size_t length = size < 2 * least ? size : (size + threads - 1) / threads;
+            least = size < 2 * least ? size : least;
             steps_.push_back({phase, list, listed});
-            shares_.push_back({size, std::max(least, length), least});
+            shares_.push_back({size, std::max(least, (size + threads - 1) / threads), least});
             chained_ = false;
         }
     }

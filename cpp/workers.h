@@ -128,7 +128,8 @@ class Workers {
     // What a thread does first.
     struct alignas(64) Stretch {
         // The number of a job, and in the lower half twice how many parts are over, and one
-        // more while the next is being done. Parts are done in this order, whoever does them.
+        // more while the next is being done (not of the caller's, of which nobody else does
+        // parts). Parts are done in this order, whoever does them.
         std::atomic<std::uint64_t> at{0};
         std::atomic<bool> late{false}; // others go on with it at once
         // How many parts come before a share's; at the end, all.

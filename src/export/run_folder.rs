@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::*;
-use crate::plain::plain_path;
+use crate::plain::{in_shell, plain_path};
 use crate::record::{read_file, read_unchanged, refuse_without};
 use crate::scenario::{self, MeantStage, NoOneStage, StageSpec};
 
@@ -161,6 +161,7 @@ fn without_manifest(folder: &Path) -> String {
         () if folder.join("runs").is_dir() => "it holds several runs; name one in its `runs`",
         () if grains.is_file() && !folder.join("specimen.json").exists() => {
             let file = plain_path(&grains);
+            let file = in_shell(&file);
             return format!(
                 "it holds grains alone, of which no run was made: `pluvia picture {file} --out \
                  grains.png` shows them, and `pluvia run` with their scenario makes a run"

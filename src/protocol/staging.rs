@@ -95,10 +95,11 @@ impl<'a> Laboratory<'a> {
         left: &str,
     ) -> Result<(StageOutcome, bool), StageError> {
         let Ended { mut stand, settled, feeder } = self.carry_out(specimen, course)?;
-        let stuck = feeder.as_ref().is_some_and(Feeder::is_stuck);
-        let (limit, waiting) = (course.until.limit, feeder.map_or(0, |feeder| feeder.waiting()));
+        let (limit, time) = (course.until.limit, stand.time_s());
+        // Less than a step before its end, a stage has reached its limit.
+        let stuck = feeder.as_ref().is_some_and(Feeder::is_stuck) && time < limit - 1e-3;
+        let waiting = feeder.map_or(0, |feeder| feeder.waiting());
         if stuck {
-            let time = stand.time_s();
             stand.warn(format!(
                 "the stage ended after {time:.2} s, before its limit of {limit} s: everything was at \
                  rest, and no place was free for the next of {waiting} grains that were still to come"

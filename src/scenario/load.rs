@@ -133,7 +133,7 @@ fn load_document_with(
 }
 
 /// A scenario's JSON as its files give it: after `extends`, before defaults and
-/// overrides, and with the paths of grains made absolute, so that it means the
+/// overrides, and with the names of files made absolute, so that it means the
 /// same wherever it is kept. [`load_with`] alone reports faults.
 ///
 /// # Errors
