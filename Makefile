@@ -128,8 +128,9 @@ docs: ## the documentation as a site, in out/site/ (MkDocs in target/mkdocs/)
 	@bash scripts/setup.sh venv
 	@bash scripts/docs.sh $(ARGS)
 
-bench: setup ## what a step costs, by engine and by number of grains: out/bench.json (ARGS=--quick)
-	cargo bench --locked --bench pour --bench growth -- $(ARGS)
+bench: setup ## what a step costs, by number of grains (out/bench.json) and by engine (ARGS=--quick; with other ARGS not by engine)
+	cargo bench --locked --bench growth -- $(ARGS)
+	$(if $(filter-out --quick,$(ARGS)),,cargo bench --locked --bench pour -- $(ARGS))
 
 bench-peers: setup ## other engines on the same specimens: a table, and out/peers.json
 	$(PROGRAM) peers -- $(ARGS)

@@ -13,7 +13,8 @@ pub(super) fn spheres(psd: &ParticleSizeDistribution, seed: u64) -> Result<Grain
     // Of diameter 1 m, to be scaled.
     let shape = ConvexPolyhedron::ball(0.5);
     let unit = [Prototype { volume: shape.signed_volume(), shape, sieve_size: 1.0 }];
-    let blocks = by_fraction(psd, seed, "spheres", &unit).map_err(|(index, fault)| {
+    let blocks = by_fraction(psd, seed, "spheres", &unit).map_err(|unfilled| {
+        let (index, fault) = *unfilled;
         let reason = format!(
             "no whole number of spheres between its sieves has its mass: {}, where {} is needed",
             fault.found, fault.allowed

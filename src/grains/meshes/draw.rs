@@ -53,7 +53,8 @@ fn plan(
         message: e.to_string(),
         ..Fault::default()
     })?;
-    by_fraction(&psd, seed, "stones", prototypes).map_err(|(index, fault)| {
+    by_fraction(&psd, seed, "stones", prototypes).map_err(|unfilled| {
+        let (index, fault) = *unfilled;
         let path = format!("grains.sieve_table[{index}].mass_percent");
         Fault { path, ..fault }
     })
@@ -69,7 +70,7 @@ pub(in crate::grains) fn by_fraction(
     seed: u64,
     kind: &str,
     prototypes: &[Prototype],
-) -> Result<Vec<PlannedBlock>, (usize, Fault)> {
+) -> Result<Vec<PlannedBlock>, Box<(usize, Fault)>> {
     let mut blocks = Vec::with_capacity(psd.fractions.len());
     let mut grains = 0;
     // Fractions without grains do not count: they change no grain.
@@ -81,7 +82,7 @@ pub(in crate::grains) fn by_fraction(
             drawn_from += 1;
             let most = MOST_GRAINS - grains;
             drawn = fill(fraction, psd.density, prototypes, (seed, &name), most)
-                .map_err(|fault| (index, fault))?;
+                .map_err(|fault| Box::new((index, fault)))?;
             grains += drawn.len();
         }
         blocks.push(((fraction.retained, fraction.passing), drawn));
