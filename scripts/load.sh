@@ -42,6 +42,12 @@ peak_mib=$((peak_kib / 1024))
 field() { # name: the first of it
     sed -n "s/^ *\"$1\": *\([^,]*\),\{0,1\}$/\1/p" "$out/summary.json" | head -1
 }
+short() { # name: as the field, a number with three digits
+    local value
+    value=$(field "$1")
+    [[ $value =~ ^-?[0-9] ]] && value=$(LC_ALL=C printf '%.3g' "$value")
+    echo "$value"
+}
 standard=$(field meets_standard)
 # A run that was resumed took longer than this time alone.
 seconds=$(($(date +%s) - began)) in_all=$(field wall_s)
@@ -53,8 +59,8 @@ false) said="standard missed" ;;
 *) said="standard not known" ;;
 esac
 echo "load: $grains grains, $seconds s of $((60 * limit_minutes)) s, peak memory $peak_mib MiB of" \
-    "$limit_mib MiB, $said: overlap $(field mean_percent) / $(field p99_percent) % (mean /" \
-    "99th percentile), numerical creep $(field creep_um_per_s) µm/s, void ratio $(field void_ratio)"
+    "$limit_mib MiB, $said: overlap $(short mean_percent) / $(short p99_percent) % (mean /" \
+    "99th percentile), numerical creep $(short creep_um_per_s) µm/s, void ratio $(short void_ratio)"
 
 missed=0
 miss() {

@@ -289,6 +289,13 @@ pub const KEPT: &[Kept] = &[
         takes: "",
     },
     Kept {
+        name: "load",
+        what: "10 000 grains poured and left alone, on the default settings",
+        files: &[("load.csv", "")],
+        made: Made::Once("make load GRAINS=10000"),
+        takes: "",
+    },
+    Kept {
         name: "laboratory",
         what: "Standard tests of granular material against published numbers",
         files: &[
@@ -482,6 +489,7 @@ pub const SOURCES: &[(&str, &str)] = &[
     ("laboratory", "laboratory.json"),
     ("under-load", "under-load.csv"),
     ("tall", "tall.csv"),
+    ("load", "load.csv"),
     ("referee", "referee.json"),
     ("bench", "bench.json"),
     ("peers", "peers.json"),
