@@ -117,7 +117,7 @@ fn no_voids(mean_surface: f64, median: f64) -> Option<String> {
     (mean_surface < LEAST_LAYERS * median).then(|| {
         format!(
             "the mean surface stands {:.1} mm high, below {LEAST_LAYERS} median grains of {:.1} mm: \
-             all grains lie at the floor or at the surface, and none between them",
+             hardly a grain lies between the floor and the surface",
             to_mm(mean_surface),
             to_mm(median)
         )
