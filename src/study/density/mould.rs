@@ -117,7 +117,7 @@ impl Mould {
         let piece = json!([{ "name": "mould", "shape": {
             "cylinder": { "inner_diameter_mm": cylinder, "height_mm": height } } }]);
         let area = std::f64::consts::PI / 4.0 * self.diameter * self.diameter;
-        let weight_g = 1e3 * 1e3 * options.surcharge_kpa * area / 9.81;
+        let weight_g = 1e3 * 1e3 * options.surcharge_kpa * area / self.gravity;
         let plate = json!({
             "diameter_mm": rounded(0.98 * self.diameter), "mass_g": weight_g.max(1.0),
         });
@@ -227,6 +227,35 @@ mod tests {
             "law: the lowest corner 13 mm above a loose layer, expected {expected} mm, got {low} mm"
         );
         assert!(heights.windows(2).all(|w| w[1] > w[0]), "law: each from higher up");
+    }
+
+    /// Law: the weight of the plate is the surcharge on the area of the mould, whatever gravity is.
+    #[test]
+    fn a_surcharge_is_the_same_stress_under_another_gravity() {
+        let options = DensityOptions {
+            scenario: PathBuf::new(),
+            changes: Vec::new(),
+            configurations: 1,
+            surcharge_kpa: 13.8,
+            frequency_hz: 60.0,
+            double_amplitude_mm: 0.33,
+            duration_s: 1.0,
+        };
+        for gravity in [9.81, 1.62] {
+            let scale = Scale { gravity, ..Scale::PAPER };
+            let mould = Mould::of(&gravel(), &scale, 10_000.0);
+            let variations = mould.variations(&options);
+            let densest = variations.iter().find(|v| v.name == "densest").expect("the densest");
+            let text = densest.changes.iter().find_map(|c| c.text().strip_prefix("apparatus="));
+            let apparatus: Value = serde_json::from_str(text.expect("a mould")).expect("JSON");
+            let mass_g = apparatus["top_plate"]["mass_g"].as_f64().expect("a mass");
+            let area = std::f64::consts::PI / 4.0 * mould.diameter.powi(2);
+            let got = 1e-6 * mass_g * gravity / area;
+            assert!(
+                (got - 13.8).abs() < 1e-9,
+                "law: 13.8 kPa at {gravity} m/s², got {got}, tolerance 1e-9"
+            );
+        }
     }
 
     /// Law: few grains make a mould in which walls dominate, which is said with the mass that does
