@@ -115,6 +115,22 @@ fn faults_name_the_field_and_what_is_allowed() {
     assert!(found.iter().any(|(path, _)| path == "stages[0].stage"), "law: no pieces, {found:?}");
 }
 
+/// Law: a travel or a time that is out of range is one fault: nothing says how long a ramp may be in
+/// less than no time.
+#[test]
+fn a_travel_or_a_time_below_zero_is_a_single_fault() {
+    let lid = json!({ "stage": "move", "pieces": ["lid"], "velocity_mm_per_s": [0, 0, 20] });
+    let press = json!({ "stage": "press", "loads": [{ "piece": "lid", "force_n": 1 }] });
+    for (stage, field) in [(lid.clone(), "travel_mm"), (lid, "duration_s"), (press, "time_limit_s")]
+    {
+        let mut value = changed(sound(), "stages[1]", stage);
+        value["stages"][1][field] = json!(-3);
+        let found = faults(&value);
+        assert_told(&found, &format!("stages[1].{field}"), "out of range");
+        assert_eq!(found.len(), 1, "law: {field} alone, {found:?}");
+    }
+}
+
 #[test]
 fn loads_are_checked_all_at_once_and_refused_where_no_engine_can_press() {
     let with = |loads: Value| {

@@ -28,7 +28,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
             }
             StageSpec::Press(PressSpec { loads, ramp_s, time_limit_s, until, .. }) => {
                 loads::check(parts, loads, &mut faults);
-                let wrong = until.is_none() && ramp_s > time_limit_s;
+                let wrong = until.is_none() && *time_limit_s > 0.0 && ramp_s > time_limit_s;
                 let allowed = format!("at most {} s, `time_limit_s`", short(*time_limit_s));
                 let why = "the stage would end before the load is whole";
                 faults.add_if(wrong, "ramp_s", ramp_s, allowed, why);
