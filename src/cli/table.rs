@@ -109,6 +109,11 @@ fn rounded(value: f64, decimals: i32) -> f64 {
     (value * scale).round() / scale + 0.0
 }
 
+/// D_r for people.
+fn relative_density(of: f64) -> String {
+    format!("{:.2}", rounded(of, 2))
+}
+
 /// Loads, flows and void ratios.
 fn of_laboratory(of: &LaboratorySummary, rows: &mut Rows) {
     let pieces = of.pieces.iter().filter(|piece| piece.present).map(|p| (&p.name, p.force_n));
@@ -135,6 +140,8 @@ fn of_laboratory(of: &LaboratorySummary, rows: &mut Rows) {
     for region in &of.regions {
         let ratio = region.void_ratio.map_or("no grains".to_owned(), |e| format!("{e:.3}"));
         rows.add(&format!("void ratio, {}", region.name), ratio);
+        let relative = region.relative_density.map(relative_density);
+        rows.add(&format!("relative density, {}", region.name), relative);
         if let Some(stress) = &region.stress {
             let [[xx, _, _], [_, yy, _], [_, _, zz]] = stress.tensor_kpa;
             let [xx, yy, zz] = [xx, yy, zz].map(|stress| rounded(stress, 4));
@@ -184,6 +191,7 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     if let (Some(void_ratio), Some(porosity)) = (summary.void_ratio, summary.porosity) {
         rows.add("void ratio", format!("{void_ratio:.3} (porosity {porosity:.3})"));
     }
+    rows.add("relative density", summary.relative_density.map(relative_density));
     let core = summary.core.as_ref().and_then(|core| core.void_ratio);
     rows.add("void ratio of the core", core.map(ratio));
     if let Some(laboratory) = laboratory {
@@ -419,7 +427,7 @@ mod tests {
                 "left_in_funnel": 1 },
             "standing_height_mm": { "mean_surface": 101.2, "p95": 110.0, "highest": 115.0 },
             "poured_height_mm": null, "void_ratio": 0.912, "poured_void_ratio": null,
-            "porosity": 0.477,
+            "porosity": 0.477, "relative_density": 0.5625,
             "settlement_mm": { "final": 10.0, "after_5_s": 8.0, "share_after_5_s": 0.8,
                 "after_each_period": [10.0] },
             "surface_settlement_mm": null,
@@ -437,6 +445,7 @@ mod tests {
             "362 in the cylinder",
             "8.00 mm after 5 s (80 %)",
             "0.912",
+            "relative density     0.56",
             "NOT met",
             "1 min 1 s",
             "warning: 1 grain hangs",
@@ -447,7 +456,8 @@ mod tests {
             assert!(!text.contains(hidden), "`{hidden}` does not apply, in:\n{text}");
         }
         let laboratory = json!({
-            "pieces": [], "groups": [], "openings": [], "regions": [],
+            "pieces": [], "groups": [], "openings": [],
+            "regions": [{ "name": "core", "void_ratio": 0.8, "relative_density": -0.003 }],
             "balance": { "weight_n": 0.0, "carried_n": 0.0, "sideways_n": 0.0,
                 "difference_percent": null }
         });
@@ -458,6 +468,7 @@ mod tests {
             "362 in the laboratory, 1 left over, 1 fallen out of it, 0 escaped",
             "no grain is left",
             "met while grains touched",
+            "relative density, core  0.00",
         ] {
             assert!(text.contains(shown), "law: `{shown}` of a laboratory, in:\n{text}");
         }

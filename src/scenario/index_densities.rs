@@ -21,6 +21,23 @@ impl IndexDensitiesSpec {
         (self.e_max - void_ratio) / (self.e_max - self.e_min)
     }
 
+    /// What a reader should know of a void ratio of something that is looser than the loosest state
+    /// or denser than the densest; none where it lies between.
+    pub fn beyond(&self, of: &str, void_ratio: f64) -> Option<String> {
+        let Self { e_max, e_min } = *self;
+        let (than, limit) = match () {
+            () if void_ratio > e_max => ("looser than the loosest state, e_max", e_max),
+            () if void_ratio < e_min => ("denser than the densest state, e_min", e_min),
+            () => return None,
+        };
+        let relative = self.relative_density(void_ratio);
+        Some(format!(
+            "relative density {relative:.2} of {of}: with a void ratio of {void_ratio:.3} it is {than} \
+             {limit}; `index_densities` are void ratios of the same grains, and near walls grains lie \
+             looser"
+        ))
+    }
+
     /// What of it makes no sense, in the JSON of a scenario.
     pub(super) fn check(value: &Value, faults: &mut Faults) {
         let Some(Ok(spec)) = value.get("index_densities").map(Self::deserialize) else { return };
@@ -44,6 +61,23 @@ mod tests {
             let got = of.relative_density(e);
             assert!((got - expected).abs() < 1e-12, "law: e {e} is D_r {expected}, got {got}");
         }
+    }
+
+    /// Law: a state that no specimen of the grains has is reported with what it is beyond.
+    #[test]
+    fn a_void_ratio_beyond_both_states_is_reported() {
+        let of = IndexDensitiesSpec { e_max: 1.0, e_min: 0.6 };
+        for e in [0.6, 0.8, 1.0] {
+            assert_eq!(of.beyond("the specimen", e), None, "law: e {e} lies between");
+        }
+        for (e, words) in [(1.2, "looser than the loosest state, e_max 1;"), (0.5, "e_min 0.6;")] {
+            let told = of.beyond("`core`", e).expect("law: it is reported");
+            assert!(told.contains(words) && told.contains("`core`"), "law: {words}, got `{told}`");
+        }
+        // Percentages of porosity in place of void ratios.
+        let percent = IndexDensitiesSpec { e_max: 49.0, e_min: 38.0 };
+        let told = percent.beyond("the specimen", 0.8).expect("law: it is reported");
+        assert!(told.starts_with("relative density 4.38 of the specimen"), "got `{told}`");
     }
 
     #[test]

@@ -142,6 +142,8 @@ pub fn summarise(
     let at_rest = inside::AtRest::of(setup, &specimen, rest_test);
     let end_of = (&at_rest.specimen, &at_rest.contacts[..]);
     let relative = |e: Option<f64>| Some(scenario.index_densities.as_ref()?.relative_density(e?));
+    let beyond = |of: &str, e: Option<f64>| scenario.index_densities.as_ref()?.beyond(of, e?);
+    warnings.extend(beyond("the specimen", end.void_ratio));
     let both = (&series[..], &laboratory_rows[..]);
     let mut laboratory = laboratory_summary(setup, &specimen, end_of, both, rest_test);
     let mut withheld = withheld_figures(&end, poured.as_ref());
@@ -156,6 +158,8 @@ pub fn summarise(
             region.relative_density = None;
             let field = format!("laboratory.regions.{}.relative_density", region.name);
             withheld.push(Withheld { field, reason });
+        } else {
+            warnings.extend(beyond(&format!("`{}`", region.name), region.void_ratio));
         }
     }
     let coordination = coordination(&members, &pairs);
