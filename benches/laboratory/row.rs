@@ -123,7 +123,7 @@ pub fn table<'a>(rows: impl Iterator<Item = &'a Row>) -> String {
             .interval
             .map_or(String::new(), |i| format!(" ({:.digits$} to {:.digits$})", i.low, i.high));
         text += &format!(
-            "{:<34} published {published:<16} ours {ours}{interval}: {:?}\n",
+            "{:<34} published {published:<16} ours {ours}{interval}: {}\n",
             row.id, row.verdict
         );
     }

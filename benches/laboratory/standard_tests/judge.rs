@@ -18,6 +18,19 @@ pub enum Verdict {
     NotRun,
 }
 
+/// As the page of results calls it.
+impl std::fmt::Display for Verdict {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Within => "within",
+            Self::Outside => "missed",
+            Self::Undecided => "undecided",
+            Self::NotJudged => "not judged",
+            Self::NotRun => "not run",
+        })
+    }
+}
+
 /// Judges a mean with its 95 % confidence interval against a published range, its ends included.
 pub fn judge(published: (f64, f64), ours: Option<f64>, interval: Option<(f64, f64)>) -> Verdict {
     let Some(_) = ours.filter(|v| v.is_finite()) else { return Verdict::NotRun };
@@ -53,5 +66,12 @@ mod tests {
         let one = judge((2.4, 2.6), Some(2.5), None);
         assert_eq!(one, Verdict::Undecided, "law: a single realisation decides nothing");
         assert_eq!(judge((2.4, 2.6), None, None), Verdict::NotRun, "law: nothing measured");
+    }
+
+    #[test]
+    fn verdicts_are_called_as_on_the_page() {
+        let missed = judge((2.4, 2.6), Some(2.0), Some((1.9, 2.1)));
+        assert_eq!(missed.to_string(), "missed", "law: outside is a miss");
+        assert_eq!(Verdict::NotJudged.to_string(), "not judged", "law: words, no name of code");
     }
 }
