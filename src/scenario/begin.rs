@@ -64,11 +64,20 @@ fn run_folder(named: &Path) -> (PathBuf, Option<String>) {
 /// run, and which stage it is. The run's scenario, and the faults of what cannot be begun with.
 pub(super) fn read(document: &mut Document) -> (Option<Map<String, Value>>, Vec<Fault>) {
     let Some(begin) = document.value.get("begin") else { return (None, Vec::new()) };
-    // The schema reports faults of form.
-    let Ok(mut spec) = BeginSpec::deserialize(begin) else { return (None, Vec::new()) };
+    let Ok(mut spec) = BeginSpec::deserialize(begin) else {
+        // The schema reports faults of form.
+        put_grains(document);
+        return (None, Vec::new());
+    };
     match found(document, &mut spec) {
         Ok(scenario) => {
             let found = begun::contradictions(&scenario, &document.value);
+            // Grains that are refused are not judged as a mixture with those of the run.
+            if let Value::Object(fields) = &mut document.value
+                && found.iter().any(|fault| fault.path.starts_with("grains"))
+            {
+                fields.remove("grains");
+            }
             // A scenario that was loaded before says so itself.
             if spec.taken_over.is_empty() {
                 spec.taken_over = begun::taken_over(&scenario, &document.value);
@@ -79,13 +88,18 @@ pub(super) fn read(document: &mut Document) -> (Option<Map<String, Value>>, Vec<
         }
         Err(fault) => {
             let fault = document.with_origin(fault);
-            // A scenario without grains is no second fault.
-            let from_nowhere = json!({ "file": "grains.json" });
-            if let Value::Object(fields) = &mut document.value {
-                fields.entry("grains").or_insert(from_nowhere);
-            }
+            put_grains(document);
             (None, vec![fault])
         }
+    }
+}
+
+/// Puts grains where nobody typed any: without them a scenario whose specimen cannot be looked up
+/// would have a second fault.
+fn put_grains(document: &mut Document) {
+    let from_nowhere = json!({ "file": "grains.json" });
+    if let Value::Object(fields) = &mut document.value {
+        fields.entry("grains").or_insert(from_nowhere);
     }
 }
 

@@ -202,6 +202,42 @@ fn a_specimen_that_is_not_there_is_no_second_fault() {
     assert_eq!(paths, ["begin.specimen"], "law: one fault, got {errors}");
 }
 
+/// Law: a fault in the form of `begin` is the only one: the scenario needs no grains and no funnel
+/// then either.
+#[test]
+fn a_beginning_of_a_wrong_form_is_no_second_fault() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (begin, at) in [
+        (json!({ "specimen": "none", "stage": 1 }), "begin.stage"),
+        (json!({ "specimen": 1 }), "begin.specimen"),
+        (json!({ "stage": "pour" }), "begin.specimen"),
+        (json!("none"), "begin"),
+        (json!(null), "begin"),
+    ] {
+        let rest = json!([{ "stage": "rest", "duration_s": 0.1 }]);
+        let scenario = json!({ "name": "begun", "begin": begin, "stages": rest });
+        let path = write(folder.path(), "begun.json", &scenario);
+        let errors = load_scenario(&path, &[]).expect_err("law: it is refused");
+        let paths: Vec<&str> = errors.faults().iter().map(|fault| fault.path.as_str()).collect();
+        assert_eq!(paths, [at], "law: one fault of {begin}, got {errors}");
+    }
+}
+
+/// Law: grains that contradict the specimen's are one fault; nothing is said of a mixture of both.
+#[test]
+fn other_grains_than_those_of_the_specimen_are_no_second_fault() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = json!({
+        "name": "begun", "begin": { "specimen": whole() }, "grains": { "total_mass_g": 1 },
+        "stages": [{ "stage": "rest", "duration_s": 0.1 }]
+    });
+    let path = write(folder.path(), "begun.json", &scenario);
+    let errors = load_scenario(&path, &[]).expect_err("law: it is refused");
+    let paths: Vec<&str> = errors.faults().iter().map(|fault| fault.path.as_str()).collect();
+    assert_eq!(paths, ["grains.total_mass_g"], "law: one fault, got {errors}");
+    assert_holds(&errors.to_string(), &["leave the field out"]);
+}
+
 /// Law: a name that several stages have means none of them, unless a key says which; each has its
 /// number.
 #[test]

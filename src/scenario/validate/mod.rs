@@ -44,7 +44,8 @@ struct Parts {
     settle: Option<SettleSpec>,
     gravity: Option<f64>,
     rest_test_s: Option<f64>,
-    /// Stages that a specimen of another run has been through, where one is begun with.
+    /// Stages that a specimen of another run has been through, where one is begun with; none of one
+    /// that could not be looked up.
     begun_after: Option<Vec<String>>,
     stages: Vec<Stage>,
     /// The pieces of a laboratory; none where one could not be read.
@@ -94,7 +95,10 @@ impl Parts {
             settle: read_or_default(value, "/settle"),
             gravity: number("gravity_m_per_s2", super::default_gravity()),
             rest_test_s: number("rest_test_s", super::default_rest_test()),
-            begun_after: read::<BeginSpec>(field(value, "/begin")).map(|begin| begin.after),
+            begun_after: value.get("begin").map(|begin| {
+                let begin: Option<BeginSpec> = read(begin);
+                begin.map(|begin| begin.after).unwrap_or_default()
+            }),
             stages: field(value, "/stages").as_array().into_iter().flatten().map(stage).collect(),
             pieces: field(value, "/pieces").as_array().into_iter().flatten().map(read).collect(),
             measures: read_or_default(value, "/measures"),
