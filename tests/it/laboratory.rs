@@ -131,6 +131,20 @@ fn a_travel_or_a_time_below_zero_is_a_single_fault() {
     }
 }
 
+/// Law: pieces that are no list are the only fault; stages and measures may speak of any.
+#[test]
+fn pieces_that_are_no_list_are_no_second_fault() {
+    let mut value = sound();
+    let mouth = json!({ "name": "mouth", "at_mm": [0, 0, 50], "diameter_mm": 80 });
+    value["measures"] = json!({ "openings": [mouth] });
+    assert_eq!(faults(&value), [], "law: the sound one is sound");
+    for pieces in [value["pieces"][0].clone(), json!("box"), Value::Null] {
+        let found = faults(&changed(value.clone(), "pieces", pieces.clone()));
+        let paths: Vec<&str> = found.iter().map(|(path, _)| path.as_str()).collect();
+        assert_eq!(paths, ["pieces"], "law: one fault of {pieces}, got {found:?}");
+    }
+}
+
 #[test]
 fn loads_are_checked_all_at_once_and_refused_where_no_engine_can_press() {
     let with = |loads: Value| {

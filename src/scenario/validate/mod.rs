@@ -50,6 +50,8 @@ struct Parts {
     stages: Vec<Stage>,
     /// The pieces of a laboratory; none where one could not be read.
     pieces: Vec<Option<PieceSpec>>,
+    /// Whether `pieces` is there and no list, which is a fault of its own.
+    are_pieces_unread: bool,
     measures: Option<MeasuresSpec>,
 }
 
@@ -99,8 +101,9 @@ impl Parts {
                 let begin: Option<BeginSpec> = read(begin);
                 begin.map(|begin| begin.after).unwrap_or_default()
             }),
-            stages: field(value, "/stages").as_array().into_iter().flatten().map(stage).collect(),
-            pieces: field(value, "/pieces").as_array().into_iter().flatten().map(read).collect(),
+            stages: elements(value, "stages").map(stage).collect(),
+            pieces: elements(value, "pieces").map(read).collect(),
+            are_pieces_unread: value.get("pieces").is_some_and(|pieces| !pieces.is_array()),
             measures: read_or_default(value, "/measures"),
         }
     }

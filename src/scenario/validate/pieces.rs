@@ -131,7 +131,7 @@ fn check_mesh(mesh: &MeshPieceSpec, faults: &mut Faults) {
 /// Which stages go with the apparatus.
 fn check_names_of_stages(parts: &Parts, faults: &mut Faults) {
     let own = parts.has_pieces();
-    let none = !own && !parts.begins_with_unknown();
+    let none = !parts.may_have_pieces();
     for (i, stage) in parts.stages.iter().enumerate() {
         let Some(name) = stage.name.as_deref() else { continue };
         let mut faults = faults.at(format!("stages[{i}]"));
@@ -253,8 +253,7 @@ fn check_who_stands(parts: &Parts, faults: &mut Faults) {
 }
 
 fn check_measures(parts: &Parts, measures: &MeasuresSpec, faults: &mut Faults) {
-    let none = !parts.has_pieces() && !parts.begins_with_unknown();
-    let wrong = !measures.is_empty() && none;
+    let wrong = !measures.is_empty() && !parts.may_have_pieces();
     let found = "regions, openings or groups";
     let why = "these are measured in a laboratory of `pieces`";
     faults.add_if(wrong, "measures", found, "the field left out", why);
@@ -308,6 +307,11 @@ impl Parts {
     /// Whether the scenario has an apparatus of its own.
     pub(super) fn has_pieces(&self) -> bool {
         !self.pieces.is_empty()
+    }
+
+    /// Whether it has, or may have one that could not be read or looked up.
+    fn may_have_pieces(&self) -> bool {
+        self.has_pieces() || self.are_pieces_unread || self.begins_with_unknown()
     }
 
     /// The pieces that could be read, with their numbers.
