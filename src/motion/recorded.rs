@@ -303,8 +303,14 @@ pub fn rows_from_csv(content: &[u8]) -> Result<Rows, Vec<String>> {
     let mut faults: Vec<String> = header
         .iter()
         .enumerate()
-        .filter(|(n, name)| !KNOWN.contains(name) || header.iter().take(*n).any(|h| h == *name))
-        .map(|(_, name)| format!("the column {name:?} is not known, or is there twice"))
+        .filter_map(|(n, name)| match () {
+            () if !KNOWN.contains(&name) => Some(format!("the column {name:?} is not known")),
+            () if header.iter().take(n).any(|earlier| earlier == name) => {
+                Some(format!("the column `{name}` is there twice"))
+            }
+            () => None,
+        })
+        .take(SAID)
         .collect();
     let column = |name: &str| header.iter().position(|h| h == name);
     faults.extend(
@@ -314,9 +320,6 @@ pub fn rows_from_csv(content: &[u8]) -> Result<Rows, Vec<String>> {
             .map(|name| format!("there is no column `{name}`")),
     );
     if !faults.is_empty() {
-        faults.push(
-            "the header line is `time_s,x_mm`, with `y_mm` and `z_mm` where there are such".into(),
-        );
         return Err(faults);
     }
     let columns = KNOWN.map(column);

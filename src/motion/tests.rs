@@ -365,6 +365,10 @@ fn csv_is_read_by_its_header_and_refused_with_its_lines() {
         assert!(said.contains(words), "law: {text:?} is refused with {words:?}, got {said}");
     }
     assert!(rows_from_csv(b"time_s,x_mm\n0,\xff\n").is_err(), "law: no text, no motion");
+    let of_header = |text: &str| rows_from_csv(text.as_bytes()).expect_err("law: refused").len();
+    assert_eq!(of_header("time_s\n0\n"), 1, "law: what is lacking is one fault");
+    assert_eq!(of_header("time_s,x_mm,x_mm\n0,1,2\n"), 1, "law: a column twice is one fault");
+    assert_eq!(of_header("a,b,c,d,e,f,g,x_mm,time_s\n"), 5, "law: the first few are named");
     let many: String = std::iter::once("time_s,x_mm\n".to_owned())
         .chain((0..MOST_ROWS + 5).map(|n| format!("{n},0\n")))
         .collect();
