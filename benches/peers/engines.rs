@@ -102,8 +102,12 @@ pub fn all() -> Vec<Engine> {
     let box3d = |name, threads: &str| program(&[&own(name)], threads.to_owned());
     let blender = ["blender", "-b", "--factory-startup", "-P"];
     let pluvia = EngineSettings::default();
-    let threads = NativeSettings { threads: Some(2), ..pluvia.native.clone() };
-    let two_threads = EngineSettings { native: threads, ..pluvia.clone() };
+    let native = |native| EngineSettings { native, ..pluvia.clone() };
+    let two_threads = native(NativeSettings { threads: Some(2), ..pluvia.native.clone() });
+    // As the others: iterations that are counted, not a solution that is asked for.
+    let counted = NativeSettings { solver_tolerance: 1.0, ..pluvia.native.clone() };
+    let counted_two_threads = native(NativeSettings { threads: Some(2), ..counted.clone() });
+    let counted = native(counted);
     let rapier = EngineSettings { backend: Backend::Rapier, ..pluvia.clone() };
     let rate = pluvia.rate_hz;
     let iterations = Some(pluvia.native.iterations * pluvia.native.substeps(rate));
@@ -112,8 +116,10 @@ pub fn all() -> Vec<Engine> {
     vec![
         engine("bullet", 960.0, Some(10), program(&[], own("bullet-float64"))),
         engine("bullet-single", 960.0, Some(10), program(&[], own("bullet"))),
-        engine("pluvia", rate, iterations, us(pluvia)),
+        engine("pluvia", rate, iterations, us(pluvia.clone())),
         engine("pluvia-2-threads", rate, iterations, us(two_threads)),
+        engine("pluvia-counted", rate, iterations, us(counted)),
+        engine("pluvia-counted-2-threads", rate, iterations, us(counted_two_threads)),
         engine("rapier", rate, substeps, us(rapier)),
         engine("box3d", 480.0, Some(8), box3d("box3d", "1")),
         engine("box3d-2-threads", 480.0, Some(8), box3d("box3d", "2")),

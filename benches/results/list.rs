@@ -234,7 +234,7 @@ pub const KEPT: &[Kept] = &[
         files: &[("engines/native-settlement.csv", "sweep.csv")],
         made: Made::Pluvia(&["sweep scenarios/quick/vibration.json --one-at-a-time \
                               --configurations 12 \
-                              --over engine.native.solver_tolerance=0.05,0.0005 \
+                              --over engine.native.solver_tolerance=1,0.05,0.0005 \
                               --over engine.native.substep_rate_hz=960,2880 \
                               --over engine.rate_hz=240,960 \
                               --over engine.native.contact_stiffness_n_per_m=5000,20000 \

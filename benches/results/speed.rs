@@ -39,7 +39,7 @@ pub fn peers(all: &Value) -> Result<String, String> {
     }
     let mut text = head(
         "engine | rest | shaken | pour | time over Pluvia's, shaken | overlap at rest, mean / p99, \
-         % | numerical creep, µm/s | MiB",
+         % | overlap shaken | numerical creep, µm/s | MiB",
     );
     for engine in engines {
         let rest = of(engine, "rest");
@@ -50,15 +50,19 @@ pub fn peers(all: &Value) -> Result<String, String> {
         };
         let time = |scene: &str| wall(engine, scene).map_or(String::new(), |s| format!("{s:.1}"));
         let times = wall(engine, "shaken").zip(wall("pluvia", "shaken"));
-        let overlap = ["overlap_mean_percent", "overlap_p99_percent"];
-        let overlap = overlap.map(|field| number(&rest[field], 2)).join(" / ");
+        let overlap = |scene: &str| {
+            let both = ["overlap_mean_percent", "overlap_p99_percent"]
+                .map(|field| number(&of(engine, scene)[field], 2));
+            both.join(" / ").trim_matches([' ', '/']).to_owned()
+        };
         text += &row(&[
             format!("{engine}{settings}"),
             time("rest"),
             time("shaken"),
             time("pour"),
             times.map_or(String::new(), |(own, pluvia)| format!("{:.1}", own / pluvia)),
-            if overlap == " / " { String::new() } else { overlap },
+            overlap("rest"),
+            overlap("shaken"),
             number(&rest["creep_um_per_s"], 1),
             number(&of(engine, "shaken")["peak_memory_mib"], 0),
         ]);
