@@ -223,7 +223,9 @@ impl Format {
                 };
                 let (low, high) =
                     if self.word == "absrange" && high < 0.0 { (-high, -low) } else { (low, high) };
-                format!("{} to {}", self.number(low), self.number(high))
+                let (low, high) = (self.number(low), self.number(high));
+                // Ends that read alike are one number.
+                if low == high { low } else { format!("{low} to {high}") }
             }
             "±" | "+±" | "abs±" => {
                 let (mean, half) = match (of("mean"), of("half"), value.get("interval")) {

@@ -121,6 +121,7 @@ fn values_are_written_as_their_formats_say() {
         ("quick:b/settlement_mm.final:.1*-1", "−8.4"),
         ("quick:b/settlement_mm.final:.3*0.001", "0.008"),
         ("quick:*settlement_mm.final:range.1", "7.0 to 8.4"),
+        ("quick:*settlement_mm.final:range.0*0.1", "1"),
         ("quick:*settlement_mm.final:mean.2", "7.70"),
         // Student's t of two values: 12.706 · 0.66.
         ("quick:*settlement_mm.final:±.1", "7.7 ± 8.4"),
