@@ -50,13 +50,18 @@ impl FromStr for Factor {
                 return Err(bad());
             }
             let value = Self::value(path, value)?;
-            if values.iter().any(|(known, _)| *known == value.0) {
+            if values.iter().any(|(known, _)| same(known, &value.0)) {
                 return Err(format!("`{text}` has the value {} twice", value.0));
             }
             values.push(value);
         }
         Ok(Self { path: path.to_owned(), values, text: text.to_owned() })
     }
+}
+
+/// Whether two values are the same to an engine: 480 and 480.0 are.
+pub(super) fn same(a: &Value, b: &Value) -> bool {
+    a == b || a.as_f64().is_some_and(|a| Some(a) == b.as_f64())
 }
 
 /// The parts between the commas that divide.
@@ -118,6 +123,17 @@ mod tests {
         {
             assert!(of(wrong).is_err(), "law: `{wrong}` is refused");
         }
+    }
+
+    /// Law: a number typed in two ways is one value, of which there would be two equal points.
+    #[test]
+    fn a_number_typed_in_two_ways_is_one_value() {
+        for wrong in ["a=10,10.0", "a=10,0.4,1e1", "a=0.1,1e-1", "a=0,-0.0"] {
+            let refused = wrong.parse::<Factor>().expect_err("law: refused");
+            assert!(refused.contains("twice"), "law: `{wrong}`, got `{refused}`");
+        }
+        let words = "a=\"10\",10".parse::<Factor>().expect("law: a word is no number");
+        assert_eq!(words.values.len(), 2);
     }
 
     #[test]

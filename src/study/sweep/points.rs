@@ -1,5 +1,6 @@
 //! The points of a sweep: which values of all factors go together.
 
+use super::factor::same;
 use super::*;
 use crate::grains::streams::{shuffle, stream, uniform};
 
@@ -131,11 +132,6 @@ pub(super) fn json_number(value: f64) -> Value {
     }
 }
 
-/// Whether two values are the same to an engine: 480 and 480.0 are.
-fn same(a: &Value, b: &Value) -> bool {
-    a == b || a.as_f64().is_some_and(|a| Some(a) == b.as_f64())
-}
-
 /// What the scenario has at a path.
 fn value_in(scenario: &Scenario, path: &str) -> Result<Value, StudyError> {
     let json = serde_json::to_value(scenario).unwrap_or_default();
@@ -168,14 +164,33 @@ fn latin_hypercube(
         for (sample, part) in samples.iter_mut().zip(parts) {
             let share = (part as f64 + uniform(&mut rng)) / count as f64;
             let value = range.low + share * (range.high - range.low);
-            // Six digits are enough to tell points apart and can be typed again.
-            let text = if whole { format!("{value:.0}") } else { format!("{value:.6}") };
+            let digits = if whole { 0 } else { digits(range, count) };
+            let text = format!("{value:.digits$}");
             let (value, change) =
                 Factor::value(&range.path, &text).map_err(StudyError::Scenario)?;
             *sample = sample.with(&value, &change);
         }
     }
-    Ok(samples)
+    let mut known = BTreeSet::new();
+    let typed = |sample: &Point| -> Vec<String> {
+        sample.changes.iter().map(|change| change.text().to_owned()).collect()
+    };
+    let twice = samples.iter().map(typed).find(|sample| !known.insert(sample.clone()));
+    match twice {
+        None => Ok(samples),
+        Some(twice) => refused(format!(
+            "--samples latin-hypercube:{count}: {} is drawn twice, rounded to whole numbers; draw \
+             fewer points or from wider ranges, or list the values with --over",
+            twice.join(" ")
+        )),
+    }
+}
+
+/// Digits behind the point that leave a hundred numbers to each part of a range, at least six. The
+/// numbers can be typed again.
+fn digits(range: &SampledRange, count: usize) -> usize {
+    let part = (range.high - range.low) / count as f64;
+    (100.0 / part).log10().ceil().clamp(6.0, 300.0) as usize
 }
 
 #[cfg(test)]
@@ -224,6 +239,35 @@ mod tests {
         assert!(all.iter().all(|p| p.values[1].is_u64()), "law: seeds are whole numbers");
         let again = points(Design::LatinHypercube(10), &[], &[], &ranges, &base()).expect("points");
         assert_eq!(all, again, "law: the same sample every time");
+    }
+
+    /// Law: numbers are drawn from each part of a range also where it is narrower than a millionth.
+    #[test]
+    fn a_narrow_range_is_drawn_from_as_a_wide_one() {
+        for text in ["contact.restitution=1e-7..9e-7", "contact.restitution=0.3..0.3000001"] {
+            let range: SampledRange = text.parse().expect("a range");
+            let (low, tenth) = (range.low, (range.high - range.low) / 10.0);
+            let all = points(Design::LatinHypercube(10), &[], &[], &[range], &base());
+            let all = all.expect("points");
+            let mut drawn: Vec<f64> = all.iter().filter_map(|p| p.values[0].as_f64()).collect();
+            drawn.sort_by(f64::total_cmp);
+            assert_eq!(drawn.len(), 10);
+            for (part, value) in drawn.iter().enumerate() {
+                let (from, at) = (part as f64, (value - low) / tenth);
+                let inside = (from - 0.01..=from + 1.01).contains(&at);
+                assert!(inside, "law: one a tenth of {text}, got part {at} in the place of {from}");
+            }
+        }
+    }
+
+    /// Law: points that are the same run are refused, and say what was drawn twice.
+    #[test]
+    fn a_point_is_not_drawn_twice() {
+        let ranges: Vec<SampledRange> = vec!["seed=1..3".parse().expect("a range")];
+        let refused = points(Design::LatinHypercube(5), &[], &[], &ranges, &base());
+        let refused = refused.expect_err("law: five points of three numbers").to_string();
+        assert!(refused.contains("latin-hypercube:5: seed="), "law: which, got `{refused}`");
+        assert!(refused.contains("is drawn twice"), "law: what is wrong, got `{refused}`");
     }
 
     #[test]
