@@ -78,12 +78,12 @@ fn number(cell: &str) -> Option<f64> {
 }
 
 impl ColumnTable {
-    /// Reads a table from the content of a CSV file.
+    /// Reads a table from the content of a CSV file; spaces around names and cells do not count.
     ///
     /// # Errors
     /// [`FileError`] with the line that is none of a table.
     pub fn read(path: &Path, content: &[u8]) -> Result<Self, FileError> {
-        let mut reader = csv::Reader::from_reader(content);
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(content);
         let text = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
         let malformed = |e: csv::Error| FileError::malformed(path, e);
         let names: Vec<String> = text(reader.headers().map_err(malformed)?);
@@ -218,6 +218,15 @@ mod tests {
         let checks = ColumnTable::read(Path::new("a.csv"), b"checks.passed\n1\n").expect("a table");
         let old = checks.find("guards.passed").expect_err("law: no such column");
         assert!(old.contains("did you mean `checks.passed`?"), "law: today's name, got `{old}`");
+    }
+
+    /// Law: a table edited by hand, with spaces before or after its commas, is the same table.
+    #[test]
+    fn spaces_around_cells_do_not_count() {
+        let csv = b"time_s , stage,box_force_z_n ,fate\n0, 0, ,present \n0.5,0,-2, spilled\n\
+                    1,1 ,NaN,present\n";
+        let spaced = ColumnTable::read(Path::new("a.csv"), csv).expect("a table");
+        assert_eq!(spaced, table());
     }
 
     #[test]

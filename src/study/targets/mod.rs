@@ -84,7 +84,58 @@ struct Runs {
     factors: Vec<String>,
     /// Columns of factors, those that stand for chance or do not vary among them.
     columns: Vec<String>,
+    /// What stands in these columns, also of runs that do not count.
+    planned: Vec<BTreeMap<String, String>>,
     rows: Vec<Row>,
+}
+
+impl Runs {
+    /// These runs, and those of another sweep.
+    fn and(mut self, other: Self) -> Self {
+        self.columns = each_once(self.columns.into_iter().chain(other.columns));
+        self.planned.extend(other.planned);
+        self.rows.extend(other.rows);
+        self
+    }
+
+    /// With what varies among all of them as factors, where it is not chance.
+    fn with_factors(mut self, name: &str, chance: &[String]) -> Result<Self, StudyError> {
+        for column in self.columns.iter().filter(|column| !chance.contains(column)) {
+            let cells: BTreeSet<&String> =
+                self.planned.iter().filter_map(|run| run.get(column)).collect();
+            let numbers: Option<Vec<f64>> = cells.iter().map(|cell| finite(cell)).collect();
+            match numbers {
+                None if cells.len() > 1 => {
+                    return refused(format!(
+                        "--runs {name}: `{column}` has values that are no numbers, which no \
+                         linear model takes: make a sweep of each value, or count it as chance \
+                         with --chance {column}"
+                    ));
+                }
+                Some(numbers) if numbers.iter().any(|number| *number != numbers[0]) => {
+                    self.factors.push(column.clone());
+                }
+                _ => {}
+            }
+        }
+        for row in &mut self.rows {
+            let value = |factor: &String| {
+                row.columns.get(factor).and_then(|cell| finite(cell)).ok_or_else(|| factor.clone())
+            };
+            let values: Result<Vec<f64>, String> = self.factors.iter().map(value).collect();
+            row.factors = values.map_err(|factor| {
+                StudyError::Scenario(format!(
+                    "--runs {name}: `{factor}` varies, but is no column of all of its sweeps"
+                ))
+            })?;
+        }
+        Ok(self)
+    }
+}
+
+/// The finite number that a cell is.
+fn finite(cell: &str) -> Option<f64> {
+    cell.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
 /// A run that counts.
@@ -126,21 +177,20 @@ pub fn meet_targets(
         if runs[..n].iter().any(|earlier| same(earlier, of)) {
             return refused(format!("--runs {}={}: it is given twice", of.name, of.path.display()));
         }
-        let read = read(&of.path, &chance, &mut spellings)?;
-        match tables.get_mut(&of.name) {
-            None => drop(tables.insert(of.name.clone(), read)),
-            Some(known) if known.factors == read.factors => known.rows.extend(read.rows),
-            Some(known) => {
-                return refused(format!(
-                    "{}: its factors are {}, those of other runs named `{}` {}",
-                    of.path.display(),
-                    read.factors.join(", "),
-                    of.name,
-                    known.factors.join(", ")
-                ));
-            }
-        }
+        let wanted = targets.iter().filter(|target| target.runs == of.name);
+        let read = read(&of.path, &wanted.collect::<Vec<_>>(), &mut spellings)?;
+        let together = match tables.remove(&of.name) {
+            None => read,
+            Some(known) => known.and(read),
+        };
+        tables.insert(of.name.clone(), together);
     }
+    let with_factors = |(name, table): (String, Runs)| -> Result<(String, Runs), StudyError> {
+        let table = table.with_factors(&name, &chance)?;
+        Ok((name, table))
+    };
+    let tables: BTreeMap<String, Runs> =
+        tables.into_iter().map(with_factors).collect::<Result<_, StudyError>>()?;
     let is_column = |name: &&String| tables.values().any(|table| table.columns.contains(name));
     if let Some(name) = chance.iter().find(|name| !is_column(name)) {
         let there = listed(tables.values().flat_map(|table| &table.columns));
@@ -164,8 +214,8 @@ pub fn meet_targets(
     Ok(together::search(&models, found))
 }
 
-/// The rows of a sweep that count in means.
-fn read(path: &Path, chance: &[String], spellings: &mut Spellings) -> Result<Runs, StudyError> {
+/// The runs of a sweep, their factors not yet known; `targets` are those that ask for them.
+fn read(path: &Path, targets: &[&Target], spellings: &mut Spellings) -> Result<Runs, StudyError> {
     const TABLE: &str = "sweep.csv";
     let file = if path.is_dir() {
         refuse_without(path, TABLE, "it is no folder of a sweep with results: no sweep.csv")?;
@@ -175,12 +225,18 @@ fn read(path: &Path, chance: &[String], spellings: &mut Spellings) -> Result<Run
     };
     let table = ColumnTable::read(&file, &read_file(&file)?)?;
     let unfit = |what: &str| StudyError::Scenario(format!("{}: {what}", file.display()));
+    let no_sweep = || {
+        unfit(
+            "no table of a sweep: its columns are `run`, `point`, `configuration`, then the \
+             factors, then the results",
+        )
+    };
     let names = table.names();
     let place = |name: &str| names.iter().position(|n| n == name);
-    let first = place("configuration").ok_or_else(|| unfit("no table of a sweep"))? + 1;
+    let first = place("configuration").ok_or_else(no_sweep)? + 1;
     let is_result = |name: &String| OUTCOMES.iter().any(|(path, _)| path == name);
     let end = names[first..].iter().position(is_result).map(|n| n + first);
-    let end = end.filter(|end| *end > first).ok_or_else(|| unfit("no table of a sweep"))?;
+    let end = end.filter(|end| *end > first).ok_or_else(no_sweep)?;
     let mut names = names.to_vec();
     for n in first..end {
         let known = spellings.known(&names[n]);
@@ -194,43 +250,48 @@ fn read(path: &Path, chance: &[String], spellings: &mut Spellings) -> Result<Run
         .filter_map(|name| place(name))
         .map(|column| table.cells(column))
         .collect();
+    let counts =
+        |row: &usize| !excluded.iter().any(|why| why[*row].is_some_and(|why| !why.is_empty()));
     let columns: Vec<Vec<Option<f64>>> = (0..names.len()).map(|n| table.numbers(n)).collect();
-    let cells: Vec<Vec<Option<&str>>> = (0..end).map(|n| table.cells(n)).collect();
-    let varies = |n: &usize| {
-        let mut values = columns[*n].iter().flatten();
-        values.next().is_some_and(|first| values.any(|other| other != first))
+    let cells: Vec<Vec<Option<&str>>> = (0..names.len()).map(|n| table.cells(n)).collect();
+    let is_wanted = |name: &String| {
+        targets.iter().any(|of| of.result == *name || of.share_of.as_ref() == Some(name))
     };
-    let in_words = |n: &usize| {
-        let words: BTreeSet<&str> = cells[*n].iter().flatten().copied().collect();
-        words.len() > 1 && words.iter().any(|word| word.parse::<f64>().is_err())
-    };
-    if let Some(n) = (first..end).find(|n| !chance.contains(&names[*n]) && in_words(n)) {
-        return Err(unfit(&format!(
-            "`{}` has values that are no numbers, which no linear model takes: make a sweep of \
-             each value, or count it as chance with --chance {0}",
-            names[n]
-        )));
-    }
-    let counts = |n: &usize| !chance.contains(&names[*n]) && varies(n);
-    let factors: Vec<usize> = (first..end).filter(counts).collect();
-    let mut rows = Vec::new();
-    for row in 0..table.len() {
-        if excluded.iter().any(|why| why[row].is_some_and(|why| !why.is_empty())) {
-            continue;
+    for n in (end..names.len()).filter(|n| is_wanted(&names[*n])) {
+        let text = |row: &usize| {
+            let cell = cells[n][*row].filter(|cell| !cell.is_empty())?;
+            columns[n][*row].is_none().then_some((*row + 1, cell))
+        };
+        let texts: Vec<(usize, &str)> =
+            (0..table.len()).filter(counts).filter_map(|row| text(&row)).collect();
+        if let Some((row, cell)) = texts.first() {
+            return Err(unfit(&format!(
+                "`{}` is no number in {} of the runs that count (found `{cell}` in run {row} of \
+                 the table; allowed: a number with a decimal point, or an empty cell)",
+                names[n],
+                texts.len()
+            )));
         }
-        let values: Option<Vec<f64>> = factors.iter().map(|n| columns[*n][row]).collect();
-        let values = values.ok_or_else(|| unfit("a factor is no number in every run"))?;
-        let results = (end..names.len()).filter_map(|n| Some((names[n].clone(), columns[n][row]?)));
-        let cell = |n: usize| cells[n][row].unwrap_or_default().to_owned();
-        rows.push(Row {
-            configuration: cell(first - 1),
-            columns: (first..end).map(|n| (names[n].clone(), cell(n))).collect(),
-            factors: values,
-            results: results.collect(),
-        });
     }
-    let columns = names[first..end].to_vec();
-    Ok(Runs { factors: factors.into_iter().map(|n| names[n].clone()).collect(), columns, rows })
+    let cell = |n: usize, row: usize| cells[n][row].unwrap_or_default().to_owned();
+    let planned = |row: usize| -> BTreeMap<String, String> {
+        (first..end).map(|n| (names[n].clone(), cell(n, row))).collect()
+    };
+    let rows = (0..table.len()).filter(counts).map(|row| {
+        let results = (end..names.len()).filter_map(|n| Some((names[n].clone(), columns[n][row]?)));
+        Row {
+            configuration: cell(first - 1, row),
+            columns: planned(row),
+            factors: Vec::new(),
+            results: results.collect(),
+        }
+    });
+    Ok(Runs {
+        factors: Vec::new(),
+        columns: names[first..end].to_vec(),
+        planned: (0..table.len()).map(planned).collect(),
+        rows: rows.collect(),
+    })
 }
 
 /// The value of a target in a row.

@@ -251,3 +251,49 @@ fn a_field_of_two_spellings_is_one_factor() {
     let said = refused.to_string();
     assert!(said.contains("`stages[1].x` twice, as `stages.1.x`"), "law: got `{said}`");
 }
+
+/// Law: a field that has one value in one sweep and another in a second of the same name is a factor;
+/// where a third does not say what its runs had, it is refused.
+#[test]
+fn a_field_that_differs_between_sweeps_of_a_name_is_a_factor() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let sweep = |x: f64| {
+        let path = folder.path().join(format!("x-{x}.csv"));
+        of_numbers(&path, "x,b,settlement_mm.final", |a, b| {
+            format!("{x},{b},{}", 10.0 * x + b + 0.1 * a)
+        });
+        runs("t", path)
+    };
+    let wanted = [target("t:settlement_mm.final=12..14")];
+    let found = meet_targets(&[sweep(1.0), sweep(3.0)], &wanted, &[]).expect("an answer");
+    assert_eq!(found.factors.keys().collect::<Vec<_>>(), ["b", "x"], "law: x varies, too");
+    let (by, _) = found.targets[0].effects["x"];
+    assert!((by - 20.0).abs() < 1e-6, "law: 10 x over 1 to 3 is 20, got {by}");
+    let silent = folder.path().join("silent.csv");
+    of_numbers(&silent, "b,settlement_mm.final", |a, b| format!("{b},{}", b + 0.1 * a));
+    let all = [sweep(1.0), sweep(3.0), runs("t", silent)];
+    let refused = meet_targets(&all, &wanted, &[]).expect_err("law: refused").to_string();
+    assert!(refused.contains("--runs t: `x` varies, but is no column"), "law: got `{refused}`");
+}
+
+/// Law: a result that is no number, as with a decimal comma, is refused where a target asks for it:
+/// its run would be missing in the count.
+#[test]
+fn a_result_that_is_no_number_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sweep.csv");
+    of_numbers(&path, "a,b,settlement_mm.final,void_ratio", |a, b| {
+        let settled = 10.0 * a + b;
+        let cell = if settled == 31.0 { "\"31,5\"".to_owned() } else { settled.to_string() };
+        format!("{a},{b},{cell},{}", 0.6 + 0.01 * a)
+    });
+    let of = |text: &str| meet_targets(&[runs("t", path.clone())], &[target(text)], &[]);
+    let refused = of("t:settlement_mm.final=20..22").expect_err("law: refused").to_string();
+    for words in
+        ["sweep.csv: `settlement_mm.final` is no number in 1 of the runs", "`31,5` in run 9"]
+    {
+        assert!(refused.contains(words), "law: {words}, got `{refused}`");
+    }
+    let found = of("t:void_ratio=0.6..0.8").expect("law: no target asks for the settlement");
+    assert_eq!(found.targets[0].runs_counted, 25);
+}
