@@ -355,7 +355,7 @@ fn mean(estimate: Option<Estimate>) -> Option<f64> {
 }
 
 /// A mean with its standard error.
-pub(super) fn estimate(of: Estimate, decimals: usize) -> String {
+fn estimate(of: Estimate, decimals: usize) -> String {
     plus_minus(of.mean, of.standard_error, |v| number(v, decimals))
 }
 

@@ -1,7 +1,8 @@
 //! What a sensitivity study found: how far each parameter moves height and
 //! settlement, as tables and a ranked figure.
 
-use super::convergence::{estimate, specimen};
+use super::convergence::specimen;
+use super::table::{mean_within, scattered};
 use super::*;
 
 /// How far a parameter moves a length, in mm. Differences are paired by
@@ -186,8 +187,10 @@ fn without_a_change(default: &VariationRow) -> String {
     let spread = |e: Option<Estimate>| {
         let Some(e) = e else { return missing(default.has_no_valid_run()) };
         let deviation = e.standard_error.map(|error| error * (e.count as f64).sqrt());
-        let deviation = deviation.map(|s| format!(" (standard deviation {})", number(s, 1)));
-        format!("{}{}", number(e.mean, 1), deviation.unwrap_or_default())
+        match deviation {
+            Some(s) => format!("{} (standard deviation {})", scattered(e.mean, s), scattered(s, s)),
+            None => compact(e.mean),
+        }
     };
     let left_out = match default.left_out {
         0 => String::new(),
@@ -211,15 +214,14 @@ fn effects(of: &Sensitivity, effect: fn(&ParameterRow) -> Effect) -> Table {
         None if row.left_out > 0 || default_left_out => "no valid pair".to_owned(),
         None => dash(),
     };
-    let mm = |e: Estimate| estimate(e, 1);
-    let per_unit = |e: Estimate| plus_minus(e.mean, e.standard_error, compact);
+    let shown = |e: Estimate| mean_within(e.mean, e.standard_error);
     table!(rows, |(row, e)| {
         "parameter" => &row.title,
         "range" => with_unit(&from_to(row.low, row.high), &row.unit),
-        "at the low end" => Cell::number(change(row, e.low_mm, mm)),
-        "at the high end" => Cell::number(change(row, e.high_mm, mm)),
-        "over the range" => Cell::number(change(row, e.range_mm, mm)),
-        "for one unit" => Cell::number(change(row, e.per_unit_mm, per_unit)),
+        "at the low end" => Cell::number(change(row, e.low_mm, shown)),
+        "at the high end" => Cell::number(change(row, e.high_mm, shown)),
+        "over the range" => Cell::number(change(row, e.range_mm, shown)),
+        "for one unit" => Cell::number(change(row, e.per_unit_mm, shown)),
         "remarks" => remarks(row, &e),
     })
 }
@@ -319,6 +321,26 @@ mod tests {
             page.find("Title of rises") < page.find("Title of small"),
             "law: the largest first: {page}"
         );
+    }
+
+    /// Law: of a specimen of sand, whose heights differ by hundredths of a millimetre, the page says by
+    /// how many.
+    #[test]
+    fn differences_are_shown_to_the_second_digit_of_their_error() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let of = |mean, error| Some(Estimate { mean, standard_error: Some(error), count: 3 });
+        let sand = row("sand", Some(-0.0234), Some(0.0312));
+        let height = Effect {
+            low_mm: of(-0.0234, 0.0112),
+            high_mm: of(0.0312, 0.0087),
+            range_mm: of(0.0546, 0.0049),
+            ..sand.height
+        };
+        let sand = ParameterRow { height, ..sand };
+        write_sensitivity(folder.path(), &study(vec![sand])).expect("written");
+        let page = std::fs::read_to_string(folder.path().join("sensitivity.md")).expect("a page");
+        let expected = "| −0.023 ± 0.011 | 0.0312 ± 0.0087 | 0.0546 ± 0.0049 |";
+        assert!(page.contains(expected), "law: {expected}, got {page}");
     }
 
     #[test]
