@@ -110,6 +110,24 @@ fn a_grid_gives_one_row_a_run_and_goes_on_where_it_was() {
     assert_eq!(rows(&out), second, "law: nothing was written over");
 }
 
+/// Law: a sweep of which no run can be valid says so before the first run.
+#[test]
+fn a_sweep_without_a_rest_test_is_warned_of() {
+    let folder = folder();
+    let (scenario, out) = (folder.path("small.json"), folder.path("out"));
+    let args = ["sweep", text(&scenario), "--over", "contact.restitution=0.1,0.3", "--plan-only"];
+    let planned = |name: &str, more: &[&str]| {
+        let out = out.join(name);
+        let (code, _, said) = program::run(&[&args[..], &["--out", text(&out)], more].concat());
+        assert_eq!(code, Some(0), "{said}");
+        said
+    };
+    let said = planned("without", &["--set", "rest_test_s=0"]);
+    assert_holds(&said, &["warning: rest_test_s is 0", "not valid", "no mean"]);
+    let said = planned("with", &[]);
+    assert!(!said.contains("rest_test_s"), "law: it has one: {said}");
+}
+
 /// Law: without a rest test no run is valid; the sweep says so in every file and as its last
 /// line, and makes no mean of such runs.
 #[test]

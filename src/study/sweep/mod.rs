@@ -127,6 +127,12 @@ impl SweepStudy {
         RunLock::take(out, |_| {
             edited::refuse(out, &plan, &self.options, &self.scenario)?;
             tell_warnings(self.varied.scenarios(), run.progress.as_ref());
+            if self.varied.scenarios().any(|scenario| scenario.rest_test_s <= 0.0) {
+                run.progress.message(
+                    "warning: rest_test_s is 0: runs without a rest test are not valid and count \
+                     in no mean (allowed: above 0)",
+                );
+            }
             plan.write(out, &self.gathered)
         })?;
         Ok(plan)
