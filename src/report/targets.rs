@@ -47,7 +47,9 @@ pub struct TargetFound {
     pub target: Target,
     /// Runs that have the result and count.
     pub runs_counted: usize,
-    /// How many of them meet it.
+    /// All others: left out of means, failed, or without the result.
+    pub runs_left_out: usize,
+    /// How many of those that count meet it.
     pub runs_meeting: usize,
     /// 95 % interval of that share (Wilson 1927).
     pub share_meeting: [f64; 2],
@@ -201,6 +203,7 @@ impl TargetsFound {
             "wanted" => t.target.range(),
             "smallest to largest" => t.values.map(|value| t.shown(value)).join(" to "),
             "runs that meet it" => share(t.runs_meeting, t.runs_counted, t.share_meeting),
+            "left out" => t.runs_left_out,
             "fit" => format!("{:.2}, {:.2} unseen", t.fit.explained, t.fit.predicted).replace('-', "−"),
             "best" => Cell::number(percent(t.best)),
         })
@@ -263,7 +266,8 @@ impl TargetsFound {
     }
 
     fn as_page(&self) -> Page {
-        let alone = "Runs that meet a target, with the 95 % interval of their share; fit: share of the \
+        let alone = "Runs that meet a target, with the 95 % interval of their share; left out: runs \
+                     that do not count in means, failed, or lack the result; fit: share of the \
                      variance that a linear model of all factors explains, and of runs that it has not \
                      seen; best: largest probability that a run meets the target, by that model with \
                      its scatter.";
@@ -355,6 +359,7 @@ mod tests {
         let target = TargetFound {
             target,
             runs_counted: 12,
+            runs_left_out: 0,
             runs_meeting: 5,
             share_meeting: [0.19, 0.68],
             values: [0.574_123, 0.746_123],

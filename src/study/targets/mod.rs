@@ -332,6 +332,7 @@ fn model(target: &Target, table: &Runs) -> Result<(LinearModel, TargetFound), St
     let found = TargetFound {
         target: target.clone(),
         runs_counted: rows.len(),
+        runs_left_out: table.planned.len() - rows.len(),
         runs_meeting: meeting,
         share_meeting: wilson_interval(meeting, rows.len()),
         values: [values().fold(f64::MAX, f64::min), values().fold(f64::MIN, f64::max)],

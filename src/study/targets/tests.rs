@@ -60,6 +60,25 @@ fn the_point_where_all_targets_are_met_is_found() {
     assert!(found.answer().contains(expected), "law: {expected} in {}", found.answer());
 }
 
+/// Law: runs that are left out, that failed, or that lack the result, are counted and reported.
+#[test]
+fn runs_left_out_of_a_target_are_counted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = table(folder.path(), "sweep.csv", 0.5);
+    let csv = std::fs::read_to_string(&path).expect("a table");
+    std::fs::write(&path, csv + "null,p,1,1,1,3,,,30,,\n").expect("a table");
+    let wanted =
+        [target("t:settlement_mm.final=28..32"), target("t:angle_of_repose.degrees=32..33")];
+    let found = meet_targets(&[runs("t", path)], &wanted, &[]).expect("an answer");
+    let counts: Vec<(usize, usize)> =
+        found.targets.iter().map(|t| (t.runs_counted, t.runs_left_out)).collect();
+    assert_eq!(counts, [(25, 3), (26, 2)], "law: of 28 runs");
+    let page = found.page();
+    let row = page.lines().find(|line| line.starts_with("| t:settlement_mm.final | 28 to 32 |"));
+    let row = row.expect("a row of the target");
+    assert!(row.contains(" %) | 3 |"), "law: the page says so, too: {row}");
+}
+
 #[test]
 fn targets_that_exclude_each_other_are_named() {
     let folder = tempfile::tempdir().expect("a folder");
