@@ -27,7 +27,9 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Object>, ReadError> {
     }
     let begins_as_text =
         bytes.trim_ascii_start().get(..5).is_some_and(|b| b.eq_ignore_ascii_case(b"solid"));
-    if let (true, Ok(text)) = (begins_as_text, std::str::from_utf8(bytes)) {
+    // Zero bytes are in every binary file and in no text.
+    let binary = announced.is_some() && bytes.contains(&0);
+    if let (true, Ok(text)) = (begins_as_text && !binary, std::str::from_utf8(bytes)) {
         return solids(text);
     }
     match (announced, needed) {

@@ -60,6 +60,16 @@ fn damaged_stl() {
     expect("a.stl", &nan, &["solid 1", "no finite number", "NaN"]);
 }
 
+/// Law: many binary files begin with `solid`; one that is cut short is binary still.
+#[test]
+fn a_binary_stl_cut_short_is_not_read_as_text() {
+    let mut cut = b"solid a".to_vec();
+    cut.resize(80, b' ');
+    cut.extend(3_u32.to_le_bytes());
+    cut.extend([0; 120]);
+    expect("a.stl", &cut, &["damaged", "announces 3 triangles", "234 bytes", "204 bytes"]);
+}
+
 #[test]
 fn damaged_obj() {
     expect("a.obj", "v 1 2\n", &["line 1", "lacks a coordinate", "`v 1 2`"]);
