@@ -76,7 +76,7 @@ impl MeshRecord {
         let hulls = records.iter().filter(|s| s.hull).count();
         if hulls > 0 {
             notes.push(format!(
-                "{hulls} of {} grains are the convex hulls of their meshes, which add at most {} % to \
+                "{hulls} of {} meshes were replaced by their convex hulls, which add at most {} % to \
                  the volume",
                 records.len(),
                 rounded(largest(Self::hull_adds_percent))
@@ -88,7 +88,10 @@ impl MeshRecord {
                 "{simplified} hulls were simplified: the mesh sticks out by at most {} mm, and the \
                  volume differs from the mesh's by at most {} %",
                 rounded(to_mm(largest(|s| s.left_out))),
-                rounded(largest(Self::volume_change_percent))
+                rounded(largest(|s| match s.left_out > 0.0 {
+                    true => s.volume_change_percent(),
+                    false => 0.0,
+                }))
             ));
         }
         let used = || records.iter().filter(|s| s.grains > 0);

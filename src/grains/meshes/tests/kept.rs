@@ -168,7 +168,7 @@ fn a_dent_is_filled_only_when_asked_or_small() {
     near("percent that the hull adds", record.hull_adds_percent(), 25.0, 1e-9);
     assert!(record.hull && record.vertices == 8 && record.faces == 6, "{record:?}");
     let notes = MeshRecord::notes(&set.meshes).join("\n");
-    assert!(notes.contains("1 of 1 grains") && notes.contains("25 %"), "{notes}");
+    assert!(notes.contains("1 of 1 meshes") && notes.contains("25 %"), "{notes}");
 
     let shallow = file(folder.path(), "shallow.obj", dented(0.5));
     let set = from_meshes(&spec(&[shallow]), 1).expect("99.2 % of the hull is enough");
@@ -228,6 +228,23 @@ fn fine_scans_are_simplified_and_say_what_it_cost() {
             assert!((-15.0..-5.0).contains(&change), "64 vertices in a ball: {change} %");
         }
     }
+}
+
+/// Law: what a hull adds to one mesh is no change of another, which was simplified; and notes count
+/// meshes, of which any number of grains may be made.
+#[test]
+fn the_note_of_simplified_hulls_speaks_of_these_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let deep = file(folder.path(), "deep.obj", dented(12.0));
+    let fine = file(folder.path(), "ball.obj", ball(20));
+    let spec = MeshGrains { hull: true, count: Some(9), ..spec(&[deep, fine]) };
+    let set = from_meshes(&spec, 1).unwrap();
+    let [deep, fine] = &set.meshes[..] else { panic!("two meshes: {:?}", set.meshes) };
+    assert!(deep.left_out == 0.0 && fine.left_out > 0.0, "the ball alone: {:?}", set.meshes);
+    let notes = MeshRecord::notes(&set.meshes);
+    assert!(notes[0].contains("2 of 2 meshes") && notes[0].contains("25 %"), "{notes:?}");
+    let change = rounded(fine.volume_change_percent());
+    assert!(notes[1].ends_with(&format!("at most {change} %")), "{change} %: {notes:?}");
 }
 
 #[test]
