@@ -5,11 +5,16 @@ use meshless_voronoi::integrals::VolumeCentroidIntegral;
 use meshless_voronoi::{Dimensionality, VoronoiIntegrator};
 
 use super::*;
+use crate::caught::caught;
 
 /// Least distance between two points, as a fraction of the cube's side. The
 /// tessellation rounds coordinates to about 2⁻⁵⁰ of the side where it decides
 /// close calls exactly, and panics on points that coincide.
 const LEAST_DISTANCE: f64 = 1e-9;
+
+/// Largest movement of a point in a step, as a fraction of the cube's side, at which relaxation has
+/// arrived: further steps would change the cells by no more.
+const ARRIVED: f64 = 1e-6;
 
 /// Sides of the box in which a cube is tessellated so that its cells, mapped
 /// back to the cube, are as long and as flat as asked for. The largest is 1.
@@ -25,6 +30,9 @@ pub(super) fn box_sides(shape: &CellShape) -> Vector {
 /// cell (Lloyd 1982, "Least squares quantization in PCM"). They are given and returned in units of
 /// the cube's side, 0 to 1; the cells are those of a box of the given sides.
 ///
+/// A few points may arrive in a symmetric arrangement, whose ties to the last bit make the
+/// tessellation panic: then they stay where they were before.
+///
 /// # Errors
 /// Points that no tessellation can be made from.
 pub(super) fn relaxed(
@@ -32,23 +40,34 @@ pub(super) fn relaxed(
     sides: Vector,
     steps: u32,
 ) -> Result<Vec<Vector>, GrainsError> {
+    // The points before the last step, once it has hardly moved them.
+    let mut before = None;
     for _ in 0..steps {
         check_points(&points)?;
         let generators: Vec<_> =
             points.iter().map(|p| [p.x * sides.x, p.y * sides.y, p.z * sides.z].into()).collect();
-        let tessellation = VoronoiIntegrator::build(
-            &generators,
-            None,
-            [0.0; 3].into(),
-            [sides.x, sides.y, sides.z].into(),
-            Dimensionality::ThreeD,
-            false,
-        );
-        let cells = tessellation.compute_cell_integrals::<VolumeCentroidIntegral>();
+        let cells = caught(|| {
+            let tessellation = VoronoiIntegrator::build(
+                &generators,
+                None,
+                [0.0; 3].into(),
+                [sides.x, sides.y, sides.z].into(),
+                Dimensionality::ThreeD,
+                false,
+            );
+            tessellation.compute_cell_integrals::<VolumeCentroidIntegral>()
+        });
+        let cells = match cells {
+            Ok(cells) => cells,
+            Err(reason) => return before.ok_or(GrainsError::NoTessellation(reason)),
+        };
+        let earlier = points.clone();
         for (point, cell) in points.iter_mut().zip(&cells) {
             let at = Vector::new(cell.centroid.x, cell.centroid.y, cell.centroid.z);
             *point = at.component_div(&sides).map(|c| c.clamp(0.0, 1.0));
         }
+        let moved = earlier.iter().zip(&points).map(|(a, b)| (b - a).norm()).fold(0.0, f64::max);
+        before = (moved < ARRIVED).then_some(earlier);
     }
     Ok(points)
 }

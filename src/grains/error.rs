@@ -70,6 +70,9 @@ pub enum GrainsError {
         /// What is wrong with it.
         reason: String,
     },
+    /// A tessellation that panicked, with what it said.
+    #[error("the points of a block cannot be tessellated: {0}")]
+    NoTessellation(String),
     /// A cell of the tessellation is no valid polyhedron.
     #[error("cell {cell} of the tessellation is invalid: {source}")]
     BadCell {
