@@ -20,6 +20,10 @@ const LOOSE: f64 = 1.1;
 /// Opening of a funnel or a cylinder in median grain sizes below which it jams now and then.
 const JAMS_BELOW: f64 = 5.0;
 
+/// Openings of a fraction's sieves, coarser over finer, above which its cells do not spread over it:
+/// those of one cube have about one size, whatever its width.
+const WIDE: f64 = 2.5;
+
 /// A scenario and what its values are compared with.
 struct Judged<'a> {
     engine: &'a EngineSettings,
@@ -43,6 +47,7 @@ pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
         judged.check_field(field, faults);
     }
     judged.check_unread(faults);
+    unusual_fractions(scenario, faults);
     if let Some(grading) = grading {
         if !faults.has(STIFFNESS) {
             judged.check_load(&grading, faults);
@@ -176,6 +181,26 @@ impl Judged<'_> {
 /// Path of the speed at which a deposit pushes overlaps apart.
 fn own_speed(stage: usize) -> String {
     format!("stages[{stage}].{OWN_SPEED}")
+}
+
+/// Fractions over which cells do not spread; of a run's specimen, that run has reported them.
+fn unusual_fractions(scenario: &Scenario, faults: &mut Faults) {
+    let GrainsSpec::Sieved(sieved) = &scenario.grains else { return };
+    if scenario.begin.is_some() || sieved.shape == SievedShape::Spheres {
+        return;
+    }
+    for (i, fraction) in sieved.sieve_table.iter().enumerate() {
+        let SieveFraction { passing_mm, retained_mm, .. } = *fraction;
+        let wrong = fraction.has_grains() && passing_mm > WIDE * retained_mm;
+        let field = format!("grains.sieve_table[{i}].retained_mm");
+        let least = format!("at least {} mm, or spheres", short(passing_mm / WIDE));
+        let why = format!(
+            "the fraction is too wide for cells: most grains have about its mean size, {} mm, and \
+             few are finer; split it",
+            short((passing_mm + retained_mm) / 2.0)
+        );
+        faults.add_if(wrong, &field, short(retained_mm), least, why);
+    }
 }
 
 /// A cylinder that runs over, or a funnel that jams.

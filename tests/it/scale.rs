@@ -126,12 +126,14 @@ fn twins_with_a_length_of_their_own_are_told_apart() {
 #[test]
 fn any_grain_size_needs_nothing_else() {
     for (largest, smallest, mass) in [(2.0, 0.5, 2.0), (16.0, 8.0, 2343.0), (63.0, 31.5, 1e5)] {
+        let middle = f64::midpoint(largest, smallest);
         let scenario = loaded(&json!({
             "name": "any",
             "grains": {
                 "total_mass_g": mass, "density_kg_per_m3": 2650,
                 "sieve_table": [
-                    { "passing_mm": largest, "retained_mm": smallest, "mass_percent": 100 },
+                    { "passing_mm": largest, "retained_mm": middle, "mass_percent": 50 },
+                    { "passing_mm": middle, "retained_mm": smallest, "mass_percent": 50 },
                 ],
             },
             "stages": [

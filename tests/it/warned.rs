@@ -409,3 +409,37 @@ fn a_seating_load_asks_for_stiff_contacts() {
     assert_eq!(load(0.0, Some(alone)).1, 0, "law: it suits the plate alone");
     assert_eq!(load(200.0, Some(alone)).1, 1, "law: too soft under 200 N, which is said once");
 }
+
+/// Law: cells of one cube have about one size, so a fraction of 10 to 40 mm gives grains of about
+/// 25 mm (D50 25.6 mm where 20 are specified); spheres spread over it, and so do narrower fractions.
+#[test]
+fn a_fraction_too_wide_for_cells_is_reported() {
+    let said = |shape: &str, rows: &[[f64; 3]]| {
+        let mut table = Vec::new();
+        for [passing, retained, percent] in rows {
+            table.push(json!({
+                "passing_mm": passing, "retained_mm": retained, "mass_percent": percent
+            }));
+        }
+        let scenario = json!({
+            "name": "wide",
+            "grains": {
+                "shape": shape, "total_mass_g": 2000, "density_kg_per_m3": 2650,
+                "sieve_table": table,
+            },
+            "stages": [{ "stage": "fill_funnel" }],
+        });
+        let said = reported(&scenario).into_iter();
+        said.filter(|text| text.contains("too wide for cells")).collect::<Vec<_>>()
+    };
+    let wide = said("cells", &[[40.0, 10.0, 100.0]]);
+    let [wide] = &wide[..] else { panic!("law: said once: {wide:?}") };
+    for words in ["grains.sieve_table[0].retained_mm", "25 mm", "found 10;", "at least 16 mm"] {
+        assert!(wide.contains(words), "`{words}` in: {wide}");
+    }
+    let none: [String; 0] = [];
+    assert_eq!(said("spheres", &[[40.0, 10.0, 100.0]]), none, "law: spheres spread over it");
+    assert_eq!(said("cells", &[[40.0, 20.0, 50.0], [20.0, 10.0, 50.0]]), none, "law: narrower");
+    let gap = [[40.0, 20.0, 50.0], [20.0, 6.0, 0.0], [6.0, 4.0, 50.0]];
+    assert_eq!(said("cells", &gap), none, "law: where no grains are, none are missing");
+}
