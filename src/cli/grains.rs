@@ -122,10 +122,31 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
 
 /// What is read off a curve, in a line.
 fn in_words(of: &GradationSummary) -> String {
-    let GradationSummary { d10_mm, d30_mm, d50_mm, d60_mm, uscs, .. } = of;
+    let uscs = &of.uscs;
+    let [d10, d30, d50, d60] = [of.d10_mm, of.d30_mm, of.d50_mm, of.d60_mm].map(size);
     let (cu, cc) = (of.coefficient_of_uniformity, of.coefficient_of_curvature);
     format!(
-        "D10 {d10_mm:.2} mm, D30 {d30_mm:.2} mm, D50 {d50_mm:.2} mm, D60 {d60_mm:.2} mm, Cu {cu:.2}, \
-         Cc {cc:.2}, {uscs}"
+        "D10 {d10} mm, D30 {d30} mm, D50 {d50} mm, D60 {d60} mm, Cu {cu:.2}, Cc {cc:.2}, {uscs}"
     )
+}
+
+/// A size in mm to hundredths, of sand to three digits.
+fn size(mm: f64) -> String {
+    let decimals = (2.0 - mm.log10().floor()).clamp(2.0, 9.0) as usize;
+    format!("{mm:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::size;
+
+    /// Law: sizes of fine sand differ in what is printed.
+    #[test]
+    fn sizes_of_sand_have_three_digits() {
+        for (mm, expected) in
+            [(11.2345, "11.23"), (8.1785, "8.18"), (0.17654, "0.177"), (0.071_23, "0.0712")]
+        {
+            assert_eq!(size(mm), expected, "{mm} mm");
+        }
+    }
 }
