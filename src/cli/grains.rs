@@ -39,7 +39,7 @@ enum Format {
     Json,
     /// Wavefront OBJ, one object per grain
     Obj,
-    /// STL, one solid per grain
+    /// Binary STL, all grains in one solid
     Stl,
     /// PLY, faces numbered by grain
     Ply,
