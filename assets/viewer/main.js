@@ -22,7 +22,7 @@ const THICKEST = 0.0022;
 const KEYS = [
   ["Space", "play or pause"], ["← →", "one frame back or on"], ["Shift ← →", "to the end of a stage"],
   ["Home End", "begin, end"], ["1 to 5", "colour by fraction, displacement, speed, height, coordination"],
-  ["F", "force chains"], ["G", "grains solid, faint or hidden"], ["C", "cylinder glass, solid or hidden"],
+  ["F", "force chains"], ["G", "grains solid, faint or hidden"], ["C", "cylinder or pieces glass, solid or hidden"],
   ["X", "cut across x, y, from above, none"], ["T", "move along with the table"], ["R", "reset the view"],
   ["Esc", "let go of the grain"], ["?", "these keys"],
 ];
@@ -44,12 +44,25 @@ class Viewer {
     const table = slab(wide, floor - 0.012 * run.scale, floor - 0.0002 * run.scale);
     this.renderer = new Renderer($("view"), [...run.shapes, table], run.grains);
     showFacts(run);
+    this.offerBodies();
     this.timeline = new Timeline(run, this.playback, () => this.change());
     this.listen();
     this.resize();
     this.fit();
     this.change();
     requestAnimationFrame((now) => this.tick(now));
+  }
+
+  // Offers what there is to show: the pieces of a laboratory, or what of the apparatus ever stands.
+  offerBodies() {
+    const seen = this.run.frames.reduce((all, frame) => all | frame.flags, 0);
+    const laboratory = this.run.header.pieces.length > 0;
+    const there = { cylinder: laboratory || seen & CYLINDER, funnel: seen & FUNNEL, plate: seen & PLATE };
+    for (const [id, shown] of Object.entries(there)) {
+      const label = document.querySelector(`label[for="${id}"]`);
+      if (laboratory && id === "cylinder") label.textContent = "Pieces";
+      label.hidden = $(id).hidden = !shown;
+    }
   }
 
   listen() {

@@ -12,7 +12,7 @@ use super::super::{
     export::small_run,
     interruption::{copy, stored},
     near::near,
-    program,
+    program, small,
 };
 use super::browser::Browser;
 use super::serve;
@@ -77,6 +77,8 @@ fn a_run_plays_in_a_browser() {
     let at_end = browser.evaluate("pluvia.time === pluvia.end");
     assert_eq!(at_end, json!(true), "law: it opens on the finished specimen");
     browser.keep_picture("begin-1200.png");
+    let offered = browser.evaluate(OFFERED);
+    assert_eq!((&offered[0], &offered[3]), (&json!(true), &json!("Cylinder")), "law: {offered}");
 
     fits_the_grains_and_their_time(&mut browser);
     plays(&mut browser);
@@ -85,6 +87,33 @@ fn a_run_plays_in_a_browser() {
     forces_are_shown_at_ends_alone(&mut browser);
     cuts(&mut browser);
     fits_a_small_window(&mut browser);
+    browser.assert_content("the page writes no error to the console");
+}
+
+/// Which bodies of the apparatus can be shown and hidden, and what the first is called.
+const OFFERED: &str = "[...['cylinder', 'funnel', 'plate'].map(id => !document.getElementById(id).hidden), \
+                       document.querySelector('label[for=cylinder]').textContent]";
+
+/// Law: only what there is can be shown and hidden: of a laboratory its pieces, no funnel and no plate.
+#[test]
+fn a_laboratory_offers_its_pieces() {
+    let Some(mut browser) = Browser::start("a_laboratory_offers_its_pieces") else { return };
+    let folder = program::Folder::new();
+    let scenario = json!({
+        "name": "boxed",
+        "grains": small::fine(5.0),
+        "pieces": [{ "name": "box", "shape": { "box": { "inner_mm": [60, 60, 60] } } }],
+        "stages": [{ "stage": "deposit", "at_mm": [0, 0, 60], "area_mm": [50, 50], "rate_g_per_s": 150 }],
+        "rest_test_s": 0
+    });
+    let (file, out) = (folder.scenario("boxed.json", &scenario), folder.out("boxed"));
+    program::done(&["run", &file, "--out", &out, "--jobs", "1", "--no-figures"]);
+    let server = serve(Path::new(&out));
+    browser.look(1200, 800, "light");
+    browser.open(&server.url());
+    assert_eq!(browser.evaluate("pluvia.error"), json!(null), "law: the page has no trouble");
+    assert_eq!(browser.evaluate(OFFERED), json!([true, false, false, "Pieces"]));
+    browser.keep_picture("laboratory-1200.png");
     browser.assert_content("the page writes no error to the console");
 }
 
