@@ -97,15 +97,11 @@ impl SweepStudy {
     /// [`StudyError::Scenario`] of what is varied, or of realisations that are all the same run.
     pub fn new(options: SweepOptions) -> Result<Self, StudyError> {
         twice::refuse(&options)?;
-        if options.configurations > 1 && options.names().contains(&"configuration") {
-            let why = "`configuration` cannot be varied while --configurations takes several at \
-                       each point: some runs would belong to two points";
-            return refused(why.to_owned());
-        }
         let scenario = load_scenario(&options.scenario, &options.changes)?.scenario;
         let gathered = gathered(&options.scenario)?;
         let SweepOptions { design, over, parameters, ranges, .. } = &options;
         let points = points::points(*design, over, parameters, ranges, &scenario)?;
+        twice::refuse_shared_realisations(&options.names(), &points, options.configurations)?;
         let variations =
             points.iter().map(|point| Variation::new(&point.name, "sweep", point.changes.clone()));
         let varied = Varied::load(&options.scenario, &options.changes, variations.collect())?;

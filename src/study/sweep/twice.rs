@@ -38,6 +38,29 @@ pub(super) fn refuse(options: &SweepOptions) -> Result<(), StudyError> {
     Ok(())
 }
 
+/// Refuses values of `configuration` that lie closer together than the number of realisations at
+/// each point, which count up from there: one run would belong to two points.
+pub(super) fn refuse_shared_realisations(
+    names: &[&str],
+    points: &[Point],
+    count: u32,
+) -> Result<(), StudyError> {
+    let Some(n) = names.iter().position(|name| *name == "configuration") else {
+        return Ok(());
+    };
+    let mut begins: Vec<u64> = points.iter().filter_map(|point| point.values[n].as_u64()).collect();
+    begins.sort_unstable();
+    begins.dedup();
+    let shared = begins.windows(2).find(|pair| pair[1] - pair[0] < u64::from(count));
+    shared.map_or(Ok(()), |pair| {
+        refused(format!(
+            "`configuration` is varied from {} to {} while --configurations takes {count} from each \
+             of them: some runs would belong to two points (allowed: values at least {count} apart)",
+            pair[0], pair[1]
+        ))
+    })
+}
+
 /// Refuses two fields of which one is the other, or part of it.
 fn apart(
     (name, place): (&str, &Override),
@@ -120,6 +143,39 @@ mod tests {
             for word in words {
                 assert!(said.contains(word), "law: `{word}` is said, got `{said}`");
             }
+        }
+    }
+
+    /// Law: realisations count up from each value; none belongs to two points.
+    #[test]
+    fn realisations_of_two_points_are_apart() {
+        let points = |values: &[u64]| -> Vec<Point> {
+            let point =
+                |v: &u64| Point { values: vec!["a".into(), (*v).into()], ..Point::default() };
+            values.iter().map(point).collect()
+        };
+        let names = ["other", "configuration"];
+        let far = points(&[101, 1, 1, 6]);
+        let fine = refuse_shared_realisations(&names, &far, 5);
+        assert!(fine.is_ok(), "law: 1 to 5, 6 to 10 and 101 to 105 share none, got {fine:?}");
+        let said = refuse_shared_realisations(&names, &far, 6).expect_err("law: 6 is in two");
+        for word in ["from 1 to 6", "takes 6", "at least 6 apart"] {
+            assert!(said.to_string().contains(word), "law: `{word}` is said, got `{said}`");
+        }
+        assert!(refuse_shared_realisations(&["a", "b"], &far, 9).is_ok(), "law: others are free");
+    }
+
+    /// Law: the sensitivity design of this project can be carried out as a sweep, both of its
+    /// specimens, with several realisations.
+    #[test]
+    fn the_shipped_design_is_a_sweep() {
+        let design =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/studies/sensitivity.json");
+        for quick in [true, false] {
+            let options = SweepOptions::of_design(&design, quick, &[], Some(5)).expect("a design");
+            let study = SweepStudy::new(options).map(|study| study.points.len());
+            let said = study.as_ref().err().map(ToString::to_string);
+            assert!(said.is_none(), "law: quick {quick} is accepted, got {said:?}");
         }
     }
 
