@@ -93,6 +93,8 @@ void NativeWorld::join(btRigidBody &part, btRigidBody &whole) {
             "a body without parts is a part of another that moves alike and is none");
     }
     solver_.join(part.getUserIndex(), number);
+    // Pairs that end here take with them what they carry.
+    collision_.forget(part);
     getPairCache()->setOverlapFilterCallback(&part_filter_);
     // Boxes that are added meet others at once.
     const btCollisionObjectArray &objects = getCollisionObjectArray();
@@ -131,11 +133,12 @@ void NativeWorld::step(btScalar length) {
         const Stopwatch solving(phases_.solver, &phases_.integration);
         solver_.solve(static_cast<double>(length));
     }
-    solver_.move_bodies(static_cast<double>(length));
     for (const Kinematic &moved : drives_now_) {
         moved.body->setWorldTransform(moved.end);
     }
     drives_now_.clear();
+    // After those that are driven: their parts go with them.
+    solver_.move_bodies(static_cast<double>(length));
     collision_.recalled.forget();
 }
 

@@ -207,6 +207,25 @@ fn a_pressed_body_of_two_parts_presses_with_both() {
     }
 }
 
+/// Law: parts of a driven body are where it is at the end of each step.
+#[test]
+fn parts_of_a_driven_body_go_with_it() {
+    let _turn = shared_turn();
+    let mut world = world(8, 0.5, 0.0);
+    let [whole, other] = [0.0, 0.1].map(|x| {
+        let one = part(Vector::repeat(SIDE), Vector::x() * x, 1.0, Motion::Kinematic);
+        world.add(&one).expect("added")
+    });
+    world.join(other, whole).expect("one body");
+    for step in 1..=3 {
+        let end = Pose::translation(0.0, 0.0, 1.0 + 1e-3 * f64::from(step));
+        world.drive(whole, &end).expect("driven");
+        world.step().expect("a step");
+        let [a, b] = [whole, other].map(|id| world.read_body(id).expect("there"));
+        assert_eq!(a, b, "law: they are one body, step {step}");
+    }
+}
+
 #[test]
 fn what_cannot_be_one_body_is_refused() {
     let _turn = shared_turn();
