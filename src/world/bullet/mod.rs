@@ -68,17 +68,12 @@ pub struct BulletBackend {
     time_step: f64,
     /// Shapes already known to the engine, by address; the `Arc`s keep the
     /// addresses from being used again.
-    shapes: HashMap<*const ConvexPolyhedron, (u32, Arc<ConvexPolyhedron>)>,
+    shapes: HashMap<usize, (u32, Arc<ConvexPolyhedron>)>,
     /// By body: whether it may be driven.
     kinematic: Vec<bool>,
     pressed: Vec<BodyId>,
     sharing: Sharing,
 }
-
-// SAFETY: the raw pointers are keys that are never followed; the shapes they
-// came from are owned beside them. For the world see `ffi`.
-#[allow(unsafe_code)]
-unsafe impl Send for BulletBackend {}
 
 /// Name, version and precision of the Bullet this program is linked with.
 pub fn info() -> BackendInfo {
@@ -181,7 +176,7 @@ impl BulletBackend {
     }
 
     fn shape(&mut self, shape: &Arc<ConvexPolyhedron>) -> Result<u32, WorldError> {
-        let key = Arc::as_ptr(shape);
+        let key = Arc::as_ptr(shape).addr();
         if let Some((index, _)) = self.shapes.get(&key) {
             return Ok(*index);
         }
