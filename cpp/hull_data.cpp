@@ -3,6 +3,7 @@
 #include "hull_data.h"
 
 #include "hull_memory.h"
+#include "pluvia/src/world/bullet/ffi.rs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -40,10 +41,13 @@ struct Half {
 
 } // namespace
 
-HullData::HullData(const Polyhedron &polyhedron, double rounding_radius)
-    : rounding(rounding_radius) {
-    const auto &[coordinates, vertex_count, face_starts, face_count, face_vertices] = polyhedron;
-    const std::size_t loop_length = face_count > 0 ? face_starts[face_count] : 0;
+HullData::HullData(const ShapeDefinition &shape, double scale) : rounding(shape.radius * scale) {
+    const double *const coordinates = shape.coordinates.data();
+    const std::uint32_t *const face_starts = shape.face_starts.data();
+    const std::uint32_t *const face_vertices = shape.face_vertices.data();
+    const std::size_t vertex_count = shape.coordinates.size() / 3;
+    const std::size_t face_count = shape.face_starts.size() - 1;
+    const std::size_t loop_length = shape.face_vertices.size();
     const std::size_t edge_count = loop_length / 2;
     if (std::max({vertex_count, face_count, edge_count}) > MOST_NUMBERED) {
         throw std::runtime_error("a hull has " + std::to_string(vertex_count) + " vertices, " +
@@ -74,9 +78,9 @@ HullData::HullData(const Polyhedron &polyhedron, double rounding_radius)
     edges = static_cast<int>(edge_count);
     allocate(static_cast<int>(loop_length));
     for (int v = 0; v < vertices; ++v) {
-        vx[v] = static_cast<float>(coordinates[3 * v]);
-        vy[v] = static_cast<float>(coordinates[3 * v + 1]);
-        vz[v] = static_cast<float>(coordinates[3 * v + 2]);
+        vx[v] = static_cast<float>(coordinates[3 * v] * scale);
+        vy[v] = static_cast<float>(coordinates[3 * v + 1] * scale);
+        vz[v] = static_cast<float>(coordinates[3 * v + 2] * scale);
         radius = std::max(radius, std::sqrt(vx[v] * vx[v] + vy[v] * vy[v] + vz[v] * vz[v]));
     }
     radius += static_cast<float>(rounding);

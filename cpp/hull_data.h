@@ -16,6 +16,8 @@
 
 namespace pluvia {
 
+struct ShapeDefinition;
+
 // Lanes of the widest vectors that walk over the arrays; lengths are padded to it.
 constexpr int LANES = 8;
 constexpr int padded(int count) { return (count + LANES - 1) / LANES * LANES; }
@@ -30,23 +32,13 @@ struct HullEdge {
     std::uint16_t left, right; // faces, seen from outside
 };
 
-// A polyhedron as it is given: x, y, z of each vertex; the corners of face f are
-// face_vertices[face_starts[f]] up to face_vertices[face_starts[f + 1]],
-// counter-clockwise seen from outside.
-struct Polyhedron {
-    const double *coordinates; // finite
-    std::size_t vertices;
-    const std::uint32_t *face_starts; // faces + 1 entries
-    std::size_t faces;
-    const std::uint32_t *face_vertices;
-};
-
 class HullData {
   public:
-    // Throws std::runtime_error for a surface that is not closed, a vertex in no face, a face
-    // without area, or more vertices, faces or edges than MOST_NUMBERED (hull_memory.h).
-    // `rounding`: radius of the ball that sweeps it.
-    HullData(const Polyhedron &polyhedron, double rounding);
+    // A polyhedron, maybe swept by a ball, whose lists are sound, in engine units, of which `scale`
+    // make a metre. Throws std::runtime_error for a surface that is not closed, a vertex in no
+    // face, a face without area, or more vertices, faces or edges than MOST_NUMBERED
+    // (hull_memory.h).
+    HullData(const ShapeDefinition &shape, double scale);
     // A sphere about the origin.
     explicit HullData(double radius);
 

@@ -11,7 +11,6 @@
 #include <iterator>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
 namespace pluvia {
 
@@ -49,10 +48,10 @@ std::unique_ptr<const HullData> make_hull_data(const Units &units, const ShapeDe
     if (!(std::isfinite(shape.radius) && shape.radius >= 0)) {
         throw std::runtime_error("the radius of a rounded polyhedron is negative or not finite");
     }
-    std::vector<double> scaled(shape.coordinates.begin(), shape.coordinates.end());
-    const bool finite =
-        std::all_of(scaled.begin(), scaled.end(), [](double x) { return std::isfinite(x); });
-    if (scaled.empty() || scaled.size() % 3 != 0 || !finite) {
+    const auto &coordinates = shape.coordinates;
+    if (coordinates.empty() || coordinates.size() % 3 != 0 ||
+        !std::all_of(coordinates.begin(), coordinates.end(),
+                     [](double x) { return std::isfinite(x); })) {
         throw std::runtime_error("the vertices of a hull are not three finite numbers each");
     }
     const bool whole = starts.size() > 1 && starts.front() == 0 &&
@@ -65,13 +64,7 @@ std::unique_ptr<const HullData> make_hull_data(const Units &units, const ShapeDe
         throw std::runtime_error("the faces of a hull do not follow one another with three "
                                  "corners each or more");
     }
-    for (double &x : scaled) {
-        x *= units.scale();
-    }
-    return std::make_unique<const HullData>(Polyhedron{scaled.data(), scaled.size() / 3,
-                                                       starts.data(), starts.size() - 1,
-                                                       shape.face_vertices.data()},
-                                            shape.radius * units.scale());
+    return std::make_unique<const HullData>(shape, units.scale());
 }
 
 std::unique_ptr<btConvexInternalShape> make_shape(const Units &units, const WorldDefinition &world,
