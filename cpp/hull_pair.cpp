@@ -37,7 +37,7 @@ class Pair : PairFrames {
         const bool is_a = faces_.gap_a >= faces_.gap_b;
         const float widest = is_a ? faces_.gap_a : faces_.gap_b;
         if (widest > margin()) {
-            part_along_face();
+            part(is_a ? a.normal(faces_.face_a) : -scratch.axis.normal_b(faces_.face_b), widest);
             return;
         }
         const float depth = fresh ? -1 : std::max(bound, -widest);
@@ -115,14 +115,6 @@ class Pair : PairFrames {
         store(axis, memory.axis);
     }
 
-    void part_along_face() {
-        if (faces_.gap_a >= faces_.gap_b) {
-            part(a.normal(faces_.face_a), faces_.gap_a);
-        } else {
-            part(-scratch.axis.normal_b(faces_.face_b), faces_.gap_b);
-        }
-    }
-
     // Goes on with the feature of the last step if it is nearly the best and
     // its points bear it out.
     bool keep(double best) {
@@ -160,9 +152,7 @@ class Pair : PairFrames {
             return;
         }
         const int face = is_a ? faces_.face_a : faces_.face_b;
-        const PairFace passed =
-            passing_face(kernels, a, b, pose_a, pose_b, motion, settings.hysteresis, {is_a, face},
-                         scratch.axis, scratch.ahead);
+        const PairFace passed = passing_face(*this, {is_a, face});
         meet_face(passed.is_a, passed.face, -1);
         take_face(passed.is_a, passed.face);
         if (passed != PairFace{is_a, face}) {
@@ -261,7 +251,7 @@ class Pair : PairFrames {
         }
         int count = best_points(normal);
         if (may_land()) {
-            count = land(is_a, face, b_to_a_ahead(pose_a, pose_b, motion), count);
+            count = land(is_a, face, b_to_a_ahead(*this), count);
         }
         put(is_a, normal, points.data(), count);
         remember(face_of(is_a), face, incident_);

@@ -1,6 +1,6 @@
 // Predicts where two bodies are later in the step, and chooses the face along which they slide past
 // each other where there is one.
-#include "hull_passing.h"
+#include "hull_pair.h"
 
 #include <cmath>
 
@@ -63,24 +63,24 @@ bool Meeting::go_on(double gap, double closing) {
     return true;
 }
 
-Rigid b_to_a_ahead(const Rigid &pose_a, const Rigid &pose_b, const PairMotion &motion) {
-    return Rigid::between(ahead(pose_b, motion.b, motion.step),
-                          ahead(pose_a, motion.a, motion.step));
+Rigid b_to_a_ahead(const PairCase &pair) {
+    const PairMotion &motion = pair.motion;
+    return Rigid::between(ahead(pair.pose_b, motion.b, motion.step),
+                          ahead(pair.pose_a, motion.a, motion.step));
 }
 
-PairFace passing_face(const AxisKernels &kernels, const HullData &a, const HullData &b,
-                      const Rigid &pose_a, const Rigid &pose_b, const PairMotion &motion,
-                      double slack, const PairFace &found, const AxisScratch &now,
-                      AxisScratch &ahead) {
-    const auto most = static_cast<float>(slack);
+PairFace passing_face(const PairCase &pair, const PairFace &found) {
+    const HullData &a = pair.a, &b = pair.b;
+    const AxisScratch &now = pair.scratch.axis;
+    AxisScratch &ahead = pair.scratch.ahead;
+    const auto most = static_cast<float>(pair.settings.hysteresis);
     if (!has_other(now.gap_a, a.faces, found.is_a ? found.face : -1, most) &&
         !has_other(now.gap_b, b.faces, found.is_a ? -1 : found.face, most)) {
         return found;
     }
-    const Rigid b_to_a = b_to_a_ahead(pose_a, pose_b, motion);
     ahead.fit(a, b);
     FaceGaps widest;
-    kernels.faces(a, b, b_to_a.rounded(), ahead, widest);
+    pair.kernels.faces(a, b, b_to_a_ahead(pair).rounded(), ahead, widest);
     const auto approach = [&](bool is_a, int f) {
         return is_a ? now.gap_a[f] - ahead.gap_a[f] : now.gap_b[f] - ahead.gap_b[f];
     };

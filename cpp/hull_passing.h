@@ -37,8 +37,10 @@ struct Meeting {
     bool go_on(double gap, double closing);
 };
 
+struct PairCase;
+
 // From B's frame to A's at the end of the step, if nothing stops the bodies.
-Rigid b_to_a_ahead(const Rigid &pose_a, const Rigid &pose_b, const PairMotion &motion);
+Rigid b_to_a_ahead(const PairCase &pair);
 
 // A face of A (`is_a`) or of B.
 struct PairFace {
@@ -48,13 +50,10 @@ struct PairFace {
     bool operator!=(const PairFace &o) const { return is_a != o.is_a || face != o.face; }
 };
 
-// The face that the bodies slide along: neither its gap nor its depth is more than `slack`, now and
-// at the end of the step, and the gap shrinks by less than half of what the widest does. Where
-// there is none, `found`: the face with the widest gap now. `now` has the gaps of this moment, as
-// `faces` of the kernels leaves them; `ahead` is written to.
-PairFace passing_face(const AxisKernels &kernels, const HullData &a, const HullData &b,
-                      const Rigid &pose_a, const Rigid &pose_b, const PairMotion &motion,
-                      double slack, const PairFace &found, const AxisScratch &now,
-                      AxisScratch &ahead);
+// The face that the bodies slide along: neither its gap nor its depth is more than the hysteresis,
+// now and at the end of the step, and the gap shrinks by less than half of what the widest does.
+// Where there is none, `found`: the face with the widest gap now. `scratch.axis` has the gaps of
+// this moment, as `faces` of the kernels leaves them; `scratch.ahead` is written to.
+PairFace passing_face(const PairCase &pair, const PairFace &found);
 
 } // namespace pluvia

@@ -289,7 +289,7 @@ double collide_rounded(const PairCase &pair) {
             closing = then.closing();
         });
     }
-    const Rigid end = b_to_a_ahead(pair.pose_a, pair.pose_b, pair.motion);
+    const Rigid end = b_to_a_ahead(pair);
     if (meeting.time > 0) {
         at(meeting.time, [&](RoundedPair &then, double, const Rigid &a, const Rigid &b) {
             then.take(end);
