@@ -29,26 +29,25 @@ template <class L> class Few {
         listed_.assign(p_.bodies.motion.size(), 0);
         plans_.clear();
         int points = 0;
-        for (std::size_t c = 0; c < p_.contacts->colours.count(); ++c) {
-            const int width = p_.contacts->colours.in_order(c) ? 1 : Lane<L>::WIDTH;
-            int lane = width;
-            for (int i = p_.contacts->colours.begin()[c]; i < p_.contacts->colours.begin()[c + 1];
-                 ++i) {
+        const Colours &colours = p_.contacts->colours;
+        for (std::size_t c = 0; c < colours.count(); ++c) {
+            const int width = colours.in_order(c) ? 1 : Lane<L>::WIDTH;
+            bool full = true;
+            for (int i = colours.begin()[c]; i < colours.begin()[c + 1]; ++i) {
                 const auto number = static_cast<std::size_t>(i);
                 const Pack<L> &pack = p_.all.packs[number];
                 for (unsigned left = taken_[number]; left != 0; left &= left - 1) {
                     const int n = __builtin_ctz(left);
-                    if (lane == width) {
+                    if (full) {
                         turn_.packs.push_back(static_cast<int>(plans_.size()));
-                        plans_.push_back({static_cast<int>(from_.size()), 0, points});
-                        lane = 0;
+                        plans_.push_back({static_cast<int>(from_.size()), 0, 0, points, true});
                     }
                     from_.push_back({i, n});
-                    Plan &plan = plans_.back();
+                    Colours::Pack &plan = plans_.back();
                     const int own = points_of(pack.pair[n]);
                     points += std::max(0, own - plan.points);
                     plan.points = std::max(plan.points, own);
-                    ++lane;
+                    full = ++plan.pairs == width;
                     list(pack.a[n]);
                     list(pack.b[n]);
                 }
@@ -95,20 +94,16 @@ template <class L> class Few {
     const std::vector<int> &bodies() const { return bodies_; }
 
   private:
-    // Where a pair comes from, and the packs that they are put into.
+    // Where a pair comes from.
     struct From {
         int pack, lane;
-    };
-    struct Plan {
-        int begin, points,
-            first; // in from_; of the pair that has most; in the copies
     };
 
     Problem<L> &p_;
     Turn turn_;
     std::vector<int> bodies_;
     std::vector<From> from_;
-    std::vector<Plan> plans_;
+    std::vector<Colours::Pack> plans_;                    // that they are put into
     std::vector<Record<typename Lane<L>::Number>> start_; // motion of each when it was chosen
     static constexpr std::uint8_t CHOSEN = 2, BESIDE = 1;
     std::vector<std::uint8_t> listed_; // by body: whether it was active, or has a pair with one
@@ -173,12 +168,9 @@ template <class L> class Few {
 
     // Calls `what(lane, from pack, from lane)` for the pairs of a pack of the few.
     template <class F> void lanes(std::size_t i, const F &what) const {
-        const auto begin = static_cast<std::size_t>(plans_[i].begin);
-        const std::size_t end =
-            i + 1 < plans_.size() ? static_cast<std::size_t>(plans_[i + 1].begin) : from_.size();
-        for (std::size_t k = begin; k < end; ++k) {
-            what(static_cast<int>(k - begin), static_cast<std::size_t>(from_[k].pack),
-                 from_[k].lane);
+        for (int lane = 0; lane < plans_[i].pairs; ++lane) {
+            const From &from = from_[plans_[i].begin + lane];
+            what(lane, static_cast<std::size_t>(from.pack), from.lane);
         }
     }
 

@@ -7,6 +7,8 @@
 
 namespace pluvia {
 
+template <class L> class Run;
+
 // How iterations are computed. All give the same law; the two in eight lanes
 // give the same bits, on any number of threads.
 enum class Kernels {
@@ -32,11 +34,8 @@ class Iterations {
     void run(Kernels how, const Contacts &contacts, Inspection *inspection);
 
   private:
-    // The pairs and bodies of a step in lanes of one kind, and what runs over them: kept from step
-    // to step with the memory of its lists.
-    template <class L> struct InLanes;
-    std::unique_ptr<InLanes<double>> single_;
-    std::unique_ptr<InLanes<Float8>> eight_;
+    std::unique_ptr<Run<double>> single_;
+    std::unique_ptr<Run<Float8>> eight_;
 };
 
 } // namespace pluvia

@@ -17,6 +17,19 @@ template <class N> struct LaneLaw {
     double unsolved_share; // of what contacts change of a body, that calls for another iteration
 };
 
+template <class N> LaneLaw<N> lane_law(const ContactLaw &law, double substep) {
+    return {static_cast<N>(substep),
+            static_cast<N>(1 / substep),
+            static_cast<N>(law.stiffness),
+            static_cast<N>(2 * law.damping_ratio * std::sqrt(law.stiffness)),
+            static_cast<N>(law.max_depenetration_velocity),
+            static_cast<N>(law.restitution_speed),
+            static_cast<N>(law.closed_gap),
+            static_cast<N>(law.restitution_speed * substep / 2),
+            static_cast<N>(law.unsolved_gap / substep),
+            law.unsolved_share};
+}
+
 template <class L> using Records = Record<typename Lane<L>::Number>;
 
 template <class L> using Bodies = PackedBodies<typename Lane<L>::Number>;
@@ -127,8 +140,7 @@ template <class L>
 PLUVIA_INLINE L set_jacobians(const Pack<L> &pack, Point<L> &c, const Sides<L> &at,
                               const Three<L> &arm_a, const Three<L> &arm_b,
                               const Symmetric<L> &root_a, const Symmetric<L> &root_b) {
-    const auto set = [&](const Three<L> &direction, Jacobian<L> &angular)
-        __attribute__((always_inline)) {
+    const auto set = [&](const Three<L> &direction, Jacobian<L> &angular) PLUVIA_INLINED {
         angular.a = root_a * arm_a.cross(direction);
         angular.b = root_b * arm_b.cross(direction);
     };
@@ -144,8 +156,7 @@ PLUVIA_INLINE L set_jacobians(const Pack<L> &pack, Point<L> &c, const Sides<L> &
     const L half = zero + typename Lane<L>::Number(0.5);
     const L least = zero + TINY<L>;
     const L linear = at.a.inverse_mass + at.b.inverse_mass;
-    const auto inverse = [&](const Jacobian<L> &on, const Jacobian<L> &to)
-        __attribute__((always_inline)) {
+    const auto inverse = [&](const Jacobian<L> &on, const Jacobian<L> &to) PLUVIA_INLINED {
         return L(on.a.dot(to.a) * at.a.turns + on.b.dot(to.b) * at.b.turns);
     };
     const L normal = linear + inverse(c.angular, c.angular);

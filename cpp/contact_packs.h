@@ -94,8 +94,8 @@ template <class N> struct PackedBodies {
     UnsetVector<Record<N>> motion; // velocity, inverse mass, inertia root times spin, 1 if it turns
     // Of the inverse inertia, in the world: xx, yy, zz, xy, xz, yz; the inverse mass, 0.
     UnsetVector<Record<N>> root;
-    UnsetVector<Record<N>>
-        displacement; // gone since the step began: shift, -, turn (a rotation vector), -
+    // Gone since the step began: shift, -, turn (a rotation vector), -.
+    UnsetVector<Record<N>> displacement;
     UnsetVector<Record<N>> forced; // what external forces add to the motion in a sub-step
     UnsetVector<Record<N>> free;   // motion without the impulses that are looked for
     UnsetVector<Record<N>> before; // motion that the last iteration began with

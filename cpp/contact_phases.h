@@ -156,40 +156,43 @@ template <Solved WHAT, class L> PLUVIA_INLINE void find_change(Problem<L> &p, co
 template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, const Part &part) {
     using N = typename Lane<L>::Number;
     Records<L> *const motion = p.bodies.motion.data();
-    // Calls `what(pack, points, memory, search, number)`.
-    const auto packs = [&](const auto &what) __attribute__((always_inline)) {
+    struct At {
+        const Pack<L> &pack;
+        Point<L> *points;
+        PointMemory<L> *memory;
+        Search<L> *search;
+        std::size_t number;
+    };
+    const auto packs = [&](const auto &what) PLUVIA_INLINED {
         for (std::size_t k = part.begin; k < part.end; ++k) {
             const std::size_t i = part.at(k);
             const Pack<L> &pack = p.pairs->packs[i];
             const auto first = static_cast<std::size_t>(pack.first);
-            what(pack, &p.pairs->points[first], p.memory.data() + first, &p.pairs->search[first],
-                 i);
+            what(At{pack, &p.pairs->points[first], p.memory.data() + first, &p.pairs->search[first],
+                    i});
         }
     };
-    const auto bodies = [&](const auto &what) __attribute__((always_inline)) {
+    const auto bodies = [&](const auto &what) PLUVIA_INLINED {
         for (std::size_t k = part.begin; k < part.end; ++k) {
             what(part.at(k));
         }
     };
     switch (phase) {
     case Phase::Prepare:
-        packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t i)
-                  __attribute__((always_inline)) {
-                      prepare(pack, points, memory, p.law, p.bodies);
-                      p.awake[i] = p.near[i] != 0 || bears(pack, points);
-                  });
+        packs([&](const At &at) PLUVIA_INLINED {
+            prepare(at.pack, at.points, at.memory, p.law, p.bodies);
+            p.awake[at.number] = p.near[at.number] != 0 || bears(at.pack, at.points);
+        });
         break;
     case Phase::WarmStart:
-        packs([&](const auto &pack, auto *points, auto *, auto *, std::size_t)
-                  __attribute__((always_inline)) { pluvia::warm_start(pack, points, motion); });
+        packs([&](const At &at) PLUVIA_INLINED { warm_start(at.pack, at.points, motion); });
         break;
     case Phase::BeginSearchOfPoints:
-        packs([&](const auto &pack, auto *points, auto *, auto *search, std::size_t)
-                  __attribute__((always_inline)) {
-                      for (int n = 0; n < pack.points; ++n) {
-                          search[n].impulse = points[n].impulse;
-                      }
-                  });
+        packs([&](const At &at) PLUVIA_INLINED {
+            for (int n = 0; n < at.pack.points; ++n) {
+                at.search[n].impulse = at.points[n].impulse;
+            }
+        });
         break;
     case Phase::SolveForcesForward:
         visit_all<Solved::Forces, Half::Forward>(p, part);
@@ -210,34 +213,35 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
         ask_all<Solved::Impacts>(p, part);
         break;
     case Phase::AddResidual:
-        packs([&](const auto &pack, auto *points, auto *, auto *, std::size_t) __attribute__((
-            always_inline)) { add_residual(pack, points, motion, p.residual); });
+        packs([&](const At &at)
+                  PLUVIA_INLINED { add_residual(at.pack, at.points, motion, p.residual); });
         break;
     case Phase::FindFastestImpact: {
         L &fastest = p.unsolved[part.worker].fastest;
-        packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t) __attribute__((
-            always_inline)) { find_fastest(pack, points, memory, motion, p.law, fastest); });
+        packs([&](const At &at) PLUVIA_INLINED {
+            find_fastest(at.pack, at.points, at.memory, motion, p.law, fastest);
+        });
         break;
     }
     case Phase::BeginCompression:
-        packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t) __attribute__((
-            always_inline)) { begin_compression(pack, points, memory, motion, p.law); });
+        packs([&](const At &at) PLUVIA_INLINED {
+            begin_compression(at.pack, at.points, at.memory, motion, p.law);
+        });
         break;
     case Phase::BeginRestitution:
-        packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t) __attribute__((
-            always_inline)) { begin_restitution(pack, points, memory, motion); });
+        packs([&](const At &at)
+                  PLUVIA_INLINED { begin_restitution(at.pack, at.points, at.memory, motion); });
         break;
     case Phase::StoreForceImpulses:
-        packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t)
-                  __attribute__((always_inline)) { store_force_impulses(pack, points, memory); });
+        packs([&](const At &at)
+                  PLUVIA_INLINED { store_force_impulses(at.pack, at.points, at.memory); });
         break;
     case Phase::StoreImpactImpulses:
-        packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t)
-                  __attribute__((always_inline)) { store_impact_impulses(pack, points, memory); });
+        packs([&](const At &at)
+                  PLUVIA_INLINED { store_impact_impulses(at.pack, at.points, at.memory); });
         break;
     case Phase::IntegrateVelocities:
-        bodies([&](std::size_t b)
-                   __attribute__((always_inline)) { integrate_velocity(p.bodies, b); });
+        bodies([&](std::size_t b) PLUVIA_INLINED { integrate_velocity(p.bodies, b); });
         break;
     case Phase::KeepFreeMotion:
         bodies([&](std::size_t b) { p.bodies.free[b] = p.bodies.motion[b]; });
@@ -246,17 +250,15 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
         bodies([&](std::size_t b) { p.bodies.motion[b] = p.bodies.free[b]; });
         break;
     case Phase::BeginSearchOfBodies:
-        bodies([&](std::size_t b) __attribute__((always_inline)) { begin_search(p.bodies, b); });
+        bodies([&](std::size_t b) PLUVIA_INLINED { begin_search(p.bodies, b); });
         break;
     case Phase::Extrapolate: {
         const N beta = Lane<L>::get(p.beta, 0);
-        bodies([&](std::size_t b)
-                   __attribute__((always_inline)) { extrapolate(p.bodies, b, beta); });
+        bodies([&](std::size_t b) PLUVIA_INLINED { extrapolate(p.bodies, b, beta); });
         break;
     }
     case Phase::IntegratePositions:
-        bodies([&](std::size_t b)
-                   __attribute__((always_inline)) { integrate_position(p.bodies, b, p.law.step); });
+        bodies([&](std::size_t b) PLUVIA_INLINED { integrate_position(p.bodies, b, p.law.step); });
         break;
     case Phase::FindChangeByForces:
         find_change<Solved::Forces>(p, part);

@@ -1,6 +1,7 @@
 // How well a sub-step was solved, and the problem itself for others to solve.
 #pragma once
 
+#include "contact_colours.h"
 #include "contact_solve.h"
 
 #include <vector>
@@ -82,12 +83,12 @@ void record_bodies(const PackedBodies<N> &bodies, bool found, SubstepRecord &out
     }
 }
 
-// Adds the points that a pack's pairs have; `count` says how many pair i has.
-template <class L, class Count>
+// Adds the points that a pack's pairs have, of `places` of all pairs.
+template <class L>
 void record_contacts(const Pack<L> &pack, const Point<L> *points, const PointMemory<L> *memory,
-                     const Count &count, SubstepRecord &out) {
+                     const std::vector<PairPlace> &places, SubstepRecord &out) {
     for (int i = 0; i < Lane<L>::WIDTH; ++i) {
-        const int own = pack.pair[i] < 0 ? 0 : count(pack.pair[i]);
+        const int own = pack.pair[i] < 0 ? 0 : places[pack.pair[i]].points;
         for (int p = 0; p < own; ++p) {
             const Point<L> &c = points[p];
             const auto put = [&](const L &lanes) {

@@ -58,16 +58,74 @@ class Pace {
     double last_ = 0; // work
 };
 
-// The sub-steps of one step after another, whose lists keep their memory.
+// One step after another: loads pairs and bodies into lanes, runs the sub-steps and writes back
+// what was found. Its lists keep their memory.
 template <class L> class Run {
     using N = typename Lane<L>::Number;
 
   public:
-    explicit Run(Problem<L> &problem) : p_(problem), now_(problem), few_(problem) {}
+    // `inspection`, or null, is filled in the last sub-step.
+    void step(Kernel<L> kernel, const Contacts &contacts, Inspection *inspection) {
+        p_.contacts = &contacts;
+        p_.kernel = kernel;
+        load_all(contacts);
+        begin(contacts);
+        const int substeps = p_.all.packs.empty() ? 0 : contacts.law.substeps;
+        for (int i = 0; i < substeps; ++i) {
+            substep(i + 1 == substeps ? inspection : nullptr);
+        }
+        unload_all(contacts);
+    }
 
-    // To be called when the pairs and bodies of a step are in the problem.
-    void begin() {
-        const Contacts &contacts = *p_.contacts;
+  private:
+    Problem<L> p_;
+    int least_ = 0;            // iterations
+    Sequence<L> now_{p_};      // what is to be done before the control goes on
+    std::vector<int> touched_; // bodies
+    Turn all_, asleep_;
+    Few<L> few_{p_};
+
+    // Calls `what` with every pack, by the thread at which it is at home.
+    template <class F> static void at_home(const Contacts &contacts, const F &what) {
+        const Homes &homes = contacts.homes;
+        const std::size_t packs = homes.order().size();
+        const Share all{packs, std::max<std::size_t>(1, packs), PACKS_AT_ONCE, homes.ends()};
+        contacts.workers.share(&all, 1, [&](std::size_t, int, std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                what(static_cast<std::size_t>(homes.order()[i]));
+            }
+        });
+    }
+
+    void load_all(const Contacts &contacts) {
+        const std::size_t packs = contacts.colours.packs().size();
+        const auto points = static_cast<std::size_t>(contacts.colours.points());
+        p_.all.resize(packs, points);
+        p_.memory.resize(points);
+        p_.near.resize(packs);
+        p_.awake.resize(packs);
+        p_.pairs = &p_.all;
+        p_.law = lane_law<N>(contacts.law, contacts.substep);
+        p_.bodies.resize(contacts.bodies.size());
+        at_home(contacts, [&](std::size_t i) { load(contacts, i, p_); });
+        contacts.workers.each(contacts.bodies.size(), BODIES_AT_ONCE,
+                              [&](std::size_t i) { pack(contacts, i, p_.bodies); });
+    }
+
+    void unload_all(const Contacts &contacts) {
+        at_home(contacts, [&](std::size_t i) { unload(p_, contacts, i); });
+        contacts.workers.each(contacts.bodies.size(), BODIES_AT_ONCE, [&](std::size_t i) {
+            SolverBody &body = contacts.bodies[i];
+            const int number = static_cast<int>(i);
+            if (!contacts.moves.still(number) && !contacts.colours.touched(number)) {
+                fly(body, contacts.law.substeps, contacts.substep);
+            } else {
+                unpack(p_.bodies, i, body);
+            }
+        });
+    }
+
+    void begin(const Contacts &contacts) {
         least_ = (contacts.law.iterations + 1) / 2;
         now_.forget(); // what a step that failed has left
         few_.begin();
@@ -115,14 +173,6 @@ template <class L> class Run {
         now_.packs(Phase::StoreImpactImpulses);
         now_.run();
     }
-
-  private:
-    Problem<L> &p_;
-    int least_ = 0;            // iterations
-    Sequence<L> now_;          // what is to be done before the control goes on
-    std::vector<int> touched_; // bodies
-    Turn all_, asleep_;
-    Few<L> few_;
 
     // The motion of bodies from the impulses that iterations have found: every visit to a contact
     // rounds it once more, and a loose grain may be visited thousands of times.
@@ -316,9 +366,8 @@ template <class L> class Run {
         inspection.record->contacts.clear();
         for (const Pack<L> &pack : p_.all.packs) {
             const auto first = static_cast<std::size_t>(pack.first);
-            record_contacts(
-                pack, &p_.all.points[first], &p_.memory[first],
-                [&](int pair) { return p_.contacts->places[pair].points; }, *inspection.record);
+            record_contacts(pack, &p_.all.points[first], &p_.memory[first], p_.contacts->places,
+                            *inspection.record);
         }
     }
 

@@ -38,7 +38,7 @@ PLUVIA_INLINE void solve(const Pack<L> &pack, Point<L> &c, Search<L> &last, cons
     const L zero{};
     L borne = c.impulse.x;
     if (HALF == Half::Forward) {
-        const auto go_on = [&](L & impulse, L & then) __attribute__((always_inline)) {
+        const auto go_on = [&](L &impulse, L &then) PLUVIA_INLINED {
             const L now = impulse;
             impulse = now + (now - then) * beta;
             then = now;

@@ -3,7 +3,8 @@
 
 #include <cmath>
 
-#define PLUVIA_INLINE inline __attribute__((always_inline))
+#define PLUVIA_INLINED __attribute__((always_inline)) // of a lambda
+#define PLUVIA_INLINE inline PLUVIA_INLINED
 
 namespace pluvia {
 
