@@ -10,7 +10,6 @@
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 
 #include <chrono>
-#include <utility>
 
 namespace pluvia {
 
@@ -45,15 +44,10 @@ class Stopwatch {
 };
 
 // Settings as read back, one name and one number each.
-class ReadBack {
-  public:
-    void put(const char *name, double value) {
-        out_.push_back(EngineSetting{rust::String(name), value});
-    }
-    rust::Vec<EngineSetting> take() { return std::move(out_); }
+struct ReadBack {
+    rust::Vec<EngineSetting> settings;
 
-  private:
-    rust::Vec<EngineSetting> out_;
+    void put(const char *name, double value) { settings.push_back({rust::String(name), value}); }
 };
 
 // Either `StockWorld`, Bullet as it comes, or `NativeWorld`, whose steps are

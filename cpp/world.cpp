@@ -14,6 +14,7 @@
 #include <iterator>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace pluvia {
@@ -305,7 +306,7 @@ rust::Vec<EngineSetting> BulletWorld::effective() const {
         out.put("lightest_free_body_kg", lightest);
         out.put("largest_inertia_over_exact", impl_->world->largest_inertia_ratio());
     }
-    return out.take();
+    return std::move(out.settings);
 }
 
 } // namespace pluvia
