@@ -10,7 +10,7 @@ const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The sources of `cpp/`. Each has a header of its name, but for `sphere_pair` and `rounded_pair`,
 /// whose functions `hull_pair.h` declares.
-const SHIMS: [&str; 29] = [
+const SHIMS: [&str; 28] = [
     "contact_bodies",
     "contact_colours",
     "contact_iterations",
@@ -28,9 +28,8 @@ const SHIMS: [&str; 29] = [
     "hull_passing",
     "hull_algorithm",
     "hull_search",
-    "hull_probe",
     "workers",
-    "part_probe",
+    "probe",
     "shapes",
     "sphere_pair",
     "core_distance",

@@ -185,23 +185,21 @@ void RecalledContacts::take(const Units &units, rust::Slice<const ContactRead> c
     }
 }
 
-void RecalledContacts::give(const btCollisionObject &a, const btCollisionObject &b,
-                            const HullData &hull_a, const HullData &hull_b,
-                            PairState &state) const {
-    const auto found = by_pair_.find(key(number(a), number(b)));
+void RecalledContacts::give(const HullBody &a, const HullBody &b, PairState &state) const {
+    const auto found = by_pair_.find(key(number(*a.object), number(*b.object)));
     if (found == by_pair_.end()) {
         return;
     }
     const std::vector<Recalled> &points = found->second;
-    recall(hull_a, hull_b, points.front().feature, state.memory);
+    recall(*a.hull, *b.hull, points.front().feature, state.memory);
     KeptContact &contact = state.memory.last;
     contact.count = static_cast<int>(std::min<std::size_t>(points.size(), MOST_POINTS));
     for (int i = 0; i < contact.count; ++i) {
         const Recalled &r = points[i];
         KeptPoint &point = contact.points[i];
         point.id = r.id;
-        store(three(a.getWorldTransform().invXform(r.point)), point.on_a);
-        store(three(b.getWorldTransform().invXform(r.point)), point.on_b);
+        store(three(a.object->getWorldTransform().invXform(r.point)), point.on_a);
+        store(three(b.object->getWorldTransform().invXform(r.point)), point.on_b);
         store(three(-r.normal), contact.normal);
         store(three(r.impulse), state.loads[i].impulse);
         state.loads[i].warm_start = r.warm_start;

@@ -6,8 +6,6 @@
 #include "hull_pair.h"
 #include "rust/cxx.h"
 
-#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
-
 #include <cstdint>
 #include <unordered_map>
 #include <vector>
@@ -15,6 +13,7 @@
 namespace pluvia {
 
 struct ContactRead;
+struct HullBody;
 struct Touching;
 
 // What a contact point bears.
@@ -55,8 +54,7 @@ class RecalledContacts {
 
     // Gives a pair the feature that touched and the points recalled of it, as
     // if they were those of the last step.
-    void give(const btCollisionObject &a, const btCollisionObject &b, const HullData &hull_a,
-              const HullData &hull_b, PairState &state) const;
+    void give(const HullBody &a, const HullBody &b, PairState &state) const;
 
   private:
     struct Recalled {

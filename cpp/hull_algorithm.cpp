@@ -12,10 +12,10 @@
 
 namespace pluvia {
 
-PairSettings pair_settings(const Tolerances &tolerances, double scale) {
-    return {tolerances.contact_margin * scale, 0, tolerances.hysteresis * scale,
-            tolerances.hold * scale, tolerances.face_preference * scale};
-}
+HullCollision::HullCollision(const Tolerances &t, double scale, bool portable)
+    : settings{t.contact_margin * scale, 0, t.hysteresis * scale, t.hold * scale,
+               t.face_preference * scale},
+      match(t.match_distance * scale), kernels(&axis_kernels(portable)) {}
 
 void HullCollision::forget(const btCollisionObject &body) {
     touching.erase(std::remove_if(touching.begin(), touching.end(),
@@ -52,7 +52,7 @@ void HullAlgorithm::find(const HullBody &a, const HullBody &b, double travelled,
     settings.approach = approach_in_step(a, b, shared_.step);
     settings.speculative_margin += settings.approach;
     if (!shared_.recalled.empty()) {
-        shared_.recalled.give(*a.object, *b.object, *a.hull, *b.hull, state_);
+        shared_.recalled.give(a, b, state_);
     }
     PairContact contact;
     const PairMotion motion{a.motion, b.motion, shared_.step};

@@ -16,8 +16,10 @@ struct PairValue;
 struct Tolerances;
 struct Touching;
 
-// What all pairs of a world share.
+// What all pairs of a world share; lengths in engine units, of which `scale` make a metre.
 struct HullCollision {
+    HullCollision(const Tolerances &tolerances, double scale, bool portable);
+
     const Materials *materials = nullptr;
     PairSettings settings;
     double match; // distance up to which points of successive steps are taken for the same
@@ -30,9 +32,6 @@ struct HullCollision {
     // Drops what `touching` says of a body that leaves.
     void forget(const btCollisionObject &body);
 };
-
-// In engine units, of which `scale` make a metre.
-PairSettings pair_settings(const Tolerances &tolerances, double scale);
 
 // Finds the contact of a pair of whatever shapes. Returns a distance that they are apart, where one
 // is known, or NOT_APART.

@@ -16,13 +16,10 @@ constexpr std::size_t BODIES_AT_ONCE = 128;
 
 HullCollision hull_collision(const Units &units, const WorldDefinition &d,
                              const Materials &materials) {
-    HullCollision collision;
+    HullCollision collision(d.tolerances, units.scale(), d.portable);
     collision.materials = &materials;
-    collision.settings = pair_settings(d.tolerances, units.scale());
     collision.settings.speculative_margin =
         std::min(d.contact_threshold, d.tolerances.contact_margin) * units.scale();
-    collision.match = d.tolerances.match_distance * units.scale();
-    collision.kernels = &axis_kernels(d.portable);
     collision.step = d.time_step;
     return collision;
 }

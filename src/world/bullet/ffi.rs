@@ -8,6 +8,7 @@
 //! alone, which ends the program as it does in Rust; `shim_tests.rs` lists these.
 
 #![allow(unsafe_code)] // cxx generates it; every function below is safe to call
+#![allow(dead_code)] // some are for unit tests alone
 
 #[cxx::bridge(namespace = "pluvia")]
 mod bridge {
@@ -155,6 +156,7 @@ mod bridge {
 
     /// How a kinematic body goes through a step: velocities in its middle, and how
     /// they change from its beginning to its end.
+    #[derive(Debug, PartialEq)]
     struct DriveRead {
         id: u32,
         velocity: [f64; 3],
@@ -216,13 +218,16 @@ mod bridge {
         axis: [f64; 3],
     }
 
-    /// What the speed of a velocity-based AABB margin is found from.
+    /// What the speed of a velocity-based AABB margin is found from, in m and s.
+    #[derive(Debug, Clone)]
     struct CrowdProbeBody {
+        /// Of a ball that holds the body.
         centre: [f64; 3],
         velocity: [f64; 3],
         radius: f64,
         /// Speed at which its farthest point turns.
         turning: f64,
+        /// Whether it moves by itself.
         free: bool,
     }
 
@@ -305,7 +310,7 @@ mod bridge {
         fn read_substep(self: &BulletWorld, bodies: &mut Vec<f64>, contacts: &mut Vec<f64>);
         fn effective(self: &BulletWorld) -> Vec<EngineSetting>;
 
-        include!("pluvia/cpp/hull_probe.h");
+        include!("pluvia/cpp/probe.h");
 
         type HullProbe;
 
@@ -331,8 +336,7 @@ mod bridge {
             all_edges: bool,
         ) -> HullProbeGap;
 
-        include!("pluvia/cpp/part_probe.h");
-
+        // Threads of a world without the world.
         fn shared_sum(threads: i32, size: usize, rounds: usize, fails_at: usize) -> Result<u64>;
         fn chained_work(threads: i32, rounds: usize) -> Result<[u64; 2]>;
         fn shared_time(threads: i32, sizes: &[usize], leasts: &[usize]) -> Result<[f64; 4]>;
@@ -340,6 +344,9 @@ mod bridge {
         /// Of the allocator, by the whole process; -1 where it does not say.
         fn bytes_handed_out() -> i64;
 
+        /// The speed of the velocity-based AABB margin of each body within a step, in worlds of
+        /// many bodies (`cpp/crowd.h`). `frame`: velocity of the place that boxes are counted
+        /// from. Empty where a number is not finite or no body is free.
         fn crowd_speeds(
             bodies: &[CrowdProbeBody],
             frame: &[f64; 3],
