@@ -3,6 +3,9 @@
 use super::*;
 use crate::geometry::MassProperties;
 
+/// In m/s².
+pub(super) const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
+
 pub(super) fn uniform(friction: f64, restitution: f64) -> PairTable {
     PairTable::uniform(PairCoefficients { friction, restitution })
 }
@@ -51,6 +54,12 @@ pub(super) fn snapshot(world: &dyn World) -> Snapshot {
     let mut snapshot = Snapshot::new();
     world.read(&mut snapshot);
     snapshot
+}
+
+pub(super) fn remembered(world: &dyn World) -> Vec<RememberedContact> {
+    let mut contacts = Vec::new();
+    world.remember(&mut contacts);
+    contacts
 }
 
 pub(super) fn contacts(world: &dyn World) -> Vec<Contact> {

@@ -8,25 +8,27 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use super::probe::{CrowdBody, crowd_speeds};
+use super::ffi::{CrowdProbeBody, crowd_speeds};
 use super::tests::{free_box, shared_turn};
 use super::*;
 
 const STEP: f64 = 1.0 / 480.0;
 const SPECULATIVE_MARGIN: f64 = 0.5e-3;
 
-fn ball(centre: Vector, velocity: Vector, radius: f64) -> CrowdBody {
-    CrowdBody { centre, velocity, radius, turning: 0.0, free: true }
+fn ball(centre: Vector, velocity: Vector, radius: f64) -> CrowdProbeBody {
+    let (centre, velocity) = (centre.into(), velocity.into());
+    CrowdProbeBody { centre, velocity, radius, turning: 0.0, free: true }
 }
 
-/// Pairs that may come within reach in the step though their boxes are not made
-/// to overlap, and pairs that may at all.
-fn missed(bodies: &[CrowdBody], speeds: &[f64]) -> (Vec<String>, usize) {
+/// Pairs that may come within the speculative margin in the step though their boxes are not
+/// made to overlap, and pairs that may at all.
+fn missed(bodies: &[CrowdProbeBody], speeds: &[f64]) -> (Vec<String>, usize) {
     let (mut missed, mut pairs) = (Vec::new(), 0);
     for (i, a) in bodies.iter().enumerate() {
         for (j, b) in bodies.iter().enumerate().take(i) {
-            let gap = (a.centre - b.centre).norm() - a.radius - b.radius;
-            let least = (a.velocity - b.velocity).norm();
+            let apart = |a: [f64; 3], b: [f64; 3]| (Vector::from(a) - Vector::from(b)).norm();
+            let gap = apart(a.centre, b.centre) - a.radius - b.radius;
+            let least = apart(a.velocity, b.velocity);
             if gap > STEP * (least + a.turning + b.turning) + SPECULATIVE_MARGIN {
                 continue;
             }
@@ -48,7 +50,7 @@ prop_compose! {
         radius in 0.002..0.008_f64,
         turning in 0.0..2.0_f64,
         kind in 0..20_u8,
-    ) -> CrowdBody {
+    ) -> CrowdProbeBody {
         // Crowds that move alike, and some that do not; a wall now and then, a
         // large body, a fast one.
         let alike = [[0.0, 0.0, -3.0], [0.0, 0.0, 0.0], [2.0, 0.0, 0.5]][shared];
@@ -59,7 +61,7 @@ prop_compose! {
             _ => alike + 0.05 * own,
         };
         let radius = if kind == 3 || kind == 4 { 20.0 * radius } else { radius };
-        CrowdBody { centre: centre.into(), velocity, radius, turning, free: kind != 4 }
+        CrowdProbeBody { centre, velocity: velocity.into(), radius, turning, free: kind != 4 }
     }
 }
 
@@ -72,9 +74,9 @@ proptest! {
     ) {
         let bodies: Vec<_> = bodies
             .into_iter()
-            .map(|body| CrowdBody { centre: spread * body.centre, ..body })
+            .map(|body| CrowdProbeBody { centre: body.centre.map(|x| spread * x), ..body })
             .collect();
-        let speeds = crowd_speeds(&bodies, frame.into(), STEP, SPECULATIVE_MARGIN);
+        let speeds = crowd_speeds(&bodies, &frame, STEP, SPECULATIVE_MARGIN);
         if bodies.iter().all(|body| !body.free) {
             prop_assert!(speeds.is_empty(), "law: nothing to find without a free body");
             return Ok(());
@@ -86,7 +88,7 @@ proptest! {
 }
 
 /// Balls on a lattice, which a crowd of them fills as grains do that fall.
-fn lattice(velocity: impl Fn(Vector) -> Vector) -> Vec<CrowdBody> {
+fn lattice(velocity: impl Fn(Vector) -> Vector) -> Vec<CrowdProbeBody> {
     let mut bodies = Vec::new();
     for i in 0..1000_u32 {
         let at = Vector::new(f64::from(i % 10), f64::from(i / 10 % 10), f64::from(i / 100)) * 0.015;
@@ -98,7 +100,7 @@ fn lattice(velocity: impl Fn(Vector) -> Vector) -> Vec<CrowdBody> {
 #[test]
 fn a_crowd_that_falls_together_stands_off_little() {
     let bodies = lattice(|at| Vector::new(0.0, 0.0, -3.0 - 0.2 * at.z));
-    let speeds = crowd_speeds(&bodies, Vector::zeros(), STEP, SPECULATIVE_MARGIN);
+    let speeds = crowd_speeds(&bodies, &[0.0; 3], STEP, SPECULATIVE_MARGIN);
     let most = speeds.iter().copied().fold(0.0, f64::max);
     assert!(most < 0.03, "law: by differences of speed, below 0.03 m/s, got {most} m/s of 3");
 }
@@ -107,7 +109,7 @@ fn a_crowd_that_falls_together_stands_off_little() {
 fn crowds_that_meet_stand_off_by_their_speeds() {
     let towards = |at: Vector| Vector::new(if at.x < 0.07 { 3.0 } else { -3.0 }, 0.0, 0.0);
     let bodies = lattice(towards);
-    let speeds = crowd_speeds(&bodies, Vector::zeros(), STEP, SPECULATIVE_MARGIN);
+    let speeds = crowd_speeds(&bodies, &[0.0; 3], STEP, SPECULATIVE_MARGIN);
     let (none, pairs) = missed(&bodies, &speeds);
     assert!(none.is_empty() && pairs > 400, "law: no pair is missed of {pairs}, got {none:?}");
     // The check can fail: these speeds are what each has against its own crowd.
@@ -125,7 +127,7 @@ fn what_is_no_number_is_not_sorted_into_a_grid() {
                 1 => bodies[7].velocity[1] = spoilt,
                 _ => bodies[7].turning = spoilt,
             }
-            let speeds = crowd_speeds(&bodies, Vector::zeros(), STEP, SPECULATIVE_MARGIN);
+            let speeds = crowd_speeds(&bodies, &[0.0; 3], STEP, SPECULATIVE_MARGIN);
             assert!(
                 speeds.is_empty() || speeds.iter().all(|speed| !speed.is_nan()),
                 "law: no speed, or one that is a number, for {spoilt} in place {place}"

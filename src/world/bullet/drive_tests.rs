@@ -1,15 +1,11 @@
 //! How kinematic bodies go through a step: their velocity changes steadily, in a new
 //! world that recalls the steps before as well, and a new body begins anew.
 
-use super::probe::ProbeDrive;
-use super::tests::{free_box, precision, shared_turn, slab, uniform};
+use super::tests::{free_box, native_world, precision, remembered, shared_turn, slab};
 use super::*;
 
-const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
-
 fn world() -> BulletBackend {
-    let settings = EngineSettings::default();
-    BulletBackend::new(&settings, GRAVITY, &uniform(0.8, 0.0)).expect("a world")
+    native_world(Default::default(), 0.8, 0.0)
 }
 
 /// Where a shaken and turning table is at the end of a step; at rest before the first.
@@ -42,7 +38,7 @@ fn a_table_goes_on_to_the_bit_in_a_world_that_is_told_of_it() {
         drive(&mut whole, id, &table_at(step));
         seen.push(whole.drives());
     }
-    let changing = |d: &&ProbeDrive| d.acceleration.x != 0.0 && d.angular_acceleration.y != 0.0;
+    let changing = |d: &&ffi::DriveRead| d.acceleration[0] != 0.0 && d.spin_up[1] != 0.0;
     let changes = seen.iter().flatten().filter(changing);
     assert!(changes.count() > 150, "the check has velocities that change");
     for seam in [1, 2, 3, 77, 150] {
@@ -84,8 +80,7 @@ fn carried(seam: Option<(i32, bool)>) -> Vec<f64> {
         here.read(&mut states);
         speeds.push(states[on.0 as usize].expect("there").linear_velocity.x);
         let Some((_, told)) = seam.filter(|(at, _)| *at == step) else { continue };
-        let mut contacts = Vec::new();
-        here.remember(&mut contacts);
+        let mut contacts = remembered(&here);
         block.state = states[on.0 as usize].expect("there");
         let mut next = world();
         let (was, was_on) = (id, on);
@@ -134,16 +129,16 @@ fn a_new_body_has_no_history_whatever_its_address() {
             let x = f64::from(n * step * step) * 1e-4;
             drive(&mut world, last, &Pose::translation(x, 0.0, 0.0));
         }
-        let [old] = world.drives()[..] else { panic!("one body") };
-        assert!(old.acceleration.x > 0.0, "the check has a body whose velocity changes: {old:?}");
+        let [old] = &world.drives()[..] else { panic!("one body") };
+        assert!(old.acceleration[0] > 0.0, "the check has a body whose velocity changes: {old:?}");
         // Its room is the next one's.
         world.remove(last).expect("removed");
         last = world.add(&table(Pose::identity())).expect("added");
         drive(&mut world, last, &Pose::translation(f64::from(n) * 1e-2, 0.0, 0.0));
-        let [new] = world.drives()[..] else { panic!("one body") };
-        assert!(new.id == last && new.velocity.x > 0.0, "the new one moves: {new:?}");
+        let [new] = &world.drives()[..] else { panic!("one body") };
+        assert!(new.id == last.0 && new.velocity[0] > 0.0, "the new one moves: {new:?}");
         assert!(
-            new.acceleration == Vector::zeros() && new.angular_acceleration == Vector::zeros(),
+            new.acceleration == [0.0; 3] && new.spin_up == [0.0; 3],
             "law: a body without steps before jumps to its velocity, got {new:?}"
         );
     }

@@ -2,16 +2,13 @@
 
 use std::{cell::Cell, collections::BTreeSet};
 
-use super::tests::{free_box, shared_turn, slab, snapshot, state, steps, uniform};
+use super::tests::{free_box, native_world, remembered, shared_turn, slab, snapshot, state, steps};
 use super::*;
 use crate::geometry::testing::near;
 use crate::scenario::NativeSettings;
 
-const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
-
 fn world(native: NativeSettings) -> BulletBackend {
-    let settings = EngineSettings { native, ..Default::default() };
-    BulletBackend::new(&settings, GRAVITY, &uniform(0.8, 0.3)).expect("a world")
+    native_world(native, 0.8, 0.3)
 }
 
 /// A table with a packing of boxes of several sizes, turned every which way.
@@ -95,8 +92,7 @@ fn plate_on_boxes(native: NativeSettings) -> (Snapshot, usize) {
     let above = Vector::new(0.0, 0.0, 0.0125);
     let plate = world.add(&free_box(Vector::new(0.12, 0.12, 0.004), above)).expect("added");
     steps(&mut world, 240);
-    let mut contacts = Vec::new();
-    world.remember(&mut contacts);
+    let contacts = remembered(&world);
     let with_plate = contacts.iter().filter(|c| c.a == plate || c.b == plate);
     let bears: BTreeSet<u32> =
         with_plate.map(|c| if c.a == plate { c.b.0 } else { c.a.0 }).collect();
@@ -133,8 +129,7 @@ fn a_world_told_of_its_contacts_goes_on_without_a_jump() {
     shaken(&mut first, table);
     steps(&mut first, 960);
     let at_rest = snapshot(&first);
-    let mut remembered = Vec::new();
-    first.remember(&mut remembered);
+    let remembered = remembered(&first);
     let weight: f64 = remembered.iter().filter(|c| c.a == table).map(|c| -c.force.z).sum();
     // The middle one of all speeds: single boxes may move in any case where iterations end early.
     let moves = |world: &mut BulletBackend| {
@@ -184,8 +179,7 @@ fn a_world_told_of_its_contacts_goes_on_without_a_jump() {
 /// How far in mm a block comes that slides at 0.6 m/s from one floor piece to another
 /// which begins `ahead` (mm) of it and lies higher by `step` (mm); nothing rebounds.
 fn slid_over_a_joint(ahead: f64, step: f64) -> f64 {
-    let settings = EngineSettings::default();
-    let mut world = BulletBackend::new(&settings, GRAVITY, &uniform(0.8, 0.0)).expect("a world");
+    let mut world = native_world(Default::default(), 0.8, 0.0);
     for (x, raised) in [(-0.2, 0.0), (0.2, 1e-3 * step)] {
         let mut piece = slab(Motion::Static);
         piece.state.pose.translation.vector += Vector::new(x, 0.0, raised);

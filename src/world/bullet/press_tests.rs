@@ -1,6 +1,6 @@
 //! Pressed bodies against laws of mechanics, with contacts eight at once and one by one.
 
-use super::tests::{contacts, free_box, precision, shared_turn, slab, uniform};
+use super::tests::{contacts, free_box, native_world, precision, shared_turn, slab, uniform};
 use super::*;
 use crate::geometry::testing::near;
 use crate::scenario::{ContactSolver, NativeSettings};
@@ -18,13 +18,7 @@ pub(super) const AT_ONCE: [u32; 2] = [8, 1];
 
 pub(super) fn world(contacts_at_once: u32, friction: f64, restitution: f64) -> BulletBackend {
     let native = NativeSettings { contacts_at_once, ..Default::default() };
-    world_of(native, friction, restitution)
-}
-
-fn world_of(native: NativeSettings, friction: f64, restitution: f64) -> BulletBackend {
-    let settings = EngineSettings { native, ..Default::default() };
-    let gravity = Vector::new(0.0, 0.0, -GRAVITY);
-    BulletBackend::new(&settings, gravity, &uniform(friction, restitution)).expect("a world")
+    native_world(native, friction, restitution)
 }
 
 /// A lid whose lower side is at a height, pressed along a direction.
@@ -131,7 +125,7 @@ fn a_limit_of_the_speed_is_one_of_the_force() {
                 max_depenetration_velocity_m_per_s: speed,
                 ..Default::default()
             };
-            let (world, _, lid) = loaded_in(world_of(native, 0.5, 0.0), force);
+            let (world, _, lid) = loaded_in(native_world(native, 0.5, 0.0), force);
             SIDE + THICK / 2.0 - world.read_body(lid).expect("there").pose.translation.vector.z
         };
         let stiffness = NativeSettings::default().contact_stiffness_n_per_m;

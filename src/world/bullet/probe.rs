@@ -1,14 +1,13 @@
 //! One pair of hulls outside any world: what the native contact solver finds
 //! for given poses, step after step.
 //!
-//! For tests, which compare it with exact references. And the threads of a world without the
-//! world, the speeds of velocity-based AABB margins, the memory that the process holds, and what
-//! happens within the step of a world.
+//! For tests, which compare it with exact references. And the memory that the process holds, and
+//! what happens within the step of a world.
 
 use super::{BulletBackend, body_pose, definition::tolerances, engine, ffi, flat};
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
 use crate::scale::Scale;
-use crate::world::{BodyId, WorldError};
+use crate::world::WorldError;
 
 /// How a pair is probed.
 #[derive(Debug, Clone, Copy)]
@@ -129,64 +128,11 @@ impl HullPair {
     }
 }
 
-/// Adds up the numbers below `size`, `rounds` times, each by whichever of
-/// `threads` threads of the engine comes to it.
-///
-/// # Errors
-/// [`WorldError::Engine`] when a thread comes to the number `fails_at`, or when work was lost.
-pub fn shared_sum(
-    threads: u16,
-    size: usize,
-    rounds: usize,
-    fails_at: Option<usize>,
-) -> Result<u64, WorldError> {
-    let fails_at = fails_at.unwrap_or(usize::MAX);
-    ffi::shared_sum(i32::from(threads), size, rounds, fails_at).map_err(engine)
-}
-
-/// What threads make of shares that follow each other without all being over, and what one
-/// thread makes of them: the same, if each waits for what it needs.
-///
-/// # Errors
-/// [`WorldError::Engine`] without a thread.
-pub fn chained_work(threads: u16, rounds: usize) -> Result<[u64; 2], WorldError> {
-    ffi::chained_work(i32::from(threads), rounds).map_err(engine)
-}
-
-/// How long one job of these shares takes of what threads can share, and would take on 2, 8
-/// and 16 of them, in s; every part of it takes a millisecond. `leasts`: the least of each
-/// share that pays for a thread to take.
-///
-/// # Errors
-/// [`WorldError::Engine`] without a thread, or with not as many leasts as sizes.
-pub fn shared_time(
-    threads: i32,
-    sizes: &[usize],
-    leasts: &[usize],
-) -> Result<[f64; 4], WorldError> {
-    ffi::shared_time(threads, sizes, leasts).map_err(engine)
-}
-
 /// Bytes that the allocator has handed out to this process and not got back, to
 /// C++ and Rust alike; `None` where it does not say.
 pub fn bytes_handed_out() -> Option<i64> {
     let bytes = ffi::bytes_handed_out();
     (bytes >= 0).then_some(bytes)
-}
-
-/// How a kinematic body goes through a step, in SI units and world axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ProbeDrive {
-    /// Which body.
-    pub id: BodyId,
-    /// Velocity in the middle of the step in m/s.
-    pub velocity: Vector,
-    /// How it changes through the step, in m/s².
-    pub acceleration: Vector,
-    /// Angular velocity in the middle of the step in rad/s.
-    pub angular_velocity: Vector,
-    /// How it changes through the step, in rad/s².
-    pub angular_acceleration: Vector,
 }
 
 impl BulletBackend {
@@ -201,52 +147,10 @@ impl BulletBackend {
 
     /// How each kinematic body went through the last step; empty with stock Bullet
     /// contacts, and once a body came or went.
-    pub fn drives(&self) -> Vec<ProbeDrive> {
+    #[cfg(test)]
+    pub(super) fn drives(&self) -> Vec<ffi::DriveRead> {
         let mut drives = Vec::new();
         self.world.read_drives(&mut drives);
-        let probed = |d: &ffi::DriveRead| ProbeDrive {
-            id: BodyId(d.id),
-            velocity: d.velocity.into(),
-            acceleration: d.acceleration.into(),
-            angular_velocity: d.spin.into(),
-            angular_acceleration: d.spin_up.into(),
-        };
-        drives.iter().map(probed).collect()
+        drives
     }
-}
-
-/// What the speed of a body's velocity-based AABB margin is found from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CrowdBody {
-    /// In m.
-    pub centre: Vector,
-    /// In m/s.
-    pub velocity: Vector,
-    /// Of a ball around the centre that holds the body, in m.
-    pub radius: f64,
-    /// Speed in m/s at which its farthest point turns.
-    pub turning: f64,
-    /// Whether it moves by itself.
-    pub free: bool,
-}
-
-/// The speed in m/s of the velocity-based AABB margin of each body within a step of
-/// `step` s, in worlds of many bodies (`cpp/crowd.h`). `frame`: velocity in m/s of
-/// the place that boxes are counted from; `speculative_margin`: gap in m up to which contact
-/// points are kept. Empty where a number is not finite or no body is free.
-pub fn crowd_speeds(
-    bodies: &[CrowdBody],
-    frame: Vector,
-    step: f64,
-    speculative_margin: f64,
-) -> Vec<f64> {
-    let told = |body: &CrowdBody| ffi::CrowdProbeBody {
-        centre: body.centre.into(),
-        velocity: body.velocity.into(),
-        radius: body.radius,
-        turning: body.turning,
-        free: body.free,
-    };
-    let bodies: Vec<_> = bodies.iter().map(told).collect();
-    ffi::crowd_speeds(&bodies, &frame.into(), step, speculative_margin)
 }

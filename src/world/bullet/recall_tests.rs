@@ -1,12 +1,10 @@
 //! Contacts that a world recalls from another: all of them are taken over,
 //! whatever the order of the bodies.
 
-use super::tests::{free_box, shared_turn, slab, snapshot, steps, uniform};
+use super::tests::{free_box, native_world, remembered, shared_turn, slab, snapshot, steps};
 use super::*;
 use crate::grains::generate;
 use crate::scenario::{NativeSettings, SievedGrains};
-
-const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
 
 /// Half the inner width of the trough that the specimen lies in, in m.
 const HALF_WIDTH: f64 = 0.03;
@@ -14,8 +12,7 @@ const HALF_WIDTH: f64 = 0.03;
 fn world() -> BulletBackend {
     // Iterations that go on until forces are found would hide that one was not recalled.
     let native = NativeSettings { solver_tolerance: 1.0, ..Default::default() };
-    let settings = EngineSettings { native, ..Default::default() };
-    BulletBackend::new(&settings, GRAVITY, &uniform(0.8, 0.3)).expect("a world")
+    native_world(native, 0.8, 0.3)
 }
 
 /// A floor and four walls, then some seventy grains and cubes above one another,
@@ -69,9 +66,7 @@ fn settled() -> Specimen {
     for (body, state) in bodies.iter_mut().zip(snapshot(&world)) {
         body.state = state.expect("none was removed");
     }
-    let mut contacts = Vec::new();
-    world.remember(&mut contacts);
-    Specimen { bodies, contacts }
+    Specimen { bodies, contacts: remembered(&world) }
 }
 
 /// Orders in which bodies may be added: as they were, the other way round, and
@@ -139,10 +134,8 @@ fn every_loaded_contact_is_recalled_whatever_the_order_of_the_bodies() {
     for (name, order) in orders(specimen.bodies.len()) {
         let (mut world, ids) = told(&specimen, &order);
         world.find_contacts().expect("found");
-        let mut found = Vec::new();
-        world.remember(&mut found);
         let number = |id: BodyId| ids.iter().position(|i| *i == id).expect("a body") as u32;
-        let found: Vec<RememberedContact> = found
+        let found: Vec<RememberedContact> = remembered(&world)
             .iter()
             .map(|c| RememberedContact { a: BodyId(number(c.a)), b: BodyId(number(c.b)), ..*c })
             .collect();

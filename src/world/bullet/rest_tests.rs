@@ -1,18 +1,16 @@
 //! What bears on three points or more comes to rest.
 
 use super::recall_tests::bodies;
-use super::tests::{contacts, free_box, shared_turn, slab, uniform};
+use super::tests::{contacts, free_box, native_world, remembered, shared_turn, slab};
 use super::*;
 
 fn world() -> BulletBackend {
-    let (settings, gravity) = (EngineSettings::default(), Vector::new(0.0, 0.0, -9.81));
-    BulletBackend::new(&settings, gravity, &uniform(0.8, 0.3)).expect("a world")
+    native_world(Default::default(), 0.8, 0.3)
 }
 
 /// Loaded contact points of each body.
 fn loaded_points(world: &BulletBackend, bodies: usize) -> Vec<usize> {
-    let mut contacts = Vec::new();
-    world.remember(&mut contacts);
+    let contacts = remembered(world);
     let of = |body: usize| {
         let bears = |id: BodyId| id.0 as usize == body;
         contacts.iter().filter(|c| bears(c.a) || bears(c.b)).count()

@@ -3,7 +3,7 @@
 
 use super::native_tests::same_bits;
 use super::probe::{HullPair, ProbeSettings};
-use super::tests::{shared_turn, steps};
+use super::tests::{remembered, shared_turn, steps};
 use super::*;
 use crate::geometry::{MassProperties, Point, rounded_within, testing::near};
 use crate::grains::streams::{rotation, stream, uniform};
@@ -210,8 +210,7 @@ fn remembered_contacts_go_on() {
         first.add(&floor()).expect("added");
         let id = first.add(&probe).expect("added");
         steps(&mut first, 10);
-        let (mut contacts, state) = (Vec::new(), first.read_body(id).expect("it is there"));
-        first.remember(&mut contacts);
+        let (contacts, state) = (remembered(&first), first.read_body(id).expect("it is there"));
         assert_eq!(contacts.len(), points, "law: points of a face, of an edge");
         let mut second = new();
         second.add(&floor()).expect("added");

@@ -2,13 +2,13 @@
 //! exception comes back as an error with its words, and ends nothing.
 
 use super::definition::tolerances;
-use super::probe::{chained_work, shared_sum, shared_time};
-use super::tests::{exclusive_turn, free_box, shared_turn, slab, state, steps, uniform};
+use super::ffi::{chained_work, shared_sum, shared_time};
+use super::tests::{
+    GRAVITY, exclusive_turn, free_box, native_world, shared_turn, slab, state, steps, uniform,
+};
 use super::*;
 use crate::scale::Scale;
 use crate::scenario::ContactSolver;
-
-const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
 
 const PATHS: [ContactSolver; 2] = [ContactSolver::Stock, ContactSolver::Native];
 
@@ -237,8 +237,7 @@ fn native_worlds_live_beside_any_stock_world() {
 #[test]
 fn contacts_of_no_body_are_left_aside() {
     let _turn = shared_turn();
-    let settings = EngineSettings::default();
-    let mut world = BulletBackend::new(&settings, GRAVITY, &uniform(0.5, 0.0)).expect("a world");
+    let mut world = native_world(Default::default(), 0.5, 0.0);
     let floor = world.add(&slab(Motion::Static)).expect("added");
     let grain =
         world.add(&free_box(Vector::repeat(0.01), Vector::new(0.0, 0.0, 0.005))).expect("added");
@@ -269,20 +268,17 @@ fn what_fails_in_a_thread_comes_back_from_all_of_them() {
     for threads in [1, 2, 3, 8] {
         let size = 1000;
         let expected = 50 * (size as u64) * (size as u64 - 1) / 2;
-        let got = shared_sum(threads, size, 50, None).expect("law: nothing fails by itself");
+        let got = shared_sum(threads, size, 50, usize::MAX).expect("law: nothing fails by itself");
         assert_eq!(got, expected, "law: {threads} threads add up what one does");
         // In the share of each thread, the caller's too.
         for fails_at in [0, 1, 250, 499, 500, 750, 999] {
-            let failed = shared_sum(threads, size, 50, Some(fails_at));
+            let failed = shared_sum(threads, size, 50, fails_at);
             let words = format!("asked to fail at {fails_at}");
-            assert!(
-                matches!(&failed, Err(WorldError::Engine(said)) if *said == words),
-                "law: {threads} threads: expected the error `{words}`, got {failed:?}"
-            );
+            assert_thrown(failed, &words, &format!("what one of {threads} threads throws"));
         }
     }
-    assert!(shared_sum(0, 10, 1, None).is_err(), "law: no thread, no work");
-    assert_eq!(shared_sum(4, 0, 3, None).expect("nothing to do"), 0);
+    assert!(shared_sum(0, 10, 1, usize::MAX).is_err(), "law: no thread, no work");
+    assert_eq!(shared_sum(4, 0, 3, usize::MAX).expect("nothing to do"), 0);
 }
 
 /// Law: shares of which a thread begins the next before others are done with the last give what

@@ -3,7 +3,7 @@
 use super::native_tests::same_bits;
 use super::probe::{HullPair, ProbePoint, ProbeSettings};
 use super::rounded_tests::{floor, world as world_of};
-use super::tests::{shared_turn, snapshot, steps};
+use super::tests::{remembered, shared_turn, snapshot, steps};
 use super::*;
 use crate::geometry::testing::near;
 use crate::grains::streams::{rotation, stream, uniform};
@@ -238,8 +238,7 @@ fn remembered_contacts_of_spheres_go_on() {
     let body = ball(0.005, Vector::new(0.0, 0.0, 0.005), Vector::zeros());
     let id = first.add(&body).expect("added");
     steps(&mut first, 100);
-    let (mut contacts, state) = (Vec::new(), first.read_body(id).expect("it is there"));
-    first.remember(&mut contacts);
+    let (contacts, state) = (remembered(&first), first.read_body(id).expect("it is there"));
     assert_eq!(contacts.len(), 1, "law: it rests on one point");
     let Motion::Free { mass, .. } = body.motion else { panic!("free") };
     near("the force is the weight, N", contacts[0].force.z.abs(), 9.81 * mass, 1e-3 * 9.81 * mass);

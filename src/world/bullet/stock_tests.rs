@@ -1,6 +1,8 @@
 //! What only stock Bullet contacts can be told, against what it must do.
 
-use super::tests::{exclusive_turn, free_box, shared_turn, slab, snapshot, state, steps, uniform};
+use super::tests::{
+    GRAVITY, exclusive_turn, free_box, shared_turn, slab, snapshot, state, steps, uniform,
+};
 use super::*;
 use crate::geometry::testing::near;
 use crate::scenario::{ContactSolver, InertiaRule, StockSettings};
@@ -11,8 +13,7 @@ fn on(stock: StockSettings) -> EngineSettings {
 }
 
 fn world(settings: &EngineSettings) -> BulletBackend {
-    let gravity = Vector::new(0.0, 0.0, -9.81);
-    BulletBackend::new(settings, gravity, &uniform(0.8, 0.0)).expect("a world")
+    BulletBackend::new(settings, GRAVITY, &uniform(0.8, 0.0)).expect("a world")
 }
 
 /// A cube of 10 mm on a kinematic slab.

@@ -5,7 +5,9 @@ use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use super::*;
 use crate::geometry::testing::near;
 use crate::scenario::{ContactSolver, NativeSettings};
-pub(super) use crate::world::testing::{contacts, free_box, slab, snapshot, state, steps, uniform};
+pub(super) use crate::world::testing::{
+    GRAVITY, contacts, free_box, remembered, slab, snapshot, state, steps, uniform,
+};
 
 /// Bullet keeps the contact threshold once a process: tests with the default
 /// one share the process, those with others have it for themselves.
@@ -21,8 +23,6 @@ pub(crate) fn exclusive_turn() -> RwLockWriteGuard<'static, ()> {
     PROCESS.write().unwrap_or_else(PoisonError::into_inner)
 }
 
-const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
-
 const PATHS: [ContactSolver; 2] = [ContactSolver::Stock, ContactSolver::Native];
 
 fn on(contact_solver: ContactSolver) -> EngineSettings {
@@ -31,6 +31,16 @@ fn on(contact_solver: ContactSolver) -> EngineSettings {
 
 fn world(settings: &EngineSettings) -> BulletBackend {
     BulletBackend::new(settings, GRAVITY, &uniform(0.5, 0.0)).expect("a world")
+}
+
+/// A world with native contacts, under the gravity of the earth.
+pub(super) fn native_world(
+    native: NativeSettings,
+    friction: f64,
+    restitution: f64,
+) -> BulletBackend {
+    let settings = EngineSettings { native, ..Default::default() };
+    BulletBackend::new(&settings, GRAVITY, &uniform(friction, restitution)).expect("a world")
 }
 
 /// How far single precision may stray where double is exact to rounding.
@@ -168,7 +178,7 @@ fn worlds_with_different_process_wide_settings_do_not_live_together() {
 }
 
 #[test]
-fn the_manifold_path_holds_a_box_at_its_four_corners() {
+fn native_contacts_hold_a_box_at_its_four_corners() {
     let _turn = shared_turn();
     let mut world = world(&on(ContactSolver::Native));
     let floor = world.add(&slab(Motion::Static)).expect("added");

@@ -1,11 +1,10 @@
 //! How far a step is from what further iterations would make of it.
 
 use super::recall_tests::bodies;
-use super::tests::{free_box, shared_turn, snapshot, steps, uniform};
+use super::tests::{GRAVITY, free_box, native_world, remembered, shared_turn, snapshot, steps};
 use super::*;
 use crate::scenario::NativeSettings;
 
-const GRAVITY: f64 = 9.81;
 /// Of the lid, in m.
 const WIDTH: f64 = 0.06;
 
@@ -32,10 +31,7 @@ impl Bin {
             contact_stiffness_n_per_m: 1e6,
             ..Default::default()
         };
-        let settings = EngineSettings { native, ..Default::default() };
-        let gravity = Vector::new(0.0, 0.0, -GRAVITY);
-        let mut world =
-            BulletBackend::new(&settings, gravity, &uniform(0.5, 0.3)).expect("a world");
+        let mut world = native_world(native, 0.5, 0.3);
         for body in &self.bodies {
             world.add(body).expect("added");
         }
@@ -69,8 +65,7 @@ fn a_step_under_load_is_near_what_further_iterations_make_of_it() {
         for factor in [1.0, 1.1, 0.9, 0.8] {
             filled.press(bin.lid, factor * force).expect("pressed");
             bin.stands_as(&filled);
-            let mut remembered = Vec::new();
-            filled.remember(&mut remembered);
+            let remembered = remembered(&filled);
             let step = |tolerance| {
                 let mut world = bin.world(tolerance, factor * force);
                 world.recall(&remembered).expect("recalled");
@@ -84,7 +79,7 @@ fn a_step_under_load_is_near_what_further_iterations_make_of_it() {
                 let mut off: Vec<f64> =
                     pairs.map(|(a, b)| (a.linear_velocity - b.linear_velocity).norm()).collect();
                 off.sort_by(f64::total_cmp);
-                let fall = GRAVITY * filled.time_step();
+                let fall = -GRAVITY.z * filled.time_step();
                 [2, 10].map(|part| off[off.len() - off.len() / part] / fall)
             };
             let [half, most] = off(default);

@@ -2,7 +2,7 @@
 //! nothing of an impact.
 
 use super::recall_tests::bodies;
-use super::tests::{free_box, precision, shared_turn, slab, snapshot, steps, uniform};
+use super::tests::{free_box, precision, remembered, shared_turn, slab, snapshot, steps, uniform};
 use super::*;
 use crate::scenario::NativeSettings;
 
@@ -22,12 +22,6 @@ fn world(rate_hz: f64, restitution: f64, at_once: u32, tolerance: f64) -> Bullet
 
 fn states(world: &BulletBackend) -> Vec<BodyState> {
     snapshot(world).into_iter().map(|state| state.expect("none was removed")).collect()
-}
-
-fn contacts(world: &BulletBackend) -> Vec<RememberedContact> {
-    let mut contacts = Vec::new();
-    world.remember(&mut contacts);
-    contacts
 }
 
 /// Energy in J of the difference of two motions of a free body.
@@ -65,7 +59,7 @@ fn a_run_continued_after_an_impact_goes_on_as_in_line() {
     // Of every block with a contact just after an impact, in every step.
     let mut shares = Vec::new();
     for _ in 0..STEPS {
-        let remembered = contacts(&in_line);
+        let remembered = remembered(&in_line);
         let mut met = vec![false; bodies.len()];
         for contact in remembered.iter().filter(|c| c.warm_start < 0.1) {
             for id in [contact.a, contact.b] {
@@ -126,7 +120,7 @@ fn an_impact_in_any_sub_step_does_not_warm_start_the_next_step() {
         let Motion::Free { mass, .. } = body.motion else { panic!("it is free") };
         for _ in 0..8 {
             world.step().expect("a step");
-            let touching = contacts(&world);
+            let touching = remembered(&world);
             let of_step: f64 = touching.iter().map(|c| c.force.norm() / 480.0).sum();
             if of_step < 0.5 * mass * SPEED {
                 continue;

@@ -8,11 +8,9 @@ mod spheres;
 
 use nalgebra::UnitQuaternion;
 
-use super::testing::{contacts, free, free_box, slab, snapshot, state, steps, uniform};
+use super::testing::{GRAVITY, contacts, free, free_box, slab, snapshot, state, steps, uniform};
 use super::*;
 use crate::scenario::ContactSolver;
-
-const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
 
 /// An engine under test.
 struct Engine {

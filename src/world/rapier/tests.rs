@@ -4,9 +4,7 @@ use super::*;
 use crate::geometry::{MassProperties as Exact, testing::near};
 use crate::scenario::{Backend, FrictionModel, RapierSettings};
 use crate::world::Material;
-use crate::world::testing::{contacts, free, free_box, slab, state, steps, uniform};
-
-const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
+use crate::world::testing::{GRAVITY, contacts, free, free_box, slab, state, steps, uniform};
 
 fn settings(rapier: RapierSettings) -> EngineSettings {
     EngineSettings { backend: Backend::Rapier, rapier, ..Default::default() }
