@@ -57,7 +57,7 @@ class HullSearch {
     // Pairs that follow each other in the broadphase.
     struct Block {
         std::size_t begin, end; // in `work_`
-        std::size_t touching;   // pairs that touch
+        std::size_t touching;   // pairs that touch in the blocks before
         std::vector<Fresh> fresh;
     };
     HullCollision &collision_;
