@@ -3,7 +3,7 @@
 
 use super::native_tests::same_bits;
 use super::probe::{HullPair, ProbeSettings};
-use super::tests::{remembered, shared_turn, steps};
+use super::tests::{native_world, remembered, shared_turn, steps};
 use super::*;
 use crate::geometry::{MassProperties, Point, rounded_within, testing::near};
 use crate::grains::streams::{rotation, stream, uniform};
@@ -147,9 +147,7 @@ pub(super) fn floor() -> Body {
 fn a_heap_settles_and_threads_and_instructions_change_no_bit() {
     let _turn = shared_turn();
     let run = |native| {
-        let pair = PairCoefficients { friction: 0.5, restitution: 0.3 };
-        let down = Vector::new(0.0, 0.0, -9.81);
-        let mut world = world(pair, down, native);
+        let mut world = native_world(native, 0.5, 0.3);
         world.add(&floor()).expect("added");
         let mut rng = stream(5, "gravel");
         let mut masses = Vec::new();
@@ -193,12 +191,32 @@ fn a_heap_settles_and_threads_and_instructions_change_no_bit() {
     assert!(moving < 5, "law: after two seconds they lie, {moving} move");
 }
 
+/// The contacts of a body on the floor, which is pulled aside, and its state after some steps; and
+/// how far in m it is twenty steps later from where it is in a world that recalls them.
+pub(super) fn recalled(body: &Body, count: u32) -> (Vec<RememberedContact>, BodyState, f64) {
+    let new = |body: &Body| {
+        let pair = PairCoefficients { friction: 0.5, restitution: 0.0 };
+        let mut world = world(pair, Vector::new(1.0, 0.0, -9.81), NativeSettings::default());
+        world.add(&floor()).expect("added");
+        let id = world.add(body).expect("added");
+        (world, id)
+    };
+    let (mut first, id) = new(body);
+    steps(&mut first, count);
+    let (contacts, state) = (remembered(&first), first.read_body(id).expect("it is there"));
+    let (mut second, again) = new(&Body { state, ..body.clone() });
+    second.recall(&contacts).expect("recalled");
+    let ends = [(&mut first, id), (&mut second, again)].map(|(world, id)| {
+        steps(world, 20);
+        world.read_body(id).expect("there").pose.translation.vector
+    });
+    (contacts, state, (ends[0] - ends[1]).norm())
+}
+
 /// Law: a world that goes on from another's has its contacts with their impulses.
 #[test]
 fn remembered_contacts_go_on() {
     let _turn = shared_turn();
-    let pair = PairCoefficients { friction: 0.5, restitution: 0.0 };
-    let new = || world(pair, Vector::new(1.0, 0.0, -9.81), NativeSettings::default());
     let shape = rounded(&cuboid([0.008, 0.006, 0.004]), 0.001);
     // On a face, and on an edge, about which it falls over.
     for (at, lean, points) in [(0.0, 0.0, 4), (0.1, 0.6, 2)] {
@@ -206,23 +224,9 @@ fn remembered_contacts_go_on() {
         let mut probe = free(&shape, Vector::zeros(), turn);
         let low = probe.shape.heights(&probe.state.pose).0;
         probe.state.pose.translation.vector = Vector::new(at, 0.0, -low);
-        let mut first = new();
-        first.add(&floor()).expect("added");
-        let id = first.add(&probe).expect("added");
-        steps(&mut first, 10);
-        let (contacts, state) = (remembered(&first), first.read_body(id).expect("it is there"));
+        let (contacts, _, off) = recalled(&probe, 10);
         assert_eq!(contacts.len(), points, "law: points of a face, of an edge");
-        let mut second = new();
-        second.add(&floor()).expect("added");
-        let again = second.add(&Body { state, ..probe.clone() }).expect("added");
-        second.recall(&contacts).expect("recalled");
-        for _ in 0..20 {
-            first.step().expect("a step");
-            second.step().expect("a step");
-        }
-        let one = first.read_body(id).expect("there").pose.translation.vector;
-        let two = second.read_body(again).expect("there").pose.translation.vector;
-        near("it goes on as if there were one world, m", (one - two).norm(), 0.0, 2e-8);
+        near("it goes on as if there were one world, m", off, 0.0, 2e-8);
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::native_tests::same_bits;
 use super::probe::{HullPair, ProbePoint, ProbeSettings};
-use super::rounded_tests::{floor, world as world_of};
-use super::tests::{remembered, shared_turn, snapshot, steps};
+use super::rounded_tests::{floor, recalled, world as world_of};
+use super::tests::{native_world, shared_turn, snapshot, steps};
 use super::*;
 use crate::geometry::testing::near;
 use crate::grains::streams::{rotation, stream, uniform};
@@ -205,9 +205,7 @@ fn oblique_collisions_have_the_line_of_centres() {
 fn threads_and_instructions_change_no_bit_of_spheres() {
     let _turn = shared_turn();
     let run = |native| {
-        let pair = PairCoefficients { friction: 0.5, restitution: 0.3 };
-        let down = Vector::new(0.0, 0.0, -9.81);
-        let mut world = world_of(pair, down, native);
+        let mut world = native_world(native, 0.5, 0.3);
         world.add(&floor()).expect("added");
         let mut rng = stream(5, "beads");
         for n in 0..300 {
@@ -231,14 +229,8 @@ fn threads_and_instructions_change_no_bit_of_spheres() {
 #[test]
 fn remembered_contacts_of_spheres_go_on() {
     let _turn = shared_turn();
-    let pair = PairCoefficients { friction: 0.5, restitution: 0.0 };
-    let new = || world_of(pair, Vector::new(1.0, 0.0, -9.81), NativeSettings::default());
-    let mut first = new();
-    first.add(&floor()).expect("added");
     let body = ball(0.005, Vector::new(0.0, 0.0, 0.005), Vector::zeros());
-    let id = first.add(&body).expect("added");
-    steps(&mut first, 100);
-    let (contacts, state) = (remembered(&first), first.read_body(id).expect("it is there"));
+    let (contacts, state, off) = recalled(&body, 100);
     assert_eq!(contacts.len(), 1, "law: it rests on one point");
     let Motion::Free { mass, .. } = body.motion else { panic!("free") };
     near("the force is the weight, N", contacts[0].force.z.abs(), 9.81 * mass, 1e-3 * 9.81 * mass);
@@ -246,16 +238,6 @@ fn remembered_contacts_of_spheres_go_on() {
     // Between the sphere's point and the slab's, which stayed behind in the step.
     let way = state.linear_velocity.norm() / 480.0 / 2.0;
     near("the point is below the sphere, m", (contacts[0].point - below).norm(), way, 1e-5);
-    let mut second = new();
-    second.add(&floor()).expect("added");
-    let again = second.add(&Body { state, ..body }).expect("added");
-    second.recall(&contacts).expect("recalled");
-    for _ in 0..20 {
-        first.step().expect("a step");
-        second.step().expect("a step");
-    }
-    let (one, two) = (first.read_body(id).expect("there"), second.read_body(again).expect("there"));
-    let off = (one.pose.translation.vector - two.pose.translation.vector).norm();
     near("it goes on as if there were one world, m", off, 0.0, 1e-9);
 }
 
