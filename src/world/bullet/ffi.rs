@@ -183,6 +183,7 @@ mod bridge {
     }
 
     /// A hull, a hull swept by a ball, or a sphere about the body's origin, which has no lists.
+    #[derive(Default)]
     struct ShapeDefinition {
         /// Of a sphere, or of the ball that sweeps a hull, in m; 0 for a hull as it is.
         radius: f64,

@@ -189,13 +189,7 @@ impl BulletBackend {
 /// A polyhedron, the core of a rounded one, or a sphere as it crosses the bridge.
 fn flat(shape: &ConvexPolyhedron) -> ffi::ShapeDefinition {
     if let Some(sphere) = shape.sphere() {
-        let (coordinates, face_starts, face_vertices) = Default::default();
-        return ffi::ShapeDefinition {
-            radius: sphere.radius,
-            coordinates,
-            face_starts,
-            face_vertices,
-        };
+        return ffi::ShapeDefinition { radius: sphere.radius, ..Default::default() };
     }
     let (shape, radius) = shape.core();
     let mut face_starts = vec![0];
