@@ -10,10 +10,9 @@ const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The sources of `cpp/`. Each has a header of its name, but for `sphere_pair` and `rounded_pair`,
 /// whose functions `hull_pair.h` declares.
-const SHIMS: [&str; 28] = [
+const SHIMS: [&str; 27] = [
     "contact_bodies",
     "contact_colours",
-    "contact_iterations",
     "contact_memory",
     "contact_solver",
     "crowd",

@@ -1,5 +1,5 @@
 // The arithmetic of the solver on pairs beside each other: how a sub-step is set up, and
-// how bodies move. See contact_iterations.h for what it computes.
+// how bodies move. See contact_run.h for what it computes.
 #pragma once
 
 #include "contact_packs.h"

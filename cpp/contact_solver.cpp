@@ -2,7 +2,7 @@
 // solved and moves the bodies.
 #include "contact_solver.h"
 
-#include "contact_load.h"
+#include "contact_run.h"
 #include "pluvia/src/world/bullet/ffi.rs.h"
 #include "pool.h"
 
@@ -50,12 +50,34 @@ bool is_near(const ContactLaw &law, double step, const Touching &pair, const Sol
     return false;
 }
 
+// By what every processor has.
+template <class L> void portable(Phase phase, Problem<L> &problem, const Part &part) {
+    run_phase(phase, problem, part);
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) void avx2(Phase phase, Problem<Float8> &problem, const Part &part) {
+    run_phase(phase, problem, part);
+}
+#endif
+
+Kernel<Float8> kernel_of([[maybe_unused]] Kernels kernels) {
+#if defined(__x86_64__)
+    if (kernels == Kernels::Avx2) {
+        return &avx2;
+    }
+#endif
+    return &portable<Float8>;
+}
+
 } // namespace
 
 ContactSolver::ContactSolver(const std::vector<Touching> &touching, const ContactLaw &law,
                              Kernels kernels, bool gyroscopic, Workers &workers)
-    : touching_(touching), law_(law), kernels_(kernels), gyroscopic_(gyroscopic),
-      workers_(workers) {}
+    : touching_(touching), law_(law), kernels_(kernels), gyroscopic_(gyroscopic), workers_(workers),
+      one_by_one_(std::make_unique<Run<double>>()), eight_(std::make_unique<Run<Float8>>()) {}
+
+ContactSolver::~ContactSolver() = default;
 
 void ContactSolver::solve(double step) {
     const auto free = static_cast<int>(moving_.size());
@@ -74,10 +96,14 @@ void ContactSolver::solve(double step) {
     recorded_ = SubstepRecord{};
     inspection.record = recording_ ? &recorded_ : nullptr;
     const bool inspects = recording_ || steps_++ % INSPECT_EVERY == 0;
-    iterations_.run(kernels_,
-                    {law_, step / law_.substeps, touching_, places_, colours_, homes_, moves,
-                     bodies_, workers_},
-                    inspects ? &inspection : nullptr);
+    const Contacts contacts{
+        law_, step / law_.substeps, touching_, places_, colours_, homes_, moves, bodies_, workers_};
+    Inspection *const last = inspects ? &inspection : nullptr;
+    if (kernels_ == Kernels::OneByOne) {
+        one_by_one_->step(&portable<double>, contacts, last);
+    } else {
+        eight_->step(kernel_of(kernels_), contacts, last);
+    }
     if (inspects) {
         const Residual &residual = inspection.residual;
         residual_ = residual.impulse > 0 ? std::sqrt(residual.error / residual.impulse) : 0;

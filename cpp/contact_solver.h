@@ -2,7 +2,7 @@
 #pragma once
 
 #include "contact_bodies.h"
-#include "contact_iterations.h"
+#include "contact_load.h"
 #include "convert.h"
 #include "rust/cxx.h"
 #include "workers.h"
@@ -10,12 +10,22 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
+#include <memory>
 #include <unordered_map>
 #include <vector>
 
 namespace pluvia {
 
 struct DriveRead;
+template <class L> class Run;
+
+// How iterations are computed. All give the same law; the two in eight lanes
+// give the same bits, on any number of threads.
+enum class Kernels {
+    OneByOne, // double precision, one pair at a time
+    Portable, // single precision, eight at a time, whatever the machine has
+    Avx2,     // single precision, eight at a time, with AVX2
+};
 
 // Solves all contacts of a step at once: projected Gauss–Seidel in sub-steps that
 // begins with the last step's impulses less its impacts, friction within its cone,
@@ -26,6 +36,7 @@ class ContactSolver {
     // manifolds. `gyroscopic`: uneven bodies turn by Euler's equations.
     ContactSolver(const std::vector<Touching> &touching, const ContactLaw &law, Kernels kernels,
                   bool gyroscopic, Workers &workers);
+    ~ContactSolver();
 
     // To be called at the beginning of a step with all bodies of the world.
     void sort_bodies(const btCollisionObjectArray &bodies);
@@ -120,7 +131,8 @@ class ContactSolver {
     Colours colours_;
     Homes homes_;
     std::vector<std::uint16_t> body_homes_; // by the body's number
-    Iterations iterations_;
+    std::unique_ptr<Run<double>> one_by_one_;
+    std::unique_ptr<Run<Float8>> eight_;
     bool sorted_ = false; // the lists of bodies are those of the world
     // By the body's number in its world: a new body may get the address of one that left.
     std::unordered_map<int, Drive> drives_;

@@ -170,7 +170,7 @@ fn recipe(restitution: f64, friction: f64) -> Recipe {
         restitution,
         restitution_threshold: threshold,
         closed_gap: scale::CLOSED_GAP.at(&scale),
-        // Half of what a body at the threshold goes in a sub-step (`cpp/contact_iterations.cpp`):
+        // Half of what a body at the threshold goes in a sub-step (`cpp/contact_kernels.h`):
         // the same length here, although the referee's step is shorter.
         met_gap: threshold / substep_rate / 2.0,
     }
