@@ -1,7 +1,7 @@
 //! `pluvia picture` makes a picture or an animation of a run, or a picture of grains alone.
 
 use super::*;
-use crate::export::{Playback, read_playback, read_playback_for, stage_at_rest};
+use crate::export::{FramesRead, Playback, read_playback, stage_at_rest};
 use crate::grains;
 use crate::picture::{
     Animation, Background, ColourBy, LOOSE_VIEW, Shot, View, Walls, animate, at, loose_grains,
@@ -189,7 +189,7 @@ fn still(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
         (None, Some(_)) => stage_at_rest(&args.subject)?,
         (None, None) => None,
     };
-    let run = read_playback_for(&args.subject, asked)?;
+    let run = read_playback(&args.subject, FramesRead::All, asked)?;
     let shown = at(&run, args.stage.as_deref(), args.time)?;
     prepare(file, args.force)?;
     let png = picture(&run, shown, &shot)?.to_png(shot.background)?;
@@ -214,7 +214,7 @@ fn alone(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
         let json = read_json(&args.subject)?;
         grains::from_json(&json).map_err(|e| FileError::unfit(&args.subject, e))?
     } else {
-        let Playback { grains, .. } = read_playback(&args.subject)?;
+        let Playback { grains, .. } = read_playback(&args.subject, FramesRead::All, None)?;
         (*grains).clone()
     };
     prepare(file, args.force)?;
@@ -231,7 +231,7 @@ fn animation(args: &PictureArgs, context: &Context, file: &Path) -> Result<Made,
         frames_per_second: args.frames_per_second,
         limit_mb: args.limit_mb,
     };
-    let run = read_playback_for(&args.subject, args.stage.as_deref())?;
+    let run = read_playback(&args.subject, FramesRead::All, args.stage.as_deref())?;
     prepare(file, args.force)?;
     let film = animate(&run, &animation, context.progress.as_ref())?;
     write_file(file, &film.png)?;

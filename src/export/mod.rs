@@ -22,7 +22,7 @@ pub use exchange::{
 pub use glb::{Glb, GlbTooLarge, glb};
 pub use moments::{DEFAULT_EVERY, Moment, Moments, StageMoments, as_state, read_moments};
 pub use parts::{Part, PartKind, parts};
-pub use playback::{Playback, PlayedStage, read_playback, read_playback_ends, read_playback_for};
+pub use playback::{Playback, PlayedStage, read_playback};
 pub use run_folder::{ExportError, Exported, read_at_rest, read_run, refuse_no_run, stage_at_rest};
 pub use solids::{apparatus_obj, grains_obj, grains_ply, grains_stl};
 pub use tables::{contacts_csv, grains_csv, pairs_csv};
@@ -40,6 +40,7 @@ use crate::grains;
 use crate::grains::{GrainSet, grain_name};
 use crate::motion::TableMotion;
 use crate::protocol::{Setup, base_pieces};
+pub use crate::record::FramesRead;
 use crate::record::{FileError, Frame, StageStore, run_file};
 use crate::scenario::Scenario;
 use crate::specimen::{Fate, GrainState, Other, Party, SavedContact, Specimen, SpecimenState};

@@ -76,7 +76,7 @@ pub fn read_moments(folder: &Path, stage: Option<&str>) -> Result<Moments, Expor
     let grains = Arc::new(manifest.grains()?);
     let mut stages = Vec::new();
     for (name, entry, before) in chosen {
-        let (end, frames) = manifest.stage(entry, &grains, StageStore::frames_in)?;
+        let (end, frames) = manifest.stage(entry, &grains, FramesRead::All)?;
         let frames = frames.unwrap_or_default();
         let begin = match (frames.first(), before) {
             (Some(first), _) => Some(first.clone()),

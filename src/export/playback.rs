@@ -26,35 +26,15 @@ pub struct PlayedStage {
     pub kept: bool,
 }
 
-/// Reads a run folder as `pluvia run` and `reproduce` write it.
-///
-/// # Errors
-/// [`ExportError`], naming the file.
-pub fn read_playback(folder: &Path) -> Result<Playback, ExportError> {
-    read(folder, StageStore::frames_in, None)
-}
-
-/// The same for somebody who asked for a stage, by the names and numbers of [`super::read_run`]:
-/// where it is the rest test, that is the last of the stages.
+/// Reads a run folder as `pluvia run` and `reproduce` write it, with these of its frames. Of whoever
+/// asks for a stage, by the names and numbers of [`super::read_run`]: where it is the rest test, that
+/// is the last of the stages.
 ///
 /// # Errors
 /// [`ExportError`], naming the file or the stages there are.
-pub fn read_playback_for(folder: &Path, asked: Option<&str>) -> Result<Playback, ExportError> {
-    read(folder, StageStore::frames_in, asked)
-}
-
-/// The same with the first frame of every stage and the last two alone, so that a
-/// long run takes no more memory than a short one.
-///
-/// # Errors
-/// [`ExportError`], naming the file.
-pub fn read_playback_ends(folder: &Path) -> Result<Playback, ExportError> {
-    read(folder, StageStore::frame_ends_in, None)
-}
-
-fn read(
+pub fn read_playback(
     folder: &Path,
-    frames_in: FrameReader,
+    frames: FramesRead,
     asked: Option<&str>,
 ) -> Result<Playback, ExportError> {
     let manifest = Manifest::of(folder)?;
@@ -66,7 +46,7 @@ fn read(
     let of_scenario = manifest.stages.iter().map(|entry| (entry.stage.clone(), entry));
     let rest_test = rest_test.into_iter().map(|(_, name, entry)| (name, entry));
     for (name, entry) in of_scenario.chain(rest_test) {
-        let (end, found) = manifest.stage(entry, &grains, frames_in)?;
+        let (end, found) = manifest.stage(entry, &grains, frames)?;
         let kept = found.is_some();
         let frames = found.unwrap_or_else(|| vec![Frame::of(&end)]);
         stages.push(PlayedStage { name, frames, kept });

@@ -148,9 +148,6 @@ pub fn stage_at_rest(folder: &Path) -> Result<Option<&'static str>, ExportError>
     Ok(Manifest::of(folder)?.rest_test.is_some().then_some(REST_TEST))
 }
 
-/// Reads frames of a stage from a store, by its key; none where none were kept.
-pub(super) type FrameReader = fn(&Path, &str) -> Result<Option<(Vec<Frame>, PathBuf)>, FileError>;
-
 /// What a folder is that has no manifest.
 fn without_manifest(folder: &Path) -> String {
     let grains = folder.join("grains.json");
@@ -233,10 +230,11 @@ impl Manifest {
         &self,
         entry: &StageEntry,
         grains: &GrainSet,
-        frames_in: FrameReader,
+        read: FramesRead,
     ) -> Result<(SpecimenState, Option<Vec<Frame>>), FileError> {
         let end = self.state(entry, grains)?;
-        let kept = frames_in(&run_file(&self.folder, "stages"), &entry.key)?;
+        let root = run_file(&self.folder, "stages");
+        let kept = StageStore::frames_in(&root, &entry.key, read)?;
         let Some((mut frames, path)) = kept else { return Ok((end, None)) };
         let expected = grains.grains.len();
         if let Some(other) = frames.iter().find(|frame| frame.grains.len() != expected) {

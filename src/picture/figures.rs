@@ -5,7 +5,7 @@ use std::path::Path;
 use super::loose;
 use super::sheet::sheet;
 use super::*;
-use crate::export::read_playback_ends;
+use crate::export::{FramesRead, read_playback};
 use crate::report::Picture;
 use crate::specimen::FunnelState;
 
@@ -27,7 +27,7 @@ const MADE: &str = "Cast ray by ray from the simulated shapes in their simulated
 /// # Errors
 /// When the run cannot be read or a picture cannot be drawn.
 pub fn of_run(folder: &Path) -> Result<Vec<Picture>, PictureError> {
-    let run = read_playback_ends(folder)?;
+    let run = read_playback(folder, FramesRead::Ends, None)?;
     let mut pictures = vec![grains(&run, "picture-grains", "Grains")?];
     pictures.extend(funnel(&run, "picture-funnel", "Grains in the funnel")?);
     match vibration(&run, "picture-vibration", "Before and after vibration")? {

@@ -315,6 +315,16 @@ impl FrameWriter {
     }
 }
 
+/// Which frames of a stage are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FramesRead {
+    /// All of them.
+    All,
+    /// The first of every stage and the last two alone, so that a long run takes no more memory than a
+    /// short one.
+    Ends,
+}
+
 /// Reads the frames of a stage, whose SHA-256 is compared unless it is empty.
 pub(super) fn read_frames(path: &Path, sha256: &str) -> Result<Vec<Frame>, FileError> {
     let bytes = read_unchanged(path, sha256)?;

@@ -42,7 +42,7 @@ pub use contacts::*;
 pub use energy::*;
 pub use file_error::FileError;
 pub use folders::{create_folder, refuse_no_folder, refuse_without};
-pub use frames::{FRAMES_FILE, Frame, FrameWriter};
+pub use frames::{FRAMES_FILE, Frame, FrameWriter, FramesRead};
 pub use grain_table::grains_csv;
 pub use hash::{hash_bytes, hash_json};
 pub use identity::{StageEnd, StageIdentity};

@@ -143,30 +143,15 @@ impl StageStore {
         Ok((record, state, file))
     }
 
-    /// The frames of a stage of a store that is only to be read, and the file they stand in; none
+    /// Frames of a stage of a store that is only to be read, and the file they stand in; none
     /// where none were kept, or where the file was removed to make room: no number depends on it.
     ///
     /// # Errors
     /// When they are not as they were written.
-    pub fn frames_in(root: &Path, key: &str) -> Result<Option<(Vec<Frame>, PathBuf)>, FileError> {
-        Self::read_frames_in(root, key, read_frames)
-    }
-
-    /// The first of these frames and the last two, without holding the others in memory.
-    ///
-    /// # Errors
-    /// As [`Self::frames_in`].
-    pub fn frame_ends_in(
+    pub fn frames_in(
         root: &Path,
         key: &str,
-    ) -> Result<Option<(Vec<Frame>, PathBuf)>, FileError> {
-        Self::read_frames_in(root, key, read_frame_ends)
-    }
-
-    fn read_frames_in(
-        root: &Path,
-        key: &str,
-        read: fn(&Path, &str) -> Result<Vec<Frame>, FileError>,
+        which: FramesRead,
     ) -> Result<Option<(Vec<Frame>, PathBuf)>, FileError> {
         let folder = Self::folder_in(root, key);
         let path = folder.join(FRAMES_FILE);
@@ -177,7 +162,11 @@ impl StageStore {
         if unknown || !path.exists() {
             return Ok(None);
         }
-        Ok(Some((read(&path, &noted)?, path)))
+        let frames = match which {
+            FramesRead::All => read_frames(&path, &noted)?,
+            FramesRead::Ends => read_frame_ends(&path, &noted)?,
+        };
+        Ok(Some((frames, path)))
     }
 
     /// Stores a stage: written into a folder of its own first, then renamed, so that it is there

@@ -82,7 +82,8 @@ fn what_is_stored_comes_back_and_nothing_else_is_left() {
     let (store, saved, folder) = store_one(root.path());
     assert_eq!(load(&store), (Some(saved), None), "law: a stage comes back as it was");
     assert_eq!(files(&folder).len(), 4, "law: stage, specimen, series and frames");
-    let frames = StageStore::frames_in(root.path(), &key()).expect("sound").expect("kept");
+    let frames =
+        StageStore::frames_in(root.path(), &key(), FramesRead::All).expect("sound").expect("kept");
     assert_eq!(frames.0.len(), 2, "law: as many frames as were added");
     let state = StageStore::stage_in(root.path(), &key(), "").expect("sound").1;
     assert_eq!(state, SpecimenState::before_everything(2));
@@ -140,7 +141,8 @@ fn a_file_cut_off_lengthened_emptied_or_gone_is_noticed() {
     }
     let frames = folder.join(FRAMES_FILE);
     fs::remove_file(&frames).expect("removed");
-    let found = StageStore::frames_in(root.path(), &key()).expect("the stage is whole");
+    let found =
+        StageStore::frames_in(root.path(), &key(), FramesRead::All).expect("the stage is whole");
     assert!(found.is_none(), "law: frames that were removed to make room are none");
     let plain = StageStore::open(root.path()).expect("a store");
     assert!(load(&plain).0.is_some(), "law: frames that nobody wants are not missed");
@@ -182,7 +184,8 @@ fn a_stage_in_the_place_of_another_is_not_used() {
     assert!(store.sound(&asked(&other)).is_none(), "law: it counts as missing");
     let said = StageStore::stage_in(root.path(), &other.key, "").expect_err("law: nor shown");
     assert!(said.to_string().contains("another stage"), "{said}");
-    StageStore::frames_in(root.path(), &other.key).expect_err("law: nor are its frames");
+    StageStore::frames_in(root.path(), &other.key, FramesRead::All)
+        .expect_err("law: nor are its frames");
     // Even with the key that its place asks for, and all hashes.
     let mut record = saved.record;
     record.identity.as_mut().expect("it says").key = other.key.clone();
@@ -237,7 +240,8 @@ fn what_cannot_be_and_what_a_manifest_does_not_know_is_not_used() {
     StageStore::stage_in(root.path(), &key(), "0").expect_err("law: another than it has");
     let unknown = StageRecord { frames_sha256: String::new(), ..saved.record.clone() };
     forge(&store.folder(&key()), unknown);
-    let frames = StageStore::frames_in(root.path(), &key()).expect("a whole stage");
+    let frames =
+        StageStore::frames_in(root.path(), &key(), FramesRead::All).expect("a whole stage");
     assert!(frames.is_none(), "law: frames that a stage knows nothing of are not shown");
 }
 

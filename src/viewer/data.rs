@@ -32,7 +32,9 @@ use serde_json::{Value, json};
 use super::links::links;
 use super::shapes::Shape;
 use crate::apparatus::{ApparatusError, Funnel, Piece};
-use crate::export::{ExportError, Exported, Playback, PlayedStage, read_playback, read_run};
+use crate::export::{
+    ExportError, Exported, FramesRead, Playback, PlayedStage, read_playback, read_run,
+};
 use crate::grains::sieve_size;
 use crate::measure::neighbours;
 use crate::plain::plain;
@@ -81,7 +83,7 @@ const CONSTANTS: usize = 5;
 /// # Errors
 /// [`ExportError`], naming the file.
 pub fn read_run_data(folder: &Path) -> Result<RunData, ExportError> {
-    let playback = read_playback(folder)?;
+    let playback = read_playback(folder, FramesRead::All, None)?;
     let ends = (0..playback.stages.len())
         .map(|n| read_run(folder, Some(&n.to_string())))
         .collect::<Result<Vec<Exported>, _>>()?;

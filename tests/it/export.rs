@@ -7,7 +7,7 @@ use std::{
     sync::OnceLock,
 };
 
-use pluvia::export::{Carrier, Scene, read_playback, read_run};
+use pluvia::export::{Carrier, FramesRead, Scene, read_playback, read_run};
 use pluvia::geometry::Pose;
 use pluvia::grains::grain_name;
 use serde_json::Value;
@@ -172,7 +172,7 @@ fn tables_have_a_row_each_and_meshes_lie_in_the_cylinder() {
 
 #[test]
 fn frames_lead_from_the_first_stage_to_the_last_specimen() {
-    let played = read_playback(small_run()).expect("the run can be read");
+    let played = read_playback(small_run(), FramesRead::All, None).expect("the run can be read");
     let names: Vec<&str> = played.stages.iter().map(|s| s.name.as_str()).collect();
     assert_eq!(names, ["fill_funnel", "pour", "place_top_plate", "vibrate"]);
     assert!(played.stages.iter().all(|s| s.kept), "law: `run` keeps the frames of every stage");
@@ -213,7 +213,7 @@ fn frames_lead_from_the_first_stage_to_the_last_specimen() {
         }
         write(&to, "stage.json", &record);
     }
-    let bare = read_playback(bare.path()).expect("the run can be read");
+    let bare = read_playback(bare.path(), FramesRead::All, None).expect("the run can be read");
     let frames: Vec<usize> = bare.stages.iter().map(|s| s.frames.len()).collect();
     assert_eq!(frames, [1, 1, 1, 1], "law: without frames, the end of every stage");
     assert!(bare.stages.iter().all(|s| !s.kept));

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::export::read_playback_ends;
+use crate::export::{FramesRead, read_playback};
 use crate::picture::{
     PictureError,
     figures::{apparatus, funnel, grains, vibration},
@@ -15,7 +15,7 @@ use crate::report::Picture;
 /// # Errors
 /// When the run cannot be read or a picture cannot be drawn.
 pub(super) fn of_programme(folder: &Path) -> Result<Vec<Picture>, PictureError> {
-    let run = read_playback_ends(folder)?;
+    let run = read_playback(folder, FramesRead::Ends, None)?;
     let title = "Figure 5. Funnel, lid and cylinder";
     let mut pictures = vec![
         grains(&run, "figure-04-grains", "Figure 4. Generated grains")?,

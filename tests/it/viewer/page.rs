@@ -3,7 +3,7 @@
 
 use std::{collections::HashSet, fs, path::Path};
 
-use pluvia::export::{read_playback, read_run};
+use pluvia::export::{FramesRead, read_playback, read_run};
 use pluvia::grains::grain_name;
 use pluvia::specimen::{Other, Party};
 use serde_json::json;
@@ -69,7 +69,7 @@ fn a_run_plays_in_a_browser() {
     browser.look(1200, 800, "light");
     browser.open(&server.url());
     assert_eq!(browser.evaluate("pluvia.error"), json!(null), "law: the page has no trouble");
-    let playback = read_playback(small_run()).expect("the run");
+    let playback = read_playback(small_run(), FramesRead::All, None).expect("the run");
     let frames: usize = playback.stages.iter().map(|stage| stage.frames.len()).sum();
     assert_eq!(browser.number("pluvia.frames"), frames as f64, "law: every frame is there");
     assert_eq!(browser.evaluate("pluvia.kept"), json!(true), "law: this run kept its frames");
