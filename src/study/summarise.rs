@@ -94,7 +94,7 @@ pub fn summarise(
     let all = stages.iter().copied().chain(rest_test);
     let mut warnings: Vec<String> =
         all.clone().flat_map(|s| s.record.warnings.iter().cloned()).collect();
-    warnings.extend(scenario::warnings(scenario).iter().map(ToString::to_string));
+    warnings.extend(scenario::warnings(scenario));
     warnings.extend(of_grains(scenario, &run.grains));
     warnings.extend(MeshRecord::notes(&run.grains.meshes));
     let angle_of_repose = match angle_of_repose(&specimen)? {

@@ -143,7 +143,7 @@ fn any_grain_size_needs_nothing_else() {
             ],
         }));
         assert_eq!(scenario.engine.grain_size_mm, smallest, "law: that of the finest sieve");
-        let unusual: Vec<String> = warnings(&scenario).iter().map(ToString::to_string).collect();
+        let unusual = warnings(&scenario);
         assert!(
             unusual.is_empty(),
             "law: what follows from the grains suits them; {smallest} to {largest} mm: {unusual:?}"
@@ -164,7 +164,7 @@ fn what_is_typed_is_taken_and_told_where_it_does_not_suit() {
             "apparatus": apparatus,
             "stages": [{ "stage": "fill_funnel" }, { "stage": "pour", "falling_height_mm": 50 }],
         }));
-        let told = warnings(&scenario).iter().map(ToString::to_string).collect::<Vec<_>>();
+        let told = warnings(&scenario);
         (scenario, told)
     };
     let (scenario, told) =

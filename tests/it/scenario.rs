@@ -455,7 +455,8 @@ fn overrides_change_values() {
 fn scenarios_survive_the_round_trip_through_json() {
     for file in files() {
         let scenario = load_scenario(&file, &[]).expect("it loads").scenario;
-        let back = load_text(&scenario.canonical_json(), &[]).expect("its own JSON loads");
+        let back =
+            load_text(&serde_json::json!(scenario).to_string(), &[]).expect("its own JSON loads");
         assert_eq!(back, scenario, "{} read, written and read again", file.display());
     }
     let mut unsound = load_text(&sound().to_string(), &[]).expect("it loads");

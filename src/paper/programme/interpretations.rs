@@ -184,7 +184,7 @@ mod tests {
             );
         }
         let [converged, half] = ["converged", "half_stroke"]
-            .map(|name| scenario(name, "paper/vibration-continuous.json").canonical_json());
+            .map(|name| scenario(name, "paper/vibration-continuous.json"));
         assert_eq!(
             converged, half,
             "law: two names of one interpretation share every stored stage"

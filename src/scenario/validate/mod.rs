@@ -20,7 +20,6 @@ pub(super) use time_step::least_rate_hz;
 
 // What the checks are made of, too.
 use std::collections::{BTreeSet, HashSet};
-use std::fmt;
 
 use serde::de::DeserializeOwned;
 
@@ -185,34 +184,18 @@ pub(super) fn faults(value: &Value, found: Option<&Grading>) -> Vec<Fault> {
     found
 }
 
-/// Something that a reader of a scenario's results must know, and that the
-/// scenario has accepted.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Warning {
-    /// Steps cannot resolve the motion; `engine.allow_coarse_steps` lets it pass.
-    CoarseStep(Fault),
-    /// A value that is typed and far from what the grains ask for, or apparatus that does
-    /// not suit them.
-    Unusual(Fault),
-}
-
-impl fmt::Display for Warning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::CoarseStep(fault) => write!(f, "let pass by engine.allow_coarse_steps: {fault}"),
-            Self::Unusual(fault) => fault.fmt(f),
-        }
-    }
-}
-
-/// What a valid scenario's results must be read with.
-pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
+/// What a valid scenario's results must be read with: values that are typed and far from what the
+/// grains ask for, apparatus that does not suit them, and steps that cannot resolve the motion but
+/// that `engine.allow_coarse_steps` lets pass.
+pub fn warnings(scenario: &Scenario) -> Vec<String> {
     let Ok(value) = serde_json::to_value(scenario) else { return Vec::new() };
     let parts = Parts::of(&value, scenario.found.as_ref());
-    let mut warnings: Vec<Warning> =
-        unusual::unusual(scenario, &value).into_iter().map(Warning::Unusual).collect();
+    let unusual = unusual::unusual(scenario, &value);
+    let mut warnings: Vec<String> = unusual.iter().map(ToString::to_string).collect();
     if parts.engine.as_ref().is_some_and(|e| e.allow_coarse_steps) {
-        warnings.extend(time_step::coarse_steps(&parts).into_iter().map(Warning::CoarseStep));
+        let coarse = time_step::coarse_steps(&parts);
+        let words = |fault: &Fault| format!("let pass by engine.allow_coarse_steps: {fault}");
+        warnings.extend(coarse.iter().map(words));
     }
     warnings
 }
