@@ -294,6 +294,8 @@ fn pieces_that_are_let_go_are_checked_and_refused_where_no_engine_can() {
     ] {
         assert_told(&faults(&value), &format!("stages[{stage}].{field}"), words);
     }
+    let twice = faults(&with(&["block", "block"]));
+    assert_eq!(twice.len(), 1, "law: one fault where a piece is named twice, {twice:?}");
     // No blades are left.
     assert_told(&faults(&thick), &format!("pieces[{last}].shape.vane.blade_mm"), "");
 }
