@@ -41,36 +41,59 @@ pub fn standing(
     state: &SpecimenState,
 ) -> Result<Vec<StandingPiece>, ApparatusError> {
     let mut found = Vec::new();
-    let mut add = |name: String, carrier: Carrier, material: Material, piece: Piece| {
+    let mut add = |what: Other, carrier: Carrier, material: Material, piece: Piece| {
+        let name = party_name(setup, Party::Other(what));
         found.push(StandingPiece { name, carrier, material, piece });
     };
     let base = base_pieces(grains, state.base.as_ref())?;
     for (n, (piece, material)) in base.into_iter().enumerate() {
-        add(format!("base_{n:04}"), Carrier::Fixed, material, piece);
+        add(Other::Base(n), Carrier::Fixed, material, piece);
     }
     if state.cylinder {
-        let walls = setup.cylinder.pieces.len().saturating_sub(1);
         for (n, piece) in setup.cylinder.pieces.iter().enumerate() {
-            let name = if n == walls { "floor".to_owned() } else { format!("cylinder_{n:02}") };
             let mut piece = piece.clone();
             piece.pose.translation.vector += state.table();
-            add(name, Carrier::Table, Material::Wall, piece);
+            add(Other::Cylinder(n), Carrier::Table, Material::Wall, piece);
         }
     }
     for (n, (piece, at)) in setup.pieces.iter().zip(&state.pieces).enumerate() {
         for (k, part) in piece.parts.iter().enumerate().filter(|_| at.present) {
             let placed = Piece { pose: at.pose * part.pose, ..part.clone() };
-            add(piece.part_name(k), Carrier::Kinematic, setup.piece_materials[n], placed);
+            add(Other::Piece(n, k), Carrier::Kinematic, setup.piece_materials[n], placed);
         }
     }
     if let Some(stands) = state.funnel {
         let funnel = Funnel::new(&setup.funnel, stands.opening_height, 0.0)?;
         for (n, piece) in funnel.pieces.into_iter().enumerate() {
-            add(format!("funnel_{n:02}"), Carrier::Fixed, Material::Wall, piece);
+            add(Other::Funnel(n), Carrier::Fixed, Material::Wall, piece);
         }
         if stands.lid {
-            add("lid".to_owned(), Carrier::Fixed, Material::Wall, funnel.lid);
+            // Behind its walls and the collar.
+            let lid = 2 * setup.funnel.wall_pieces as usize;
+            add(Other::Funnel(lid), Carrier::Fixed, Material::Wall, funnel.lid);
         }
     }
     Ok(found)
+}
+
+/// Name of who takes part in a contact, as bodies are named in the files.
+pub(super) fn party_name(setup: &Setup, party: Party) -> String {
+    let walls = setup.cylinder.pieces.len().saturating_sub(1);
+    // A funnel stands without its collar in what is exported; its pieces come
+    // first, and the lid is the last.
+    let funnel = setup.funnel.wall_pieces as usize;
+    match party {
+        Party::Grain(n) => grain_name(n),
+        Party::Other(Other::TopPlate) => "top_plate".to_owned(),
+        Party::Other(Other::Cylinder(n)) if n == walls => "floor".to_owned(),
+        Party::Other(Other::Cylinder(n)) => format!("cylinder_{n:02}"),
+        Party::Other(Other::Funnel(n)) if n < funnel => format!("funnel_{n:02}"),
+        Party::Other(Other::Funnel(n)) if n < 2 * funnel => format!("collar_{:02}", n - funnel),
+        Party::Other(Other::Funnel(_)) => "lid".to_owned(),
+        Party::Other(Other::Base(n)) => format!("base_{n:04}"),
+        Party::Other(Other::Piece(piece, part)) => match setup.pieces.get(piece) {
+            Some(piece) => piece.part_name(part),
+            None => format!("piece_{piece}_{part:02}"),
+        },
+    }
 }

@@ -385,25 +385,3 @@ fn pairs(setup: &Setup) -> Vec<PairValue> {
         })
         .collect()
 }
-
-/// Name of who takes part in a contact, as bodies are named in the files.
-pub(super) fn party_name(setup: &Setup, party: Party) -> String {
-    let walls = setup.cylinder.pieces.len().saturating_sub(1);
-    // A funnel stands without its collar in what is exported; its pieces come
-    // first, and the lid is the last.
-    let funnel = setup.funnel.wall_pieces as usize;
-    match party {
-        Party::Grain(n) => grain_name(n),
-        Party::Other(Other::TopPlate) => "top_plate".to_owned(),
-        Party::Other(Other::Cylinder(n)) if n == walls => "floor".to_owned(),
-        Party::Other(Other::Cylinder(n)) => format!("cylinder_{n:02}"),
-        Party::Other(Other::Funnel(n)) if n < funnel => format!("funnel_{n:02}"),
-        Party::Other(Other::Funnel(n)) if n < 2 * funnel => format!("collar_{:02}", n - funnel),
-        Party::Other(Other::Funnel(_)) => "lid".to_owned(),
-        Party::Other(Other::Base(n)) => format!("base_{n:04}"),
-        Party::Other(Other::Piece(piece, part)) => match setup.pieces.get(piece) {
-            Some(piece) => piece.part_name(part),
-            None => format!("piece_{piece}_{part:02}"),
-        },
-    }
-}

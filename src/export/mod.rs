@@ -45,4 +45,4 @@ use crate::record::{FileError, Frame, StageStore, run_file};
 use crate::scenario::Scenario;
 use crate::specimen::{Fate, GrainState, Other, Party, SavedContact, Specimen, SpecimenState};
 use crate::world::{BodyState, Material};
-use {exchange::*, run_folder::*};
+use {apparatus::party_name, run_folder::*};

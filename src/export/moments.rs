@@ -137,7 +137,8 @@ impl Moment<'_> {
         }
         let other = self.neighbour?;
         let time = (self.frame.time - other.time).abs();
-        let way = place(self.frame.grains[grain]?) - place(other.grains[grain]?);
+        let way =
+            self.frame.grains[grain]?.translation.vector - other.grains[grain]?.translation.vector;
         (time > 0.0).then(|| way.norm() / time)
     }
 
@@ -146,7 +147,9 @@ impl Moment<'_> {
     pub fn displacement(&self, grain: usize) -> Option<f64> {
         let begin = self.begin?;
         let table = Vector::new(self.frame.table_x - begin.table_x, 0.0, 0.0);
-        let way = place(self.frame.grains[grain]?) - place(begin.grains[grain]?) - table;
+        let way = self.frame.grains[grain]?.translation.vector
+            - begin.grains[grain]?.translation.vector
+            - table;
         Some(way.norm())
     }
 }
@@ -173,10 +176,6 @@ pub fn as_state(frame: &Frame) -> SpecimenState {
         time: frame.time,
         ..SpecimenState::before_everything(0)
     }
-}
-
-fn place(pose: Pose) -> Vector {
-    pose.translation.vector
 }
 
 #[cfg(test)]

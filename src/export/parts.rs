@@ -26,21 +26,6 @@ pub enum PartKind {
     Piece(usize),
 }
 
-impl PartKind {
-    /// Its name in files; pieces of a laboratory have their own.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::CylinderWall => "cylinder",
-            Self::Floor => "floor",
-            Self::Funnel => "funnel",
-            Self::Lid => "lid",
-            Self::TopPlate => "top_plate",
-            Self::Base => "base",
-            Self::Piece(_) => "piece",
-        }
-    }
-}
-
 /// A part with its surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
@@ -87,29 +72,27 @@ pub fn parts(
     };
     let funnel = Funnel::new(&setup.funnel, 0.0, 0.0)?;
     let plate = Piece { shape: setup.plate.shape.clone(), pose: Pose::identity() };
-    let part = |kind: PartKind, pieces: &[Piece]| Part {
+    let part = |name: &str, kind: PartKind, pieces: &[Piece]| Part {
         kind,
-        name: kind.name().to_owned(),
+        name: name.to_owned(),
         faces: surface(pieces),
     };
     if !setup.pieces.is_empty() {
-        let pieces = setup.pieces.iter().enumerate().map(|(n, piece)| Part {
-            name: piece.name.clone(),
-            ..part(PartKind::Piece(n), &piece.parts)
-        });
+        let pieces = setup.pieces.iter().enumerate();
+        let pieces = pieces.map(|(n, piece)| part(&piece.name, PartKind::Piece(n), &piece.parts));
         return Ok(pieces.collect());
     }
     let mut found = vec![
-        part(PartKind::CylinderWall, wall),
-        part(PartKind::Floor, floor),
-        part(PartKind::Funnel, &funnel.pieces),
-        part(PartKind::Lid, &[funnel.lid]),
-        part(PartKind::TopPlate, &[plate]),
+        part("cylinder", PartKind::CylinderWall, wall),
+        part("floor", PartKind::Floor, floor),
+        part("funnel", PartKind::Funnel, &funnel.pieces),
+        part("lid", PartKind::Lid, &[funnel.lid]),
+        part("top_plate", PartKind::TopPlate, &[plate]),
     ];
     if base.is_some() {
         let pieces: Vec<Piece> =
             base_pieces(grains, base)?.into_iter().map(|(piece, _)| piece).collect();
-        found.push(part(PartKind::Base, &pieces));
+        found.push(part("base", PartKind::Base, &pieces));
     }
     Ok(found)
 }

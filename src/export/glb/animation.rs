@@ -41,6 +41,7 @@ impl Animation {
         let Some(first) = whole.first() else { return };
         let same = |differs: &dyn Fn(&Pose) -> bool| !whole.iter().any(differs);
         if !same(&|p: &Pose| p.translation != first.translation) {
+            let place = |p: &Pose| p.translation.vector.map(|x| x as f32).into();
             let places: Vec<[f32; 3]> = whole.iter().map(place).collect();
             self.channel(node, "translation", "LINEAR", &places, buffers);
         }
@@ -70,11 +71,6 @@ fn with_none_filled(poses: &[Option<Pose>]) -> Vec<Pose> {
         last
     });
     filled.collect()
-}
-
-fn place(pose: &Pose) -> [f32; 3] {
-    let v = pose.translation.vector;
-    [v.x as f32, v.y as f32, v.z as f32]
 }
 
 /// Rotations as quaternions, each with the sign that is nearer to the one

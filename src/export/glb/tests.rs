@@ -118,7 +118,7 @@ fn an_animation_passes_through_the_frames() {
         let pose = |moment: &Moment| match name.strip_prefix("grain_") {
             Some(n) => moment.frame.grains[n.parse::<usize>().expect("its number")],
             None => {
-                let part = moments.parts.iter().find(|p| p.kind.name() == name);
+                let part = moments.parts.iter().find(|p| p.name == name);
                 part.expect("a part").pose(&moment.frame)
             }
         };

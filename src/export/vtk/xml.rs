@@ -99,7 +99,7 @@ impl PolyData {
 
     /// The file's bytes, for a time in s; nothing in memory makes compression fail.
     pub fn to_bytes(&self, time: f64) -> io::Result<Vec<u8>> {
-        let mut appended = Appended::default();
+        let mut appended = Vec::new();
         let mut xml = String::from(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" \
              byte_order=\"LittleEndian\" header_type=\"UInt64\" \
@@ -118,56 +118,54 @@ impl PolyData {
         for (section, arrays) in [("PointData", &self.point_data), ("CellData", &self.cell_data)] {
             let _ = writeln!(xml, "<{section}>");
             for (name, values) in arrays {
-                appended.add(&mut xml, name, values)?;
+                append(&mut appended, &mut xml, name, values)?;
             }
             let _ = writeln!(xml, "</{section}>");
         }
         xml += "<Points>\n";
-        appended.add(&mut xml, "Points", &Values::vectors(self.points.iter().copied()))?;
+        append(&mut appended, &mut xml, "Points", &Values::vectors(self.points.iter().copied()))?;
         let _ = writeln!(xml, "</Points>\n<{}>", self.kind);
-        appended.add(&mut xml, "connectivity", &Values::ints(self.corners.iter().copied()))?;
-        appended.add(&mut xml, "offsets", &Values::ints(self.ends.iter().copied()))?;
+        append(
+            &mut appended,
+            &mut xml,
+            "connectivity",
+            &Values::ints(self.corners.iter().copied()),
+        )?;
+        append(&mut appended, &mut xml, "offsets", &Values::ints(self.ends.iter().copied()))?;
         let _ = writeln!(xml, "</{}>\n</Piece>\n</PolyData>", self.kind);
         // The numbers begin after the underscore.
         xml += "<AppendedData encoding=\"raw\">\n_";
         let mut bytes = xml.into_bytes();
-        bytes.extend(appended.bytes);
+        bytes.extend(appended);
         bytes.extend(b"\n</AppendedData>\n</VTKFile>\n");
         Ok(bytes)
     }
 }
 
-/// Compressed arrays, one after the other.
-#[derive(Default)]
-struct Appended {
-    bytes: Vec<u8>,
-}
-
-impl Appended {
-    fn add(&mut self, xml: &mut String, name: &str, values: &Values) -> io::Result<()> {
-        let Values { kind, components, numbers } = values;
-        let _ = writeln!(
-            xml,
-            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" \
-             format=\"appended\" offset=\"{}\"/>",
-            self.bytes.len()
-        );
-        let plain = numbers.as_flattened();
-        // Head of an array: number of blocks, size of a block, size of a last block that is not
-        // full, then the compressed size of each block. An array is one full block here, or none.
-        let blocks = u64::from(!plain.is_empty());
-        for number in [blocks, plain.len() as u64, 0] {
-            self.bytes.extend(number.to_le_bytes());
-        }
-        if !plain.is_empty() {
-            let mut packed = ZlibEncoder::new(Vec::new(), Compression::default());
-            packed.write_all(plain)?;
-            let packed = packed.finish()?;
-            self.bytes.extend((packed.len() as u64).to_le_bytes());
-            self.bytes.extend(packed);
-        }
-        Ok(())
+/// Adds an array: its head to the XML, and its numbers, compressed, to those before them.
+fn append(bytes: &mut Vec<u8>, xml: &mut String, name: &str, values: &Values) -> io::Result<()> {
+    let Values { kind, components, numbers } = values;
+    let _ = writeln!(
+        xml,
+        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" \
+         format=\"appended\" offset=\"{}\"/>",
+        bytes.len()
+    );
+    let plain = numbers.as_flattened();
+    // Head of an array: number of blocks, size of a block, size of a last block that is not
+    // full, then the compressed size of each block. An array is one full block here, or none.
+    let blocks = u64::from(!plain.is_empty());
+    for number in [blocks, plain.len() as u64, 0] {
+        bytes.extend(number.to_le_bytes());
     }
+    if !plain.is_empty() {
+        let mut packed = ZlibEncoder::new(Vec::new(), Compression::default());
+        packed.write_all(plain)?;
+        let packed = packed.finish()?;
+        bytes.extend((packed.len() as u64).to_le_bytes());
+        bytes.extend(packed);
+    }
+    Ok(())
 }
 
 /// ParaView's list of files by time (`.pvd`); paths are relative to it.
