@@ -83,7 +83,6 @@ struct Budget {
     gained: f64,
     /// In a laboratory, or with a weight on the top plate, what contacts may have stored as springs
     /// and give back: their energy at the beginning, and the work of pieces since.
-    #[serde(default)]
     stored: Option<f64>,
 }
 

@@ -75,7 +75,6 @@ pub struct Checks {
     /// Numerical creep at rest.
     pub creep: CheckSummary,
     /// How well the contacts were solved; null in summaries from before it was watched.
-    #[serde(default)]
     pub solver_residual: Option<CheckSummary>,
 }
 

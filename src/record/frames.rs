@@ -139,9 +139,7 @@ impl Frame {
 
 /// The bytes of a number that begins at a place.
 fn taken<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
-    let mut taken = [0; N];
-    taken.copy_from_slice(&bytes[at..at + N]);
-    taken
+    *bytes[at..].first_chunk().expect("the length of a frame is known")
 }
 
 /// The number in single precision that begins at a place.

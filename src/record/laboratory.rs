@@ -127,10 +127,8 @@ pub struct RegionSummary {
     pub void_ratio: Option<f64>,
     /// Mean stress of the contacts in it, at the end of the rest test where one is run; null where
     /// the engine gave no contacts.
-    #[serde(default)]
     pub stress: Option<StressSummary>,
     /// Fabric of the contacts between grains in it, likewise; null where there are none.
-    #[serde(default)]
     pub fabric: Option<FabricSummary>,
     /// Its relative density, 0 of the loosest and 1 of the densest state, where the scenario
     /// gives `index_densities`.

@@ -1,6 +1,5 @@
 //! What a run leaves on disk.
 
-mod asked_stage;
 mod at_work;
 mod atomic;
 #[cfg(test)]
@@ -31,7 +30,6 @@ mod tables;
 mod unfinished;
 mod variations;
 
-pub use asked_stage::AskedStage;
 pub use at_work::{RunLock, at_work_in};
 pub use atomic::{
     json_text, read_file, read_json, read_unchanged, write_csv, write_file, write_json,
@@ -54,7 +52,7 @@ pub use run::{RunKind, RunRecord, run_file};
 pub use sealed::{Beside, keep_beside};
 pub use series::{SeriesRow, series_csv, series_from_csv};
 pub use sieve::*;
-pub use stage::{StageRecord, StoredStage};
+pub use stage::{AskedStage, StageRecord, StoredStage};
 pub use store::StageStore;
 pub use store_check::{StoreReport, StoredItem, StoredState, check_store};
 pub use summary::*;

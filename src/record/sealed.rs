@@ -61,13 +61,11 @@ pub fn keep_beside<T: Serialize + DeserializeOwned>(
 fn sealed(path: &Path, value: &impl Serialize) -> Result<Value, FileError> {
     let mut value = serde_json::to_value(value).map_err(|e| FileError::new("write", path, e))?;
     let hash = hash_json(&value);
-    match value.as_object_mut() {
-        Some(fields) => {
-            fields.insert(HASH.to_owned(), hash.into());
-            Ok(value)
-        }
-        None => Err(FileError::new("write", path, "only an object can say its hash")),
-    }
+    let Some(fields) = value.as_object_mut() else {
+        return Err(FileError::new("write", path, "only an object can say its hash"));
+    };
+    fields.insert(HASH.to_owned(), hash.into());
+    Ok(value)
 }
 
 /// The value of a file, if that is as it was written.

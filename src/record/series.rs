@@ -34,7 +34,6 @@ pub struct SeriesRow {
     pub largest_speed_m_per_s: f64,
     /// Height of a pile above its base in mm, to the highest grain that does
     /// not move just then; empty without a base.
-    #[serde(default)]
     pub pile_height_mm: Option<f64>,
     /// Displacement of the table along y in mm; no column where it never has any.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -1,4 +1,4 @@
-//! A finished stage: what it says of itself, and its files.
+//! A finished stage: what it says of itself, its files, and when it is believed.
 
 use super::*;
 use crate::world::EffectiveSettings;
@@ -92,6 +92,18 @@ pub struct StoredStage {
     pub state: SpecimenState,
     /// What was observed during it.
     pub series: Vec<SeriesRow>,
+}
+
+/// Which stage is asked of the store, and what it must be to be believed.
+#[derive(Clone, Copy)]
+pub struct AskedStage<'a> {
+    /// What it is.
+    pub identity: &'a StageIdentity,
+    /// SHA-256 of the specimen that it begins with, as the stage before was
+    /// stored; none for the first of a run.
+    pub began_with: Option<&'a str>,
+    /// Whether what was found can be the end of this stage; why it cannot.
+    pub plausible: &'a dyn Fn(&StoredStage) -> Result<(), String>,
 }
 
 /// What a stage says of itself, if that is as it was written.

@@ -87,23 +87,15 @@ impl StageStore {
     /// damaged one counts as missing: the second value says why, for a warning.
     pub fn load(&self, asked: &AskedStage) -> (Option<StoredStage>, Option<String>) {
         let folder = self.folder(&asked.identity.key);
-        let mut fault = None;
         // One that was replaced while it was read is read again.
-        for _ in 0..2 {
-            if is_vacant(&folder) {
-                return (None, None);
+        match self.believed(&folder, asked).or_else(|_| self.believed(&folder, asked)) {
+            Ok(stage) => {
+                Checkpoints::discard(&self.root, &asked.identity.key);
+                (Some(stage), None)
             }
-            match self.believed(&folder, asked) {
-                Ok(stage) => {
-                    Checkpoints::discard(&self.root, &asked.identity.key);
-                    return (Some(stage), None);
-                }
-                Err(error) => {
-                    fault = Some(format!("stored stage is damaged and done again: {error}"));
-                }
-            }
+            Err(_) if is_vacant(&folder) => (None, None),
+            Err(error) => (None, Some(format!("stored stage is damaged and done again: {error}"))),
         }
-        (None, fault)
     }
 
     /// Reads a stage and compares it with what is asked for.
@@ -303,7 +295,7 @@ impl StageStore {
     pub fn sound(&self, asked: &AskedStage) -> Option<StoredStage> {
         let folder = self.folder(&asked.identity.key);
         // One that was replaced while it was read is read again.
-        (0..2).find_map(|_| self.believed(&folder, asked).ok())
+        self.believed(&folder, asked).or_else(|_| self.believed(&folder, asked)).ok()
     }
 
     /// Why a stage failed when it was last run; none where it did not.

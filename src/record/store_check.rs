@@ -113,17 +113,16 @@ fn stage(folder: &Path, name: String) -> (StoredItem, Option<StageRecord>) {
     if is_vacant(folder) {
         return (StoredItem::new(name, StoredState::Expected, None), None);
     }
-    let mut fault = None;
+    let read = || read_record(folder).and_then(|record| read_stage(folder, record, true));
     // One that was replaced while it was read is read again.
-    for _ in 0..2 {
-        match read_record(folder).and_then(|record| read_stage(folder, record, true)) {
-            Ok(stored) => return judged(name, stored),
-            Err(error) => fault = Some(error),
+    match read().or_else(|_| read()) {
+        Ok(stored) => judged(name, stored),
+        Err(error) => {
+            let mut item = StoredItem::new(name, StoredState::Damaged, None);
+            item.damaged(error);
+            (item, None)
         }
     }
-    let mut item = StoredItem::new(name, StoredState::Damaged, None);
-    fault.iter().for_each(|error| item.damaged(error));
-    (item, None)
 }
 
 /// One stage whose files are as they were written.

@@ -22,10 +22,8 @@ pub struct Summary {
     /// The grains.
     pub grains: GrainsSummary,
     /// The grains in the virtual sieve, as generated and after the run.
-    #[serde(default)]
     pub sieve_analysis: Option<SieveSummary>,
     /// Elongation, flatness and sphericity of the grains.
-    #[serde(default)]
     pub shape: Option<ShapeSummary>,
     /// Figures that are not given because they would make no sense, each with the reason.
     #[serde(default)]
@@ -46,7 +44,6 @@ pub struct Summary {
     /// Volume of voids over total volume, to the mean surface; none as above.
     pub porosity: Option<f64>,
     /// The middle of what lies in the cylinder; none where it is too small, or no cylinder.
-    #[serde(default)]
     pub core: Option<CoreSummary>,
     /// Settlement of the top plate since the first vibration began, where vibrated.
     pub settlement_mm: Option<Settlement>,
@@ -58,7 +55,6 @@ pub struct Summary {
     pub vibrations: Vec<VibrationSummary>,
     /// Angle of repose, where a pile was built; null also where what came of it
     /// has no flanks, and `warnings` say why.
-    #[serde(default)]
     pub angle_of_repose: Option<AngleOfRepose>,
     /// Loads, flows and void ratios of a laboratory of pieces; none of the built-in apparatus.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -72,7 +68,6 @@ pub struct Summary {
     #[serde(default)]
     pub coordination_distribution: Vec<usize>,
     /// Loaded contacts; null of an engine that gives none.
-    #[serde(default)]
     pub contacts: Option<ContactsSummary>,
     /// How the stage of another run came to rest with whose specimen the run began; none where it
     /// began with none, or that was not recorded.
@@ -99,11 +94,9 @@ pub struct Summary {
     pub left_out_of_means: Vec<String>,
     /// What was watched while it went on; none where the run is of before this
     /// was recorded.
-    #[serde(default)]
     pub checks: Option<Checks>,
     /// How well the contacts were solved, over all samples of the run; null of an
     /// engine that does not say.
-    #[serde(default)]
     pub solver_residual: Option<SolverResidual>,
     /// Kinetic energy at the end in J.
     pub kinetic_energy_j: f64,
@@ -220,7 +213,6 @@ pub struct GrainsSummary {
     /// Grains that were to lie in the specimen at the end and do not: left in the funnel or
     /// the spout, spilled or escaped. What rolled off a pile's base is not missing. Null where
     /// nothing was poured.
-    #[serde(default)]
     pub missing: Option<usize>,
 }
 
@@ -263,7 +255,6 @@ pub struct Settlement {
     pub final_mm: f64,
     /// At the end of the last period, while everything still moves, in mm; null where the
     /// summary is of before this was recorded.
-    #[serde(default)]
     pub end_of_shaking: Option<f64>,
     /// After the first 5 s of vibration, in mm.
     pub after_5_s: Option<f64>,
