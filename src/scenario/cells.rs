@@ -13,13 +13,6 @@ pub enum SievedShape {
     Spheres,
 }
 
-impl SievedShape {
-    /// Whether it is what a scenario has that says nothing.
-    pub fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
 parts! {
 /// Shape of the Voronoi cells that grains are cut into. The defaults are the
 /// paper's: cells of random points, as they come, in no direction longer than
@@ -39,14 +32,8 @@ pub struct CellShape {
     /// Roundness: radius of corners and edges over that of the largest sphere inside the cell;
     /// 0, or 0.01 to 0.9. The planes of a cell move inwards by the radius, a ball of the radius
     /// sweeps what they leave, and the grain is enlarged to the cell's volume.
-    pub rounding: f64 = 0.0, skip "is_zero", from 0.0 to 0.9;
+    pub rounding: f64 = 0.0, skip "is_default", from 0.0 to 0.9;
 }
-}
-
-// By reference as serde asks for it.
-#[allow(clippy::trivially_copy_pass_by_ref)]
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
 }
 
 /// Least roundness other than 0: below, contacts of a core's corners would be deeper than the ball.

@@ -205,6 +205,11 @@ pub struct Scenario {
 }
 }
 
+/// Whether a value is that of a scenario that says nothing of it.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
 defaults! {
     default_gravity: f64 = 9.81;
     default_seed: u64 = 1;
@@ -238,7 +243,7 @@ pub struct SievedGrains {
     /// that is typed in each row (of 0.1 where all are whole), and are scaled to 100 exactly.
     pub sieve_table: Vec<SieveFraction>, length 1 to 100;
     /// What the grains are; left out, cells.
-    pub shape: SievedShape, skip "SievedShape::is_default";
+    pub shape: SievedShape, skip "is_default";
     /// Shape of the cells that the grains are cut into; not of spheres.
     pub cells: CellShape, or default;
 }

@@ -296,10 +296,7 @@ pub(super) fn parse_value(path: &str, text: &str) -> Result<Option<Value>, Fault
     let (parsed, found) = read_value(path, "", text.as_bytes());
     // A key given twice in what is no JSON is part of a text.
     let Ok(value) = parsed else { return Ok(None) };
-    match found.into_iter().next() {
-        Some(twice) => Err(twice),
-        None => Ok(Some(value)),
-    }
+    found.into_iter().next().map_or(Ok(Some(value)), Err)
 }
 
 /// The value of a text that stands at a path of a file, and its keys that are given twice.

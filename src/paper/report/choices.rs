@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 use super::*;
 use crate::motion::MotionFacts;
-use crate::scenario::{BaseKind, StockSettings, StrokeKind};
+use crate::scenario::{BaseKind, SievedShape, StockSettings, StrokeKind};
 
 /// A value the paper does not give.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -139,7 +139,7 @@ fn grains(grains: &GrainsSpec) -> String {
                 format!("{from} to {to} mm: {} %", compact(f.mass_percent))
             });
             fractions
-                .chain((!s.shape.is_default()).then(|| "spheres".to_owned()))
+                .chain((s.shape == SievedShape::Spheres).then(|| "spheres".to_owned()))
                 .chain((s.cells.rounding > 0.0).then(|| format!("roundness {}", s.cells.rounding)))
                 .collect::<Vec<_>>()
                 .join("; ")

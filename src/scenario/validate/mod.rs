@@ -193,7 +193,8 @@ pub fn warnings(scenario: &Scenario) -> Vec<String> {
     let unusual = unusual::unusual(scenario, &value);
     let mut warnings: Vec<String> = unusual.iter().map(ToString::to_string).collect();
     if parts.engine.as_ref().is_some_and(|e| e.allow_coarse_steps) {
-        let coarse = time_step::coarse_steps(&parts);
+        let mut coarse = Vec::new();
+        time_step::find_coarse_steps(&parts, &mut Faults::of(&mut coarse));
         let words = |fault: &Fault| format!("let pass by engine.allow_coarse_steps: {fault}");
         warnings.extend(coarse.iter().map(words));
     }

@@ -36,13 +36,7 @@ pub(in crate::scenario) fn least_rate_hz(value: &Value, found: Option<&Grading>)
 
 /// What the time step cannot resolve: faults, unless `engine.allow_coarse_steps`
 /// lets them pass.
-pub(super) fn coarse_steps(parts: &Parts) -> Vec<Fault> {
-    let mut found = Vec::new();
-    find_coarse_steps(parts, &mut Faults::of(&mut found));
-    found
-}
-
-fn find_coarse_steps(parts: &Parts, faults: &mut Faults) {
+pub(super) fn find_coarse_steps(parts: &Parts, faults: &mut Faults) {
     let Some(engine) = parts.engine.as_ref().filter(|engine| engine.rate_hz > 0.0) else { return };
     let rate = engine.rate_hz;
     find_coarse_frames(parts, faults);
