@@ -81,7 +81,7 @@ pub(super) struct PictureArgs {
     limit_mb: f64,
 }
 
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 struct Made {
     scenario: Option<String>,
     stage: Option<String>,
@@ -198,7 +198,6 @@ fn still(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
     Ok(Made {
         stage: Some(stage.name.clone()),
         time_s: Some(stage.frames[shown.frame].time),
-        frames: None,
         ..made(Some(run.scenario), file, &png)
     })
 }
@@ -239,6 +238,5 @@ fn animation(args: &PictureArgs, context: &Context, file: &Path) -> Result<Made,
 }
 
 fn made(scenario: Option<String>, file: &Path, png: &[u8]) -> Made {
-    let bytes = png.len();
-    Made { scenario, stage: None, time_s: None, frames: None, file: file.to_owned(), bytes }
+    Made { scenario, file: file.to_owned(), bytes: png.len(), ..Made::default() }
 }

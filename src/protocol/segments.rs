@@ -6,7 +6,6 @@
 //! or not. So it makes no difference to the bits whether it was.
 
 use super::*;
-use crate::scenario::{Backend, ContactSolver};
 
 /// What a segment should take one core, in s: so much work is lost at most when a
 /// run is killed, and it is long enough that storing costs nothing beside it.
@@ -117,7 +116,7 @@ pub(super) fn steps_a_check(setup: &Setup, step: f64) -> u64 {
 /// the engine cannot be told of contacts, so that a packing would feel the seam.
 pub(super) fn segment_steps(setup: &Setup, grains: usize) -> Option<u64> {
     let engine = &setup.engine;
-    if engine.backend != Backend::Bullet || engine.contact_solver != ContactSolver::Native {
+    if !engine.is_native() {
         return None;
     }
     let check = steps_a_check(setup, 1.0 / engine.rate_hz);
@@ -138,7 +137,7 @@ pub fn segments(setup: &Setup, grains: usize, stage: &StageSpec) -> Option<u64> 
 mod tests {
     use super::*;
     use crate::protocol::testing::*;
-    use crate::scenario::Scenario;
+    use crate::scenario::{Backend, ContactSolver, Scenario};
 
     fn setup(change: impl Fn(&mut Scenario)) -> Setup {
         let mut scenario = scenario_of(json!({

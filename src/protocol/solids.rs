@@ -24,12 +24,6 @@ impl Solids {
         self.holding(place, state).next().is_some()
     }
 
-    /// Whether a place in the frame of a piece lies within one of its parts.
-    fn is_in(&self, piece: usize, at: &Point) -> bool {
-        at.coords.norm() < self.radii[piece]
-            && self.parts[piece].iter().any(|part| depth(part, at) > 0.0)
-    }
-
     /// Whether a ball is clear of every part; it may be called not clear near an edge.
     pub(super) fn is_clear(&self, centre: &Vector, radius: f64, state: &SpecimenState) -> bool {
         state.pieces.iter().enumerate().filter(|(_, piece)| piece.present).all(|(n, piece)| {
@@ -47,9 +41,12 @@ impl Solids {
     ) -> impl Iterator<Item = usize> {
         let place = Point::from(*place);
         let present = state.pieces.iter().enumerate().filter(|(_, piece)| piece.present);
-        present.filter_map(move |(n, piece)| {
-            self.is_in(n, &(piece.pose.inverse() * place)).then_some(n)
-        })
+        let holds = move |(n, piece): &(usize, &PieceState)| {
+            let at = piece.pose.inverse() * place;
+            at.coords.norm() < self.radii[*n]
+                && self.parts[*n].iter().any(|part| depth(part, &at) > 0.0)
+        };
+        present.filter(holds).map(|(n, _)| n)
     }
 }
 

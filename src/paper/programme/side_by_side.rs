@@ -94,8 +94,7 @@ fn carry_out_interpretation(
     let study = study_view(options.configurations, scenarios, &grains, &records)?;
     let claims = paper::claims(&study);
     let three = [&scenarios.pluviation, &scenarios.continuous, &scenarios.intermittent];
-    let notes: BTreeSet<String> =
-        three.into_iter().flat_map(warnings).map(|warning| warning.to_string()).collect();
+    let notes: BTreeSet<String> = three.into_iter().flat_map(warnings).collect();
     Ok(InterpretationColumn {
         name: interpretation.name.to_owned(),
         title: interpretation.title.clone(),

@@ -232,7 +232,8 @@ impl ApproachArrested {
         // What never comes down shows nothing of the impact.
         let came_down = lowest < 0.5 * distance;
         if self.then == LetDown::Drops {
-            let law = over(duration, 200, |t| 1e6 * self.dropped(distance, t));
+            let (g, e) = (self.gravity_m_per_s2, self.restitution);
+            let law = over(duration, 200, |t| 1e6 * rebounding(distance, g, e, t).max(0.0));
             outcome.law("Falls freely and rebounds", law);
             let rise = if came_down { rise_after_fall(&motion) } else { f64::NAN };
             return Ok(outcome.said(note).got((rise / distance).sqrt()));
@@ -288,18 +289,6 @@ impl ApproachArrested {
         });
         outcome.law("Waits and rebounds", law);
         Ok(outcome.got(if lost { f64::NAN } else { (2.0 * g * rise).sqrt() / speed }))
-    }
-
-    /// Height in m of a body that falls by a distance and rebounds once, at a time.
-    fn dropped(&self, distance: f64, time: f64) -> f64 {
-        let g = self.gravity_m_per_s2;
-        let fall = (2.0 * distance / g).sqrt();
-        let up = time - fall;
-        if up < 0.0 {
-            distance - 0.5 * g * time * time
-        } else {
-            (self.restitution * g * fall * up - 0.5 * g * up * up).max(0.0)
-        }
     }
 }
 
@@ -380,10 +369,11 @@ mod tests {
     fn a_dropped_body_rises_to_the_square_of_the_restitution() {
         let mut cases = cases_of!(ApproachArrested, 5).into_iter();
         let (_, drops) = cases.find(|(_, a)| a.then == LetDown::Drops).expect("one");
-        let fall = (2.0 * 1e-4 / drops.gravity_m_per_s2).sqrt();
-        let peak = drops.dropped(1e-4, fall * (1.0 + drops.restitution));
-        let expected = drops.restitution * drops.restitution * 1e-4;
+        let (g, e) = (drops.gravity_m_per_s2, drops.restitution);
+        let fall = (2.0 * 1e-4 / g).sqrt();
+        let peak = rebounding(1e-4, g, e, fall * (1.0 + e));
+        let expected = e * e * 1e-4;
         assert!((peak - expected).abs() < 1e-12, "law: e² d = {expected}, got {peak}");
-        assert_eq!(drops.dropped(1e-4, 0.0), 1e-4, "law: it begins at d");
+        assert_eq!(rebounding(1e-4, g, e, 0.0), 1e-4, "law: it begins at d");
     }
 }

@@ -307,6 +307,18 @@ fn over(end: f64, parts: u32, value: impl Fn(f64) -> f64) -> Points {
     times.map(|time| (time, value(time))).collect()
 }
 
+/// Height in m of a body that falls from rest at a height under a gravity in m/s², and rebounds from
+/// the floor with a coefficient of restitution, at a time in s.
+fn rebounding(height: f64, gravity: f64, restitution: f64, time: f64) -> f64 {
+    let fall = (2.0 * height / gravity).sqrt();
+    let up = time - fall;
+    if up < 0.0 {
+        height - 0.5 * gravity * time * time
+    } else {
+        restitution * gravity * fall * up - 0.5 * gravity * up * up
+    }
+}
+
 /// A curve that steps from one value to another at a time.
 fn stepped(from: f64, to: f64, at: f64, end: f64) -> Points {
     vec![(0.0, from), (at, from), (at, to), (end, to)]

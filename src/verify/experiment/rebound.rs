@@ -40,15 +40,8 @@ pub(super) fn rebound(bench: &Bench, restitution: f64, height: f64, rates: &[f64
         outcome.measured(format!("{rate} Hz"), curve);
         found.push(got);
     }
-    let law = over(fall + rise, 200, |t| {
-        let up = t - fall;
-        to_mm(if up < 0.0 {
-            height - 0.5 * GRAVITY * t * t
-        } else {
-            restitution * GRAVITY * fall * up - 0.5 * GRAVITY * up * up
-        })
-    });
-    outcome.law("Law", law);
+    let law = |t: f64| to_mm(rebounding(height, GRAVITY, restitution, t));
+    outcome.law("Law", over(fall + rise, 200, law));
     let worst = worst_of(&found, |e| (e - restitution).abs());
     Ok(outcome.said(notes.join(", ")).got(worst))
 }
