@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use super::difference::first_difference;
+use super::asked::first_difference;
 use super::*;
 use crate::scenario::of_earlier_version;
 

@@ -9,7 +9,6 @@ mod completions;
 mod context;
 mod converge;
 mod density;
-mod difference;
 mod earlier_run;
 mod embedded;
 mod error;
