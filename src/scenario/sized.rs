@@ -25,18 +25,13 @@ pub(super) struct BySize {
     place: fn(&mut Settings) -> &mut f64,
 }
 
-/// Contacts of which a field is a setting.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Of {
-    /// Every engine's.
-    All,
-    /// Bullet's own and the native ones.
-    Bullet,
-    /// The native contact solver's.
-    Native,
-    /// Rapier's.
-    Rapier,
-}
+/// Whether a scenario's contacts are those of which a field is a setting: every engine's, Bullet's
+/// own and the native ones, the native contact solver's, or rapier's.
+type Of = fn(&EngineSettings) -> bool;
+const ALL: Of = |_| true;
+const BULLET: Of = |engine| engine.backend == Backend::Bullet;
+const NATIVE: Of = EngineSettings::is_native;
+const RAPIER: Of = |engine| engine.backend == Backend::Rapier;
 
 macro_rules! by_size {
     ($(
@@ -48,7 +43,7 @@ macro_rules! by_size {
         pub(super) const BY_SIZE: &[BySize] = &[$(BySize {
             path: concat!(stringify!($group), $(".", stringify!($field)),+),
             law: Law::$law,
-            of: Of::$of,
+            of: $of,
             low: $low,
             high: $high,
             place: |all| &mut all.$group$(.$field)+,
@@ -59,61 +54,61 @@ macro_rules! by_size {
 const SLOWER: &str = "the run takes longer in proportion and is no more exact";
 
 by_size! {
-    engine.grain_size_mm => Fine, All:
+    engine.grain_size_mm => Fine, ALL:
         low "contacts are found late, and many boxes are renewed in a step";
         high "gaps and clearances are so wide that grains notice them";
-    engine.rate_hz => Rate, All:
+    engine.rate_hz => Rate, ALL:
         low "grains sink into each other within a step";
         high SLOWER;
-    engine.native.substep_rate_hz => Rate, Native:
+    engine.native.substep_rate_hz => Rate, NATIVE:
         low "impacts, shaking and grains under load are followed too coarsely";
         high SLOWER;
-    engine.native.contact_stiffness_n_per_m => Stiffness, Native:
+    engine.native.contact_stiffness_n_per_m => Stiffness, NATIVE:
         low "grains sink into each other";
         high "loads need more sub-steps and iterations to get through the packing, which costs \
               time";
-    engine.native.max_depenetration_velocity_m_per_s => Speed, Native:
+    engine.native.max_depenetration_velocity_m_per_s => Speed, NATIVE:
         low "overlaps that impacts leave last, and contacts bear no more than this speed times \
               stiffness and sub-step";
         high "overlaps burst and throw grains apart";
-    engine.restitution_velocity_threshold_m_per_s => Speed, Bullet:
+    engine.restitution_velocity_threshold_m_per_s => Speed, BULLET:
         low "contacts at rest go on rebounding, and the specimen settles late";
         high "impacts that should rebound do not";
-    engine.length_scale => PerLength, Bullet:
+    engine.length_scale => PerLength, BULLET:
         low "a grain is much smaller than an engine unit, and Bullet's tolerances are gaps that \
               it notices";
         high "a grain is much larger than an engine unit, and Bullet's tolerances are lost in \
               rounding";
-    engine.contact_threshold_mm => Fine, Bullet:
+    engine.contact_threshold_mm => Fine, BULLET:
         low "contacts are found late and lost between steps";
         high "contacts that bear nothing are kept";
-    settle.rms_speed_mm_per_s => Speed, All:
+    settle.rms_speed_mm_per_s => Speed, ALL:
         low "a stage may not count as settled before its time limit";
         high "a stage ends while the specimen still moves";
-    settle.largest_speed_mm_per_s => Speed, All:
+    settle.largest_speed_mm_per_s => Speed, ALL:
         low "a stage may not count as settled before its time limit";
         high "a stage ends while grains still fall";
-    settle.hold_s => Time, All:
+    settle.hold_s => Time, ALL:
         low "a stage may end at the top of a bounce";
         high "every stage that settles is simulated for longer than it needs";
-    engine.rapier.contact_frequency_hz => Rate, Rapier:
+    engine.rapier.contact_frequency_hz => Rate, RAPIER:
         low "grains sink into each other";
         high "the packing jitters and creeps numerically unless engine.rapier.substeps is raised, \
               which costs time";
-    engine.rapier.wall_contact_frequency_hz => Rate, Rapier:
+    engine.rapier.wall_contact_frequency_hz => Rate, RAPIER:
         low "grains sink into the funnel";
         high "grains jitter in the funnel unless engine.rapier.substeps is raised, which costs \
               time";
-    engine.rapier.engine_unit_mm => Fine, Rapier:
+    engine.rapier.engine_unit_mm => Fine, RAPIER:
         low "contact points are needlessly recomputed";
         high "contact points are kept that are no longer there";
-    engine.rapier.prediction_mm => Fine, Rapier:
+    engine.rapier.prediction_mm => Fine, RAPIER:
         low "grains sink in before they are met";
         high "contacts that bear nothing are prepared, which costs time";
-    engine.rapier.corrective_speed_m_per_s => Speed, Rapier:
+    engine.rapier.corrective_speed_m_per_s => Speed, RAPIER:
         low "overlaps that impacts leave last";
         high "overlaps burst and throw grains apart";
-    engine.rapier.recycling_distance_mm => Fine, Rapier:
+    engine.rapier.recycling_distance_mm => Fine, RAPIER:
         low "contact points change for nothing, and the packing creeps numerically";
         high "contact normals are out of date";
 }
@@ -128,18 +123,6 @@ pub(super) const SUBSTEPS: &str = "engine.native.substep_rate_hz";
 
 /// Path of the iterations in a sub-step, a whole number that follows from the loads alone.
 pub(super) const ITERATIONS: &str = "engine.native.iterations";
-
-impl Of {
-    /// Whether a scenario's contacts are among them.
-    pub fn holds(self, engine: &EngineSettings) -> bool {
-        match self {
-            Self::All => true,
-            Self::Bullet => engine.backend == Backend::Bullet,
-            Self::Native => engine.is_native(),
-            Self::Rapier => engine.backend == Backend::Rapier,
-        }
-    }
-}
 
 impl BySize {
     /// Its value for grains of the paper's size, which is its default.

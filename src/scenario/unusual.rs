@@ -77,7 +77,7 @@ impl Judged<'_> {
         let BySize { path, of, low, high, .. } = *field;
         let Some(typed) = number_at(self.value, path) else { return };
         let automatic = self.automatic(field);
-        let is_read = of.holds(self.engine) && !self.is_unread(path, typed, automatic);
+        let is_read = of(self.engine) && !self.is_unread(path, typed, automatic);
         let (is_low, is_high) = (typed < automatic / UNUSUAL, typed > automatic * UNUSUAL);
         let goes_wrong = if is_low { low } else { high };
         let allowed = format!("{} for these grains, or the field left out", short(automatic));
