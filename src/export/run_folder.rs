@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::*;
 use crate::plain::{in_shell, plain_path};
 use crate::record::{read_file, read_unchanged, refuse_without};
-use crate::scenario::{self, MeantStage, NoOneStage, StageSpec};
+use crate::scenario::{self, MeantStage, StageSpec};
 
 /// Why a run cannot be exported.
 #[derive(Debug, thiserror::Error)]
@@ -23,7 +23,7 @@ pub enum ExportError {
         /// The file that lists its stages.
         manifest: PathBuf,
         /// What there is.
-        reason: NoOneStage,
+        reason: String,
     },
     /// The scenario in the manifest makes no laboratory.
     #[error("{}: {reason}", manifest.display())]

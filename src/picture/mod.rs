@@ -37,7 +37,7 @@ use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
 use crate::grains::GrainSet;
 use crate::plain::three_decimals as number;
 use crate::record::{FileError, Frame};
-use crate::scenario::{MeantStage, NoOneStage};
+use crate::scenario::MeantStage;
 use crate::units::to_mm;
 use {
     camera::*, colour::*, light::*, moment::*, paint::*, scene::*, scenery::*, sheet::*, shot::*,
@@ -54,8 +54,8 @@ pub enum PictureError {
     #[error(transparent)]
     File(#[from] FileError),
     /// No one stage of the run is meant.
-    #[error(transparent)]
-    Stage(#[from] NoOneStage),
+    #[error("{0}")]
+    Stage(String),
     /// Nothing was kept of that time.
     #[error("no frame is stored at {asked_s} s; {allowed}")]
     NoTime {

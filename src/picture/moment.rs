@@ -24,7 +24,7 @@ const NEAR: f64 = 0.0801;
 /// [`PictureError::Stage`] and [`PictureError::NoTime`], saying what there is.
 pub fn at(run: &Playback, stage: Option<&str>, time: Option<f64>) -> Result<At, PictureError> {
     let chosen = stage.map(|asked| stage_of(run, asked)).transpose()?;
-    let nothing = || NoOneStage::None { asked: "the last".into(), stages: "none".into() };
+    let nothing = || PictureError::Stage("no stage `the last`; the run has none".to_owned());
     let last = chosen.or(run.stages.len().checked_sub(1)).ok_or_else(nothing)?;
     let Some(time) = time else {
         let frame = run.stages[last].frames.len().checked_sub(1).ok_or_else(nothing)?;
@@ -66,7 +66,8 @@ pub fn frames_of(run: &Playback, only: Option<usize>) -> Vec<At> {
 
 /// Number of a stage named by its number or by a name that it alone has.
 pub fn stage_of(run: &Playback, asked: &str) -> Result<usize, PictureError> {
-    Ok(MeantStage::one(asked, run.stages.iter().map(|s| s.name.as_str()), None)?)
+    let names = run.stages.iter().map(|stage| stage.name.as_str());
+    MeantStage::one(asked, names, None).map_err(PictureError::Stage)
 }
 
 /// A moment with what came before it. A stage whose frames were not kept began as

@@ -13,27 +13,6 @@ pub enum MeantStage {
     None,
 }
 
-/// Why no one stage of a run is meant.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum NoOneStage {
-    /// The run has no such stage.
-    #[error("no stage `{asked}`{}; the run has {stages}", MeantStage::now_called(asked, stages))]
-    None {
-        /// What was asked for.
-        asked: String,
-        /// The stages there are.
-        stages: String,
-    },
-    /// The run has several stages of that name.
-    #[error("several stages are named `{asked}`; give the number of one: {choice}")]
-    Several {
-        /// What was asked for.
-        asked: String,
-        /// Their numbers.
-        choice: String,
-    },
-}
-
 impl MeantStage {
     /// What a text means among the stages of these names: a number from 0, or else a name.
     pub fn of<'a>(asked: &str, names: impl IntoIterator<Item = &'a str>) -> Self {
@@ -52,24 +31,25 @@ impl MeantStage {
     /// The number of the one stage of these names that is meant; `also` is what else the run has.
     ///
     /// # Errors
-    /// Where no stage is meant, or several, with what there is.
+    /// In words, where no stage is meant, or several, with what there is.
     pub fn one<'a>(
         asked: &str,
         names: impl IntoIterator<Item = &'a str>,
         also: Option<&str>,
-    ) -> Result<usize, NoOneStage> {
+    ) -> Result<usize, String> {
         let names: Vec<&str> = names.into_iter().collect();
-        let meant = Self::of(asked, names.iter().copied());
-        let asked = asked.to_owned();
-        match meant {
+        match Self::of(asked, names.iter().copied()) {
             Self::One(number) => Ok(number),
-            Self::Several(numbers) => {
-                Err(NoOneStage::Several { asked, choice: Self::choice(&numbers) })
-            }
+            Self::Several(numbers) => Err(format!(
+                "several stages are named `{asked}`; give the number of one: {}",
+                Self::choice(&numbers)
+            )),
             Self::None => {
                 let known = names.iter().enumerate().map(|(n, name)| format!("{n} {name}"));
                 let known: Vec<String> = known.chain(also.map(str::to_owned)).collect();
-                Err(NoOneStage::None { asked, stages: known.join(", ") })
+                let stages = known.join(", ");
+                let now = Self::now_called(asked, &stages);
+                Err(format!("no stage `{asked}`{now}; the run has {stages}"))
             }
         }
     }

@@ -121,7 +121,7 @@ pub use fault::{Fault, ScenarioErrors, nearest};
 pub use grading::Grading;
 pub use index_densities::IndexDensitiesSpec;
 pub use load::{GradingOf, Loaded, Readers, check, gathered, load_grains_with, load_with};
-pub use meant::{MeantStage, NoOneStage};
+pub use meant::MeantStage;
 pub use mesh_pieces::{MOST_PARTS, MeshPart, MeshPieceSpec, PartsOf};
 pub use meshes::{MeshGrains, MeshUnit};
 pub use native::{NativeSettings, automatic_threads};
