@@ -54,6 +54,11 @@ pub fn in_shell(argument: &str) -> Cow<'_, str> {
     Cow::Owned(format!("'{}'", argument.replace('\'', r"'\''")))
 }
 
+/// How many of something there are; of one the name without an s.
+pub fn counted(count: usize, one: &str) -> String {
+    if count == 1 { format!("1 {one}") } else { format!("{count} {one}s") }
+}
+
 /// A decimal number without the zeros at its end; a zero without a sign.
 pub fn without_zeros(number: &str) -> &str {
     let short = match number.contains('.') {

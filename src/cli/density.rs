@@ -72,7 +72,7 @@ pub(super) fn run(args: &DensityArgs, context: &Context) -> Result<ExitStatus, C
         let of = &found.states;
         let states =
             [("e_max", &of.e_max), ("e_min", &of.e_min), ("frictionless", &of.frictionless)];
-        let mut text = format!("{}, {} grains\n", found.scenario, found.grains);
+        let mut text = format!("{}, {}\n", found.scenario, counted(found.grains, "grain"));
         for (name, state) in states {
             text += &format!("{name:<13} {}: {}\n", in_words(state), state.method);
             for failure in &state.failures {

@@ -110,8 +110,11 @@ pub(super) fn run(args: &ExportArgs, context: &Context) -> Result<ExitStatus, Cl
         _ => specimen(args)?,
     };
     let mut text = format!(
-        "{}: {} grains at the end of {}, {:.3} s\n",
-        written.scenario, written.grains, written.stage, written.time_s
+        "{}: {} at the end of {}, {:.3} s\n",
+        written.scenario,
+        counted(written.grains, "grain"),
+        written.stage,
+        written.time_s
     );
     for file in &written.files {
         text += &format!("{}\n", plain_path(file));

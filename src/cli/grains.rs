@@ -91,9 +91,9 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
         files,
     };
     let mut text = format!(
-        "{}: {} grains, {} g, {} cm³ of solids, {:.1} grains in 100 g\n",
+        "{}: {}, {} g, {} cm³ of solids, {:.1} grains in 100 g\n",
         made.scenario,
-        made.grains,
+        counted(made.grains, "grain"),
         grams(made.mass_g),
         grams(made.solids_volume_cm3),
         made.grains_in_100_g

@@ -53,7 +53,9 @@ impl Shown {
     fn text(&self) -> String {
         let Self { scenario, grains, stages, frames, .. } = self;
         let scenario = plain(scenario);
-        let mut text = format!("{scenario}: {grains} grains, {stages} stages, {frames} frames\n");
+        let [grains, stages, frames] = [(grains, "grain"), (stages, "stage"), (frames, "frame")]
+            .map(|(n, one)| counted(*n, one));
+        let mut text = format!("{scenario}: {grains}, {stages}, {frames}\n");
         if !self.frames_kept {
             text += "Some stages kept no frames: only their end is shown.\n";
         }

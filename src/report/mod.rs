@@ -38,7 +38,7 @@ use serde_json::Value;
 use crate::{
     grains::{self, GrainShape, ParticleSizeDistribution, SieveAnalysis},
     measure::{Estimate, Interval, statistics::mean},
-    plain::plain,
+    plain::{counted, plain},
     record::{
         AngleOfRepose, FileError, GradationSummary, LaboratoryNames, RunRecord, SeriesRow,
         VariationRow, left_out_in_words, write_file, write_json,
@@ -55,9 +55,7 @@ use {
     style::{Dash, Marker},
     sweep::shown,
     sweep_outcomes::in_words,
-    table::{
-        Cell, Record, Table, besides, counted, dash, from_to, missing, plus_minus, row, table,
-    },
+    table::{Cell, Record, Table, besides, dash, from_to, missing, plus_minus, row, table},
     text::{capital, compact, number},
 };
 

@@ -99,11 +99,6 @@ pub(crate) fn from_to(low: f64, high: f64) -> String {
     format!("{} to {}", compact(low), compact(high))
 }
 
-/// How many of something there are.
-pub(crate) fn counted(count: usize, one: &str) -> String {
-    if count == 1 { format!("1 {one}") } else { format!("{count} {one}s") }
-}
-
 /// How many of something there are besides; nothing where there are none.
 pub(crate) fn besides(count: usize, what: &str) -> String {
     if count > 0 { format!(", {count} {what}") } else { String::new() }

@@ -76,17 +76,20 @@ impl MeshRecord {
         let hulls = records.iter().filter(|s| s.hull).count();
         if hulls > 0 {
             notes.push(format!(
-                "{hulls} of {} meshes were replaced by their convex hulls, which add at most {} % to \
-                 the volume",
-                records.len(),
+                "replaced by convex hulls: {hulls} of {}, with at most {} % more volume",
+                if records.len() == 1 {
+                    "1 mesh".to_owned()
+                } else {
+                    format!("{} meshes", records.len())
+                },
                 rounded(largest(Self::hull_adds_percent))
             ));
         }
         let simplified = records.iter().filter(|s| s.left_out > 0.0).count();
         if simplified > 0 {
             notes.push(format!(
-                "{simplified} hulls were simplified: the mesh sticks out by at most {} mm, and the \
-                 volume differs from the mesh's by at most {} %",
+                "simplified hulls: {simplified}; the mesh sticks out by at most {} mm, and the volume \
+                 differs from the mesh's by at most {} %",
                 rounded(to_mm(largest(|s| s.left_out))),
                 rounded(largest(|s| match s.left_out > 0.0 {
                     true => s.volume_change_percent(),
