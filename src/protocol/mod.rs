@@ -51,7 +51,7 @@ pub use bodies::{free_grain, spring_energy};
 pub use ending::{Judged, UntilFound, opening};
 pub use mean_stress::{KeptStress, region};
 pub use plausible::plausible;
-pub use progress::{Progress, Silent};
+pub use progress::{Progress, Silent, Work};
 pub use segments::{Midway, segments};
 pub use setup::{SettleCriterion, Setup};
 pub use stages::run;

@@ -27,6 +27,23 @@ pub trait Progress: Send + Sync {
     fn message(&self, text: &str);
 }
 
+/// Work that is reported; it ends when this is dropped.
+pub struct Work<'a>(&'a dyn Progress);
+
+impl<'a> Work<'a> {
+    /// Begins work whose stages are expected to take so much simulated time in s together.
+    pub fn begin(progress: &'a dyn Progress, expected: f64) -> Self {
+        progress.begin_work(expected);
+        Self(progress)
+    }
+}
+
+impl Drop for Work<'_> {
+    fn drop(&mut self) {
+        self.0.end_work();
+    }
+}
+
 /// Tells nobody.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Silent;

@@ -80,6 +80,7 @@ impl<'a> Shop<'a> {
     /// When a stage fails, the stages that need it are not begun, all others are finished and
     /// stored, and the first failure is returned.
     pub fn execute(&self, plan: &Plan) -> Result<Vec<Arc<StoredStage>>, StudyError> {
+        let _work = Work::begin(self.progress, plan.expected());
         let mut executed = self.execute_each(plan);
         if !executed.failed.is_empty() {
             return Err(executed.failed.remove(0).1);
@@ -87,13 +88,13 @@ impl<'a> Shop<'a> {
         executed.done.into_iter().collect::<Option<Vec<_>>>().ok_or(StudyError::Cancelled)
     }
 
-    /// The same, giving what was finished also where something failed.
+    /// The same as a part of work that has begun, giving what was finished also where something
+    /// failed.
     pub fn execute_each(&self, plan: &Plan) -> Executed {
         let roots = (0..plan.nodes.len()).filter(|&n| plan.nodes[n].parent.is_none()).collect();
         let executed = Executed { done: vec![None; plan.nodes.len()], ..Executed::default() };
         let board = Mutex::new(Board { executed, ready: roots, running: 0 });
         let changed = Condvar::new();
-        self.progress.begin_work(plan.nodes.iter().map(|node| node.expected).sum());
         tell_of_threads(plan, self.progress);
         thread::scope(|scope| {
             let work = || self.work(plan, &board, &changed);
@@ -110,7 +111,6 @@ impl<'a> Shop<'a> {
             }
             work();
         });
-        self.progress.end_work();
         board.into_inner().unwrap_or_else(PoisonError::into_inner).executed
     }
 

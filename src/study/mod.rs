@@ -86,7 +86,7 @@ use crate::measure::{
     void_ratio_in,
 };
 use crate::motion::MotionFacts;
-use crate::protocol::{Midway, Progress, Setup, WorldMaker, plausible};
+use crate::protocol::{Midway, Progress, Setup, Work, WorldMaker, plausible};
 use crate::record::{
     AskedStage, Beside, Checkpoints, EnergyRow, FabricSummary, FileError, FrameWriter,
     LaboratoryRow, Overlap, ProfileRow, RunKind, RunRecord, RunRow, SeriesRow, SolverResidual,

@@ -202,6 +202,11 @@ impl Plan {
         Ok(plan)
     }
 
+    /// Simulated time that its stages are expected to take together, in s.
+    pub fn expected(&self) -> f64 {
+        self.nodes.iter().map(|node| node.expected).sum()
+    }
+
     /// The plan of one of its runs alone, and which of the nodes its nodes are.
     pub fn alone(&self, run: usize) -> (Self, Vec<usize>) {
         let RunNodes { stages, rest_test, begun } = &self.runs[run];

@@ -110,8 +110,9 @@ pub(crate) fn carry_out(
     Ok((records, effective))
 }
 
-/// Runs all runs of a plan and writes their folders under `runs/`, each by itself: its record, or
-/// why it has none. One that fails does not keep the others from going on.
+/// Runs all runs of a plan, as a part of work that has begun, and writes their folders under
+/// `runs/`, each by itself: its record, or why it has none. One that fails does not keep the others
+/// from going on.
 ///
 /// # Errors
 /// [`StudyError`] where the fault is not a run's own.

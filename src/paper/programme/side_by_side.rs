@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use super::reproduce::{Scenarios, programme, study_view};
 use super::*;
 use crate::paper;
+use crate::protocol::Work;
 use crate::record::{StageStore, create_folder};
 use crate::scenario::warnings;
 use crate::study::carry_out_each;
@@ -82,6 +83,7 @@ fn carry_out_interpretation(
     let runs = programme(scenarios, &grains, options.configurations, 1);
     let plan = Plan::new(&runs)?;
     let store = StageStore::open(&run.out.join("stages"))?;
+    let _work = Work::begin(run.progress.as_ref(), plan.expected());
     let each = carry_out_each(&crate::world::create, &plan, &runs, &store, run)?;
     let mut records: Vec<RunRecord> = Vec::new();
     let mut failures = Vec::new();

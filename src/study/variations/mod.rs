@@ -4,14 +4,11 @@
 //! configurations, so that runs can be compared pair by pair; stages that variations share are done
 //! once, and what is stored is not done again.
 
-mod in_parts;
 mod keep;
 #[cfg(test)]
 mod tests;
 
 pub(super) use keep::keep_and_read;
-
-use in_parts::InParts;
 
 use super::plan::stage_label;
 use super::*;
@@ -202,8 +199,7 @@ pub(super) fn carry_out_in(
     let (mut grains, own, store) = open(varied, options)?;
     let of = |number: u32| varied.all.iter().filter(|(variation, _)| variation.has(number)).count();
     let in_all: usize = configurations.iter().flat_map(Range::clone).map(of).sum();
-    let parts = Arc::new(InParts::new(options.progress.clone(), in_all));
-    let options = &RunOptions { progress: parts.clone(), ..options.clone() };
+    let mut work = None;
     let mut rows = Vec::new();
     for together in configurations {
         let mut all = Vec::new();
@@ -212,8 +208,11 @@ pub(super) fn carry_out_in(
         }
         for batch in batches(all) {
             let (runs, begun): (Vec<_>, Vec<_>) = batch.into_iter().unzip();
-            parts.next(runs.len());
-            rows.extend(carry_out_batch(make_world, &runs, begun, &own, &store, options)?);
+            let plan = Plan::named(&runs)?;
+            // What there is to do in all follows from the first batch and the numbers of runs.
+            let expected = plan.expected() * in_all as f64 / runs.len().max(1) as f64;
+            work.get_or_insert_with(|| Work::begin(options.progress.as_ref(), expected));
+            rows.extend(carry_out_batch(make_world, &plan, &runs, begun, &own, &store, options)?);
             so_far(&rows)?;
         }
     }
@@ -249,7 +248,7 @@ pub(super) fn collect_stored(
     for number in 0..configurations {
         for planned in planned(varied, number, &mut grains)? {
             let (run, row) = planned;
-            let plan = Plan::new(std::slice::from_ref(&run))?;
+            let plan = Plan::named(std::slice::from_ref(&run))?;
             let missing = held(&plan, &store).into_iter().position(|held| !held);
             rows.extend(match missing {
                 Some(missing) => {
@@ -262,8 +261,9 @@ pub(super) fn collect_stored(
                     vec![RunRow { failure: Some(failure), ..row }]
                 }
                 None => {
+                    let _work = Work::begin(options.progress.as_ref(), plan.expected());
                     let make = &crate::world::create;
-                    carry_out_batch(make, &[run], vec![row], &own, &store, options)?
+                    carry_out_batch(make, &plan, &[run], vec![row], &own, &store, options)?
                 }
             });
         }
@@ -339,17 +339,17 @@ fn batches(planned: Vec<Planned>) -> Vec<Vec<Planned>> {
     batches.into_iter().map(|(_, batch)| batch).collect()
 }
 
-/// Runs runs together and completes their rows.
+/// Runs the runs of a plan together and completes their rows.
 fn carry_out_batch(
     make_world: WorldMaker,
+    plan: &Plan,
     runs: &[PlannedRun],
     begun: Vec<RunRow>,
     shared_grains: &Arc<GrainSet>,
     store: &StageStore,
     options: &RunOptions,
 ) -> Result<Vec<RunRow>, StudyError> {
-    let plan = Plan::named(runs)?;
-    let each = carry_out_each(make_world, &plan, runs, store, options)?;
+    let each = carry_out_each(make_world, plan, runs, store, options)?;
     let mut rows = Vec::new();
     for ((run, row), result) in runs.iter().zip(begun).zip(each) {
         rows.push(match result {

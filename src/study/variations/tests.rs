@@ -55,6 +55,23 @@ fn worlds(
     }
 }
 
+/// Keeps the beginnings and ends of work.
+#[derive(Default)]
+struct Works(Mutex<Vec<&'static str>>);
+
+impl Progress for Works {
+    fn begin_work(&self, _: f64) {
+        self.0.lock().expect("nobody panics").push("begun");
+    }
+    fn end_work(&self) {
+        self.0.lock().expect("nobody panics").push("ended");
+    }
+    fn begin_stage(&self, _: u64, _: &str, _: f64) {}
+    fn update(&self, _: u64, _: f64, _: &str) {}
+    fn end_stage(&self, _: u64) {}
+    fn message(&self, _: &str) {}
+}
+
 #[test]
 fn a_run_that_fails_is_a_row_and_the_others_go_on() {
     let _turn = crate::world::exclusive_turn();
@@ -77,8 +94,12 @@ fn a_run_that_fails_is_a_row_and_the_others_go_on() {
         told.push(rows.len());
         Ok(())
     };
-    let rows = carry_out_in(&worlds, &varied, &[0..1, 1..2], &run_options(&out), &mut so_far)
+    let works = Arc::new(Works::default());
+    let options = RunOptions { progress: works.clone(), ..run_options(&out) };
+    let rows = carry_out_in(&worlds, &varied, &[0..1, 1..2], &options, &mut so_far)
         .expect("the study goes on");
+    let works = works.0.lock().expect("nobody panics").clone();
+    assert_eq!(works, ["begun", "ended"], "law: all parts are reported as one work");
     assert_eq!(rows.len(), 8, "law: one row a run, failed or not");
     // Another contact threshold cannot live in the process at the same time.
     assert_eq!(told, [3, 4, 7, 8], "law: rows are reported as they come");
