@@ -109,7 +109,7 @@ use {
     design::{Chosen, Faults, range, yes},
     execute::Shop,
     plan::{Node, RunNodes},
-    presets::DesignFile,
+    presets::with_design,
     realisations::{CONFIGURATIONS, refuse_repeats},
     run::write_grains,
     sensitivity::End,

@@ -69,22 +69,17 @@ fn unpack() -> Result<TempDir, StudyError> {
     Ok(folder)
 }
 
-/// The design of a study: a file that was given, or a built-in one by its path under `scenarios/`.
-pub(super) struct DesignFile {
-    /// Where to read it.
-    pub path: PathBuf,
-    _unpacked: Option<TempDir>,
-}
-
-impl DesignFile {
-    /// Finds a design; a built-in one is there as long as this is.
-    pub(super) fn new(given: Option<&Path>, built_in: &str) -> Result<Self, StudyError> {
-        if let Some(path) = given {
-            return Ok(Self { path: path.to_owned(), _unpacked: None });
-        }
-        let folder = unpack()?;
-        Ok(Self { path: folder.path().join(built_in), _unpacked: Some(folder) })
-    }
+/// Reads the design of a study: a file that was given, or a built-in one by its path under
+/// `scenarios/`.
+pub(super) fn with_design<T>(
+    given: Option<&Path>,
+    built_in: &str,
+    read: impl FnOnce(&Path) -> Result<T, ScenarioErrors>,
+) -> Result<T, StudyError> {
+    Ok(match given {
+        Some(file) => read(file)?,
+        None => read(&unpack()?.path().join(built_in))?,
+    })
 }
 
 #[cfg(test)]

@@ -34,8 +34,8 @@ pub struct StudyOptions {
 /// [`StudyError::Faults`] with all its faults; [`StudyError::Scenario`] of realisations that are
 /// all the same run.
 pub fn converge(options: &StudyOptions) -> Result<Study<Convergence>, StudyError> {
-    let file = DesignFile::new(options.design.as_deref(), BUILT_IN)?;
-    let design = Designed::of_file(&file.path, options.quick)?;
+    let read = |file: &Path| Designed::of_file(file, options.quick);
+    let design = with_design(options.design.as_deref(), BUILT_IN, read)?;
     let configurations = options.configurations.unwrap_or(design.configurations);
     refuse_repeats(&design.varied, CONFIGURATIONS, configurations)?;
     let mut question = design.varied.question(configurations);

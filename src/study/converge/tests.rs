@@ -8,7 +8,7 @@ use super::{
 use crate::record::RunRow;
 use crate::report::{ConvergenceRow, Standard};
 use crate::scale::Scale;
-use crate::study::{presets::DesignFile, tests::bare_scenario};
+use crate::study::{presets::with_design, tests::bare_scenario};
 
 const LIMITS: ConvergenceLimits =
     ConvergenceLimits { height_percent: 1.0, settlement_percent: 5.0 };
@@ -285,9 +285,8 @@ fn single_precision_is_held_against_double() {
 
 #[test]
 fn the_built_in_design_is_sound() {
-    let file = DesignFile::new(None, BUILT_IN).expect("unpacked");
     for quick in [false, true] {
-        let design = Designed::of_file(&file.path, quick);
+        let design = with_design(None, BUILT_IN, |file| Designed::of_file(file, quick));
         let design = design.unwrap_or_else(|e| panic!("quick {quick}: {e}"));
         assert!(design.configurations >= 2, "one configuration tells nothing of scatter");
         let names = || design.varied.all.iter().map(|(v, _)| v.name.as_str());

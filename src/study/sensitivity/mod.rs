@@ -18,9 +18,10 @@ const BUILT_IN: &str = "studies/sensitivity.json";
 /// [`StudyError::Faults`] with all its faults; [`StudyError::Scenario`] of realisations that are
 /// all the same run.
 pub fn sensitivity(options: &StudyOptions) -> Result<Study<Sensitivity>, StudyError> {
-    let file = DesignFile::new(options.design.as_deref(), BUILT_IN)?;
     let quick = options.quick;
-    let Designed { chosen, parameters, varied } = design::read(&file.path, quick, &[])?;
+    let read = |file: &Path| design::read(file, quick, &[]);
+    let Designed { chosen, parameters, varied } =
+        with_design(options.design.as_deref(), BUILT_IN, read)?;
     let configurations = options.configurations.unwrap_or(chosen.configurations);
     refuse_repeats(&varied, CONFIGURATIONS, configurations)?;
     Ok(Study {
@@ -65,9 +66,8 @@ mod tests {
 
     #[test]
     fn the_built_in_design_is_sound() {
-        let file = DesignFile::new(None, BUILT_IN).expect("unpacked");
         for quick in [false, true] {
-            let design = design::read(&file.path, quick, &[])
+            let design = with_design(None, BUILT_IN, |file| design::read(file, quick, &[]))
                 .unwrap_or_else(|e| panic!("quick {quick}: {e}"));
             assert!(
                 design.chosen.configurations >= 2,
