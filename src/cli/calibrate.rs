@@ -2,13 +2,12 @@
 //! named, that gives a measured result such as an angle of repose.
 
 use super::*;
+use crate::measure::Interval;
 use crate::report::CalibrationEnding;
-use crate::study::{
-    CalibrationOptions, CalibrationRange, CalibrationTarget, GRAIN_FRICTION, calibrate,
-};
+use crate::study::{CalibrationOptions, CalibrationTarget, GRAIN_FRICTION, calibrate};
 
 /// Where friction between grains is sought unless a range is given.
-const FRICTION_RANGE: CalibrationRange = CalibrationRange { low: 0.1, high: 1.5 };
+const FRICTION_RANGE: Interval = Interval::new(0.1, 1.5);
 
 /// Find the friction that gives a measured angle of repose, or any field that gives a result
 #[derive(Debug, Args)]
@@ -42,7 +41,7 @@ pub(super) struct CalibrateArgs {
     unknown: Option<String>,
     /// Range in which to search for it [default: 0.1..1.5, with --angle-of-repose]
     #[arg(long, value_name = "low..high", allow_hyphen_values = true)]
-    between: Option<CalibrationRange>,
+    between: Option<Interval>,
     /// Number of realisations per value, each a new random arrangement of the same grains; the same
     /// at every value
     #[arg(long, value_name = "N", default_value_t = 5,

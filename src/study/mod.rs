@@ -36,9 +36,7 @@ mod variations;
 
 pub use crate::report::{CompareRecord, CompareRun};
 pub use accuracy::standard;
-pub use calibrate::{
-    CalibrationOptions, CalibrationRange, CalibrationTarget, GRAIN_FRICTION, calibrate,
-};
+pub use calibrate::{CalibrationOptions, CalibrationTarget, GRAIN_FRICTION, calibrate};
 pub use compare::{HEIGHT_BAND, VOID_RATIO_BAND, compare};
 pub use converge::{
     ConvergenceDesign, ConvergenceLimits, LadderDesign, RungDesign, StudyOptions, converge,

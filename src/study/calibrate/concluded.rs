@@ -2,7 +2,6 @@
 
 use super::search::Answer;
 use super::*;
-use crate::measure::Interval;
 use crate::record::left_out_in_words;
 use crate::report::{
     CalibrationSolution, FrictionIdentity, PUBLISHED_FRICTION, target_in_words, text,

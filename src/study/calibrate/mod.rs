@@ -11,11 +11,11 @@ mod tests;
 mod times;
 mod under_way;
 
-pub use question::{CalibrationRange, CalibrationTarget, GRAIN_FRICTION};
+pub use question::{CalibrationTarget, GRAIN_FRICTION};
 
 use super::*;
 use super::{realisations::REALISATIONS, variations::carry_out_in};
-use crate::measure::{InversePrediction, inference::t_quantile};
+use crate::measure::{Interval, InversePrediction, inference::t_quantile};
 use crate::report::{
     Calibration, CalibrationEnding as Ending, CalibrationRun, CalibrationValue, text::compact,
 };
@@ -36,7 +36,7 @@ pub struct CalibrationOptions {
     /// The field of the scenario that is sought.
     pub unknown: String,
     /// Between which values.
-    pub between: CalibrationRange,
+    pub between: Interval,
     /// Realisations per value, at least 2: each a new random arrangement of the same grains.
     pub realisations: u32,
     /// How well the result is to be known, in its unit: half of the 95 %
@@ -74,7 +74,7 @@ pub fn calibrate(options: CalibrationOptions) -> Result<Study<Calibration>, Stud
     question::known(&options.target)?;
     question::measured(&options.target, &scenario)?;
     let whole = question::takes_whole(&options.unknown, &scenario)?;
-    let CalibrationRange { low, high } = options.between;
+    let Interval { low, high } = options.between;
     if whole && (low.fract() != 0.0 || high.fract() != 0.0) {
         return refused(format!(
             "--between {low}..{high}: `{}` takes whole numbers only",

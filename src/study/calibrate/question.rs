@@ -123,21 +123,13 @@ fn collect_numbers(at: &str, value: &Value, found: &mut Vec<String>) {
     }
 }
 
-/// A range of values, `0.2..1.2`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CalibrationRange {
-    /// Lower end.
-    pub low: f64,
-    /// Upper end.
-    pub high: f64,
-}
-
-impl FromStr for CalibrationRange {
+impl FromStr for Interval {
     type Err = String;
 
+    /// Reads a range of values, `0.2..1.2`.
     fn from_str(text: &str) -> Result<Self, String> {
         match range(text) {
-            Some((low, high)) if low < high => Ok(Self { low, high }),
+            Some((low, high)) if low < high => Ok(Self::new(low, high)),
             Some((low, high)) => Err(format!(
                 "the range {low}..{high} is empty or reversed: the lower end comes first"
             )),
@@ -448,11 +440,11 @@ mod tests {
 
     #[test]
     fn ranges_run_upwards() {
-        let range: CalibrationRange = "0.2..1.2".parse().expect("a range");
+        let range: Interval = "0.2..1.2".parse().expect("a range");
         assert_eq!((range.low, range.high), (0.2, 1.2));
-        assert_eq!("-3..-1".parse(), Ok(CalibrationRange { low: -3.0, high: -1.0 }));
+        assert_eq!("-3..-1".parse(), Ok(Interval::new(-3.0, -1.0)));
         for text in ["1.2..0.2", "1..1", "1", "..", "a..b", "0..inf"] {
-            assert!(text.parse::<CalibrationRange>().is_err(), "`{text}` must be refused");
+            assert!(text.parse::<Interval>().is_err(), "`{text}` must be refused");
         }
     }
 
