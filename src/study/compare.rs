@@ -32,76 +32,60 @@ pub fn compare(
     let each: Vec<Scenario> = backends.iter().map(|b| with(&scenario, *b)).collect();
     each.iter().try_for_each(check)?;
     let question = json!({ "scenario": in_question(&scenario), "backends": backends });
-    let scenarios = each.clone();
-    let comparison = Comparison::new(scenario, each)?;
+    let grains = Arc::new(make_grains(&scenario)?);
+    let is_vibration = |stage: &StageSpec| matches!(stage, StageSpec::Vibrate { .. });
+    let handed_on = scenario.stages.iter().position(is_vibration).unwrap_or(scenario.stages.len());
+    let runs = planned(&each, &grains, handed_on);
+    // Two may have the same engine: their names tell them apart.
+    let plan = Plan::named(&runs)?;
     Ok(Study {
         command: "compare",
         question,
-        scenarios,
-        conclude: Box::new(move |run| comparison.carry_out(run)),
+        scenarios: each,
+        conclude: Box::new(move |options| compared(&scenario, handed_on, &runs, &plan, options)),
     })
 }
 
-/// A comparison that can begin.
-struct Comparison {
-    scenario: Scenario,
-    /// The scenario in each engine.
-    each: Vec<Scenario>,
-    /// After how many stages the specimen is handed on.
+/// Runs a scenario in each engine, and compares the runs; `handed_on` is after how many stages the
+/// specimen is handed on.
+fn compared(
+    scenario: &Scenario,
     handed_on: usize,
-    runs: Vec<PlannedRun>,
-    plan: Plan,
-}
-
-impl Comparison {
-    /// Of a scenario that is given in each engine.
-    fn new(scenario: Scenario, each: Vec<Scenario>) -> Result<Self, StudyError> {
-        let grains = Arc::new(make_grains(&scenario)?);
-        let handed_on = scenario
-            .stages
-            .iter()
-            .position(|s| matches!(s, StageSpec::Vibrate { .. }))
-            .unwrap_or(scenario.stages.len());
-        let runs = planned(&each, &grains, handed_on);
-        // Two may have the same engine: their names tell them apart.
-        let plan = Plan::named(&runs)?;
-        Ok(Self { scenario, each, handed_on, runs, plan })
+    runs: &[PlannedRun],
+    plan: &Plan,
+    options: &RunOptions,
+) -> Result<CompareRecord, StudyError> {
+    let folder = |run: &str| folder_of(&options.out, run);
+    let (records, _) = carry_out(plan, runs, options, |run| folder(&run.name))?;
+    for record in &records {
+        report::run_figures(&folder(&record.name).join("figures"), record)?;
     }
-
-    /// Runs the scenario in each engine, and compares the runs.
-    fn carry_out(&self, options: &RunOptions) -> Result<CompareRecord, StudyError> {
-        let Self { scenario, each, handed_on, runs, plan } = self;
-        let folder = |run: &str| folder_of(&options.out, run);
-        let (records, _) = carry_out(plan, runs, options, |run| folder(&run.name))?;
-        for record in &records {
-            report::run_figures(&folder(&record.name).join("figures"), record)?;
-        }
-        let compared = runs.iter().zip(records).map(|(run, record)| CompareRun {
-            name: record.name,
-            backend: name(run.scenario.engine.backend),
-            specimen_by: run.prepared.as_ref().map(|p| name(p.engine.backend)),
-            wall_s_per_simulated_s: record.summary.wall_s / record.summary.simulated_s,
-            summary: record.summary,
-            series: record.series,
-        });
-        let compared: Vec<CompareRun> = compared.collect();
-        let quantities = quantities(&compared);
-        let not_judged = not_judged(&compared);
-        let within = quantities.iter().all(|q| q.within_band != Some(false));
-        let record = CompareRecord {
-            scenario: scenario.name.clone(),
-            backends: each.iter().map(|own| crate::world::info(own.engine.backend)).collect(),
-            handed_on_after_stages: *handed_on,
-            runs: compared,
-            quantities,
-            within_bands: not_judged.is_none().then_some(within),
-            not_judged,
-            vibrated: *handed_on < scenario.stages.len(),
-            standard: standard(&scenario.scale()),
-        };
-        report::write_comparison(&options.out, &record)?;
-        Ok(record)
-    }
+    let compared = runs.iter().zip(records).map(|(run, record)| CompareRun {
+        name: record.name,
+        backend: name(run.scenario.engine.backend),
+        specimen_by: run.prepared.as_ref().map(|p| name(p.engine.backend)),
+        wall_s_per_simulated_s: record.summary.wall_s / record.summary.simulated_s,
+        summary: record.summary,
+        series: record.series,
+    });
+    let compared: Vec<CompareRun> = compared.collect();
+    let quantities = quantities(&compared);
+    let not_judged = not_judged(&compared);
+    let within = quantities.iter().all(|q| q.within_band != Some(false));
+    let own = runs.iter().filter(|run| run.prepared.is_none());
+    let record = CompareRecord {
+        scenario: scenario.name.clone(),
+        backends: own.map(|run| crate::world::info(run.scenario.engine.backend)).collect(),
+        handed_on_after_stages: handed_on,
+        runs: compared,
+        quantities,
+        within_bands: not_judged.is_none().then_some(within),
+        not_judged,
+        vibrated: handed_on < scenario.stages.len(),
+        standard: standard(&scenario.scale()),
+    };
+    report::write_comparison(&options.out, &record)?;
+    Ok(record)
 }
 
 fn name(backend: Backend) -> String {
@@ -136,50 +120,50 @@ fn planned(each: &[Scenario], grains: &Arc<GrainSet>, handed_on: usize) -> Vec<P
     runs
 }
 
-/// What is compared: its name, its unit, its value of a run, and the band within which the engines
-/// agree where one is asked for.
-type Compared = (&'static str, &'static str, fn(&CompareRun) -> Option<f64>, Option<Band>);
-
-#[derive(Clone, Copy)]
-enum Band {
-    Relative(f64),
-    Absolute(f64),
-}
+/// What is compared: its name, its unit, its value of a run, and within which band of the first
+/// engine's value the others agree with it, where one is asked for.
+type Compared =
+    (&'static str, &'static str, fn(&CompareRun) -> Option<f64>, fn(Option<f64>) -> Option<f64>);
 
 const QUANTITIES: [Compared; 13] = [
     (
         "standing height after pouring, mean surface",
         "mm",
         |r| r.summary.poured_height_mm.unwrap_or(r.summary.standing_height_mm).mean(),
-        Some(Band::Relative(HEIGHT_BAND)),
+        |first| Some(HEIGHT_BAND * first?),
     ),
     (
         "void ratio after pouring",
         "",
         |r| r.summary.poured_void_ratio.or(r.summary.void_ratio),
-        Some(Band::Absolute(VOID_RATIO_BAND)),
+        |_| Some(VOID_RATIO_BAND),
     ),
     (
         "standing height at the end, mean surface",
         "mm",
         |r| r.summary.standing_height_mm.mean(),
-        None,
+        |_| None,
     ),
-    ("void ratio at the end", "", |r| r.summary.void_ratio, None),
-    ("settlement of the plate", "mm", |r| Some(r.summary.settlement_mm.as_ref()?.final_mm), None),
+    ("void ratio at the end", "", |r| r.summary.void_ratio, |_| None),
+    (
+        "settlement of the plate",
+        "mm",
+        |r| Some(r.summary.settlement_mm.as_ref()?.final_mm),
+        |_| None,
+    ),
     (
         "settlement of the surface",
         "mm",
         |r| Some(r.summary.surface_settlement_mm.as_ref()?.final_mm),
-        None,
+        |_| None,
     ),
-    ("overlap, mean", "%", |r| Some(r.summary.overlap.mean_percent), None),
-    ("overlap, 99th percentile", "%", |r| Some(r.summary.overlap.p99_percent), None),
-    ("numerical creep at rest", "µm/s", |r| r.summary.creep_um_per_s, None),
-    ("coordination number", "", |r| Some(r.summary.coordination_number), None),
-    ("grains in the cylinder", "", |r| Some(r.summary.grains.in_cylinder as f64), None),
-    ("grains through a wall", "", |r| Some(r.summary.grains.escaped as f64), None),
-    ("wall time per simulated second", "s", |r| Some(r.wall_s_per_simulated_s), None),
+    ("overlap, mean", "%", |r| Some(r.summary.overlap.mean_percent), |_| None),
+    ("overlap, 99th percentile", "%", |r| Some(r.summary.overlap.p99_percent), |_| None),
+    ("numerical creep at rest", "µm/s", |r| r.summary.creep_um_per_s, |_| None),
+    ("coordination number", "", |r| Some(r.summary.coordination_number), |_| None),
+    ("grains in the cylinder", "", |r| Some(r.summary.grains.in_cylinder as f64), |_| None),
+    ("grains through a wall", "", |r| Some(r.summary.grains.escaped as f64), |_| None),
+    ("wall time per simulated second", "s", |r| Some(r.wall_s_per_simulated_s), |_| None),
 ];
 
 /// Why engines cannot be compared: a run from grains of its own that is not
@@ -203,11 +187,7 @@ fn quantities(runs: &[CompareRun]) -> Vec<ComparedQuantity> {
                 .filter(|(r, _)| r.specimen_by.is_none())
                 .filter_map(|(_, v)| *v)
                 .collect();
-            let band = match (band, own.first()) {
-                (Some(Band::Relative(share)), Some(first)) => Some(share * first),
-                (Some(Band::Absolute(band)), _) => Some(*band),
-                _ => None,
-            };
+            let band = band(own.first().copied());
             let within =
                 band.filter(|_| judged).zip(own.split_first()).map(|(band, (first, others))| {
                     others.iter().all(|other| (other - first).abs() <= band)
