@@ -90,18 +90,8 @@ struct SlurmArgs {
     /// Submit the stages as Slurm job arrays; only what is not stored yet
     #[arg(long, conflicts_with_all = ["plan_only", "snakemake", "status", "collect"])]
     slurm: bool,
-    /// Partition for the jobs
-    #[arg(long, value_name = "NAME", requires = "slurm")]
-    partition: Option<String>,
-    /// Time limit of a stage, as sbatch takes it
-    #[arg(long, value_name = "HH:MM:SS", requires = "slurm")]
-    time: Option<String>,
-    /// Memory of a stage, as sbatch takes it
-    #[arg(long, value_name = "SIZE", requires = "slurm")]
-    mem: Option<String>,
-    /// Account to charge for the jobs
-    #[arg(long, value_name = "NAME", requires = "slurm")]
-    account: Option<String>,
+    #[command(flatten)]
+    request: SlurmRequest,
 }
 
 fn samples(text: &str) -> Result<usize, String> {
@@ -127,7 +117,7 @@ pub(super) fn run(args: &SweepArgs, context: &Context) -> Result<ExitStatus, Cli
     let _at_work = asked::begin(&args.out, "sweep", &asked::ANYTHING)?;
     let plan = study.write_plan(&run)?;
     if args.slurm.slurm {
-        return on_slurm(&args.slurm, &SweepTasks::read(run)?, context);
+        return on_slurm(&args.slurm.request, &SweepTasks::read(run)?, context);
     }
     let runs = plan.runs.len();
     let word = if runs == 1 { "run" } else { "runs" };
@@ -165,17 +155,11 @@ fn options(args: &SweepArgs) -> Result<SweepOptions, CliError> {
 }
 
 fn on_slurm(
-    args: &SlurmArgs,
+    request: &SlurmRequest,
     tasks: &SweepTasks,
     context: &Context,
 ) -> Result<ExitStatus, CliError> {
-    let request = SlurmRequest {
-        partition: args.partition.clone(),
-        time: args.time.clone(),
-        memory: args.mem.clone(),
-        account: args.account.clone(),
-    };
-    let jobs = submit_to_slurm(tasks, &this_program()?, &request)?;
+    let jobs = submit_to_slurm(tasks, &this_program()?, request)?;
     let line = |job: &SlurmJob| match job.level {
         Some(level) => format!("job {}: {} stages of level {level}\n", job.id, job.tasks),
         None => format!("job {}: collects the results when all have ended\n", job.id),

@@ -12,16 +12,20 @@ use super::*;
 /// (`MaxArraySize`, slurm.conf) is 1001.
 const MOST_TASKS: usize = 1000;
 
-/// What jobs ask of the cluster.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
+/// What jobs ask of the cluster; what is left out is the cluster's default.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, clap::Args)]
 pub struct SlurmRequest {
-    /// Partition; the cluster's default where none is given.
+    /// Partition for the jobs
+    #[arg(long, value_name = "NAME", requires = "slurm")]
     pub partition: Option<String>,
-    /// Time limit of a stage, as `sbatch --time` takes it.
+    /// Time limit of a stage, as sbatch takes it
+    #[arg(long, value_name = "HH:MM:SS", requires = "slurm")]
     pub time: Option<String>,
-    /// Memory of a stage, as `sbatch --mem` takes it.
+    /// Memory of a stage, as sbatch takes it
+    #[arg(long = "mem", value_name = "SIZE", requires = "slurm")]
     pub memory: Option<String>,
-    /// Account that pays, as `sbatch --account` takes it.
+    /// Account to charge for the jobs
+    #[arg(long, value_name = "NAME", requires = "slurm")]
     pub account: Option<String>,
 }
 
