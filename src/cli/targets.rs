@@ -51,7 +51,7 @@ pub(super) fn run(args: &TargetsArgs, context: &Context) -> Result<ExitStatus, C
     });
     let _at_work = context.begin(&args.out, "targets", &question)?;
     write_targets(&args.out, &found).map_err(StudyError::from)?;
-    let text =
-        format!("{}\nfull results in {}\n", found.page(), plain_path(&args.out.join("targets.md")));
+    let page = found.page().markdown();
+    let text = format!("{page}\nfull results in {}\n", plain_path(&args.out.join("targets.md")));
     context.done(&text, &found)
 }

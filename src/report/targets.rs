@@ -261,11 +261,7 @@ impl TargetsFound {
     }
 
     /// `targets.md`.
-    pub fn page(&self) -> String {
-        self.as_page().markdown()
-    }
-
-    fn as_page(&self) -> Page {
+    pub(crate) fn page(&self) -> Page {
         let alone = "Runs that meet a target, with the 95 % interval of their share; left out: runs \
                      that do not count in means, failed, or lack the result; fit: share of the \
                      variance that a linear model of all factors explains, and of runs that it has not \
@@ -330,7 +326,7 @@ fn percent(share: f64) -> String {
 /// [`ReportError`] naming the file.
 pub fn write_targets(out: &Path, found: &TargetsFound) -> Result<(), ReportError> {
     write_json(&out.join("targets.json"), found)?;
-    found.as_page().write(out, &["targets.md"])
+    found.page().write(out, &["targets.md"])
 }
 
 #[cfg(test)]
@@ -385,7 +381,7 @@ mod tests {
     /// a twentieth of the range.
     #[test]
     fn a_page_has_the_digits_that_are_known() {
-        let page = found().page();
+        let page = found().page().markdown();
         for shown in [
             "0.098 ± 0.039 |",
             "| 0.0 ± 1.2 |",
@@ -399,7 +395,7 @@ mod tests {
         let mut exact = found();
         exact.targets[0].fit.residual_standard_deviation = 0.0;
         exact.factors.insert("friction".to_owned(), [0.579_3, 0.579_3]);
-        let page = exact.page();
+        let page = exact.page().markdown();
         assert!(page.contains("| 0.5741 to 0.7461 |"), "law: four digits without scatter\n{page}");
         assert!(page.contains("at friction 0.5793"), "law: and without a range\n{page}");
     }

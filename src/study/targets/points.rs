@@ -3,55 +3,50 @@
 use super::*;
 use crate::report::{MetAt, PointsMet};
 
-/// The values of several targets at each point that has them all.
-pub(super) struct Points<'a> {
-    /// The row of each target, and its value.
-    pub values: Vec<Vec<(&'a Row, f64)>>,
+/// A point that has all of several targets: the row of each, and its value.
+pub(super) type Point<'a> = Vec<(&'a Row, f64)>;
+
+/// The points that have all of several targets. Goes through the runs of the table with most
+/// columns, and seeks for each those of the other tables that agree with it, and with each other, in
+/// all factors that both have and in their configuration.
+pub(super) fn points<'a>(targets: &[&Modelled<'a>]) -> Vec<Point<'a>> {
+    let mut order: Vec<usize> = (0..targets.len()).collect();
+    order.sort_by_key(|n| std::cmp::Reverse(targets[*n].table.columns.len()));
+    let Some(first) = order.first() else { return Vec::new() };
+    let point = |row: &'a Row| -> Option<Point<'a>> {
+        let mut rows: Vec<&Row> = vec![row];
+        let mut of_target = BTreeMap::new();
+        for n in &order {
+            let agrees = |other: &&Row| rows.iter().all(|row| agree(row, other));
+            let table = targets[*n].table;
+            let own = if std::ptr::eq(table, targets[*first].table) {
+                row
+            } else {
+                table.rows.iter().find(agrees)?
+            };
+            rows.push(own);
+            of_target.insert(*n, (own, value(targets[*n].target, own)?));
+        }
+        Some(of_target.into_values().collect())
+    };
+    targets[*first].table.rows.iter().filter_map(point).collect()
 }
 
-impl<'a> Points<'a> {
-    /// Goes through the runs of the table with most columns, and seeks for each those of the other
-    /// tables that agree with it, and with each other, in all factors that both have and in their
-    /// configuration.
-    pub fn of(targets: &[&Modelled<'a>]) -> Self {
-        let mut order: Vec<usize> = (0..targets.len()).collect();
-        order.sort_by_key(|n| std::cmp::Reverse(targets[*n].table.columns.len()));
-        let Some(first) = order.first() else { return Self { values: Vec::new() } };
-        let point = |row: &'a Row| -> Option<Vec<(&'a Row, f64)>> {
-            let mut rows: Vec<&Row> = vec![row];
-            let mut of_target = BTreeMap::new();
-            for n in &order {
-                let agrees = |other: &&Row| rows.iter().all(|row| agree(row, other));
-                let table = targets[*n].table;
-                let own = if std::ptr::eq(table, targets[*first].table) {
-                    row
-                } else {
-                    table.rows.iter().find(agrees)?
-                };
-                rows.push(own);
-                of_target.insert(*n, (own, value(targets[*n].target, own)?));
-            }
-            Some(of_target.into_values().collect())
-        };
-        Self { values: targets[*first].table.rows.iter().filter_map(point).collect() }
-    }
+/// How many points there are, and how many meet all targets.
+pub(super) fn met(points: &[Point], targets: &[&Modelled]) -> Option<PointsMet> {
+    let met = points.iter().filter(|point| meets(point, targets)).count();
+    PointsMet::new(met, points.len())
+}
 
-    /// How many there are, and how many meet all targets.
-    pub fn met(&self, targets: &[&Modelled]) -> Option<PointsMet> {
-        let met = self.values.iter().filter(|point| meets(point, targets)).count();
-        PointsMet::new(met, self.values.len())
-    }
-
-    /// Those that meet all targets.
-    pub fn met_at(&self, targets: &[&Modelled]) -> Vec<MetAt> {
-        let at = |point: &Vec<(&Row, f64)>| {
-            let own = targets.iter().zip(point).flat_map(|(target, (row, _))| {
-                target.table.factors.iter().cloned().zip(row.factors.iter().copied())
-            });
-            MetAt { at: own.collect(), values: point.iter().map(|(_, value)| *value).collect() }
-        };
-        self.values.iter().filter(|point| meets(point, targets)).map(at).collect()
-    }
+/// Those that meet all targets.
+pub(super) fn met_at(points: &[Point], targets: &[&Modelled]) -> Vec<MetAt> {
+    let at = |point: &Point| {
+        let own = targets.iter().zip(point).flat_map(|(target, (row, _))| {
+            target.table.factors.iter().cloned().zip(row.factors.iter().copied())
+        });
+        MetAt { at: own.collect(), values: point.iter().map(|(_, value)| *value).collect() }
+    };
+    points.iter().filter(|point| meets(point, targets)).map(at).collect()
 }
 
 fn meets(point: &[(&Row, f64)], targets: &[&Modelled]) -> bool {

@@ -73,7 +73,7 @@ fn runs_left_out_of_a_target_are_counted() {
     let counts: Vec<(usize, usize)> =
         found.targets.iter().map(|t| (t.runs_counted, t.runs_left_out)).collect();
     assert_eq!(counts, [(25, 3), (26, 2)], "law: of 28 runs");
-    let page = found.page();
+    let page = found.page().markdown();
     let row = page.lines().find(|line| line.starts_with("| t:settlement_mm.final | 28 to 32 |"));
     let row = row.expect("a row of the target");
     assert!(row.contains(" %) | 3 |"), "law: the page says so, too: {row}");
@@ -234,7 +234,7 @@ fn runs_of_two_sweeps_are_joined_by_the_factors_that_they_share() {
     let at: Vec<(f64, f64)> = found.met_at.iter().map(|m| (m.at["a"], m.at["b"])).collect();
     assert_eq!(at, [(2.0, 0.0), (2.0, 1.0), (2.0, 2.0)]);
     assert_eq!(found.met_at[2].values, [32.0, 22.0], "law: angle and settlement, in their order");
-    let page = found.page();
+    let page = found.page().markdown();
     assert!(page.contains("Points that meet all targets: 3 of 20 (5.2 % to 36 %)"), "{page}");
     assert!(page.contains("Where all are met"), "{page}");
 }

@@ -7,7 +7,7 @@
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use super::points::Points;
+use super::points::{Point, met, met_at, points};
 use super::*;
 use crate::report::Together;
 
@@ -51,7 +51,8 @@ pub(super) fn search(models: &[Modelled], mut targets: Vec<TargetFound>) -> Targ
         };
         ranges.iter().enumerate().map(of).collect()
     };
-    let whole = Points::of(&models.iter().collect::<Vec<_>>());
+    let all_models: Vec<&Modelled> = models.iter().collect();
+    let whole = points(&all_models);
     let correlations = correlations(models, &whole);
     let draws = correlations.as_ref().map(|of| draws(models, of));
     let count = targets.len();
@@ -85,7 +86,7 @@ pub(super) fn search(models: &[Modelled], mut targets: Vec<TargetFound>) -> Targ
     let together = |group: Group| {
         let wanted: Vec<&Modelled> = group.which.iter().map(|n| &models[*n]).collect();
         Together {
-            points: Points::of(&wanted).met(&wanted),
+            points: met(&points(&wanted), &wanted),
             targets: group.which,
             mean: group.sum / POINTS as f64,
             best: group.best.1,
@@ -94,23 +95,23 @@ pub(super) fn search(models: &[Modelled], mut targets: Vec<TargetFound>) -> Targ
     };
     let mut pairs: Vec<Together> = pairs.into_iter().map(together).collect();
     pairs.sort_by(|a, b| a.best.total_cmp(&b.best));
-    let met_at = whole.met_at(&models.iter().collect::<Vec<_>>());
+    let met_at = met_at(&whole, &all_models);
     let all = together(all);
     TargetsFound { factors, targets, correlations, pairs, all, met_at, searched: POINTS }
 }
 
 /// Correlations of the residuals of all targets at points that have them all, about a mean of
 /// zero; none where such points are few.
-fn correlations(models: &[Modelled], points: &Points) -> Option<Vec<Vec<f64>>> {
+fn correlations(models: &[Modelled], points: &[Point]) -> Option<Vec<Vec<f64>>> {
     let count = models.len();
-    if !(2..=MOST_TARGETS).contains(&count) || points.values.len() < POINTS_A_TARGET * count {
+    if !(2..=MOST_TARGETS).contains(&count) || points.len() < POINTS_A_TARGET * count {
         return None;
     }
     let residual = |point: usize, target: usize| {
-        let (row, value) = points.values[point][target];
+        let (row, value) = points[point][target];
         models[target].model.studentised(&row.factors, value)
     };
-    let residuals = DMatrix::from_fn(points.values.len(), count, residual);
+    let residuals = DMatrix::from_fn(points.len(), count, residual);
     let products = residuals.tr_mul(&residuals);
     let of = |a: usize, b: usize| products[(a, b)] / (products[(a, a)] * products[(b, b)]).sqrt();
     let all: Vec<Vec<f64>> = (0..count).map(|a| (0..count).map(|b| of(a, b)).collect()).collect();
