@@ -43,6 +43,13 @@ pub struct SeriesRow {
     pub table_z_mm: Option<f64>,
 }
 
+impl SeriesRow {
+    /// Whether settlement is measured at it.
+    pub fn is_shaken(&self) -> bool {
+        self.settlement_mm.is_some() || self.surface_settlement_mm.is_some()
+    }
+}
+
 /// Rows of a series, which may be of several stages: the table's displacement along y and z has a
 /// column where any stage moves it there.
 ///

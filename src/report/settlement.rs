@@ -17,13 +17,12 @@ pub(crate) fn settlement_curve(
     run: &RunRecord,
     settlement_mm: impl Fn(&SeriesRow) -> Option<f64>,
 ) -> Vec<(f64, f64)> {
-    let vibrating = |r: &&SeriesRow| r.settlement_mm.is_some() || r.surface_settlement_mm.is_some();
-    let Some(start) = run.series.iter().find(vibrating).map(|r| r.time_s) else {
+    let Some(start) = run.series.iter().find(|r| r.is_shaken()).map(|r| r.time_s) else {
         return Vec::new();
     };
     run.series
         .iter()
-        .filter(vibrating)
+        .filter(|r| r.is_shaken())
         .filter_map(|r| Some((r.time_s - start, settlement_mm(r)?)))
         .filter(|(t, s)| t.is_finite() && s.is_finite())
         .collect()

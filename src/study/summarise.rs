@@ -306,7 +306,7 @@ fn settlement(
     let Some(first) = periods.first() else { return Ok(None) };
     let heights: Vec<HeightSample> = series
         .iter()
-        .filter(|r| r.settlement_mm.is_some() || r.surface_settlement_mm.is_some())
+        .filter(|r| r.is_shaken())
         // The sum that gave the start may be a rounding above the first row's time.
         .filter(|r| r.time_s >= first.start - ROUNDING)
         .filter_map(|r| Some(HeightSample { time: r.time_s, height: from_mm(height_mm(r)?) }))

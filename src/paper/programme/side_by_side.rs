@@ -6,7 +6,7 @@ use super::reproduce::{Scenarios, programme, study_view};
 use super::*;
 use crate::paper;
 use crate::protocol::Work;
-use crate::record::{StageStore, create_folder};
+use crate::record::{SeriesRow, StageStore, create_folder};
 use crate::scenario::warnings;
 use crate::study::carry_out_each;
 
@@ -95,8 +95,7 @@ fn carry_out_interpretation(
     }
     let study = study_view(options.configurations, scenarios, &grains, &records)?;
     let claims = paper::claims(&study);
-    let three = [&scenarios.pluviation, &scenarios.continuous, &scenarios.intermittent];
-    let notes: BTreeSet<String> = three.into_iter().flat_map(warnings).collect();
+    let warnings: BTreeSet<String> = scenarios.all().into_iter().flat_map(warnings).collect();
     Ok(InterpretationColumn {
         name: interpretation.name.to_owned(),
         title: interpretation.title.clone(),
@@ -109,14 +108,14 @@ fn carry_out_interpretation(
         planned_runs: runs.len(),
         runs: records.into_iter().map(shown).collect(),
         failures,
-        warnings: notes.into_iter().collect(),
+        warnings: warnings.into_iter().collect(),
         claims,
     })
 }
 
 /// A run with what the table and the figures need of it.
 fn shown(mut run: RunRecord) -> RunRecord {
-    run.series.retain(|row| row.settlement_mm.or(row.surface_settlement_mm).is_some());
+    run.series.retain(SeriesRow::is_shaken);
     run.rest_test.clear();
     run
 }

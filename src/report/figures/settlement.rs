@@ -8,17 +8,12 @@ use crate::report::{
 
 /// The settlement of one run, for its own folder; `None` where it was not vibrated.
 pub(super) fn of_run(run: &RunRecord) -> Result<Option<Figure>, ReportError> {
-    if !run.series.iter().any(is_shaken) {
+    if !run.series.iter().any(SeriesRow::is_shaken) {
         return Ok(None);
     }
     let (plot, table) = curves(&[run], 0.0);
     let caption = format!("Settlement under vibration. {}", finals(&[run]));
     Figure::new("settlement", "Settlement under vibration", caption, &[plot], &table).map(Some)
-}
-
-/// Whether settlement is measured at a row.
-fn is_shaken(row: &SeriesRow) -> bool {
-    row.settlement_mm.is_some() || row.surface_settlement_mm.is_some()
 }
 
 /// Plate and surface of every run; `at_least_s` is the least length of the time axis.
@@ -40,7 +35,7 @@ pub(crate) fn curves(runs: &[&RunRecord], at_least_s: f64) -> (Plot, Table) {
         plot.add(label, look, settlement_curve(run, |row| row.settlement_mm));
     }
     let shaken = runs.iter().flat_map(|run| {
-        let rows = run.series.iter().filter(|r| is_shaken(r));
+        let rows = run.series.iter().filter(|r| r.is_shaken());
         let start = rows.clone().next().map_or(0.0, |r| r.time_s);
         rows.map(move |r| (run, r, r.time_s - start))
     });
