@@ -58,9 +58,7 @@ use crate::report::{
     text::{compact, listed, number, thousandths},
 };
 use crate::scale::Scale;
-use crate::scenario::{
-    Backend, ContactSolver, EngineSettings, GrainsSpec, Override, Scenario, StageSpec,
-};
+use crate::scenario::{Backend, EngineSettings, GrainsSpec, Override, Scenario, StageSpec};
 use crate::study::{MEANWHILE, Plan, RunOptions, Study, StudyError, make_grains, standard};
 
 // What several files share.

@@ -24,11 +24,6 @@ pub(super) fn label(engine: &EngineSettings) -> String {
     std::iter::once(engine.solver_name().to_owned()).chain(changed).collect::<Vec<_>>().join(", ")
 }
 
-/// Whether stock Bullet finds and solves the contacts, as in the engine of the paper.
-pub(super) fn is_stock_bullet(engine: &EngineSettings) -> bool {
-    (engine.backend, engine.contact_solver) == (Backend::Bullet, ContactSolver::Stock)
-}
-
 /// The leaves of `b` that are not those of `a`, as `path value`.
 fn differences(a: &Value, b: &Value, path: &str, found: &mut Vec<String>) {
     match b {
@@ -114,6 +109,7 @@ pub(super) fn keep_and_read(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenario::ContactSolver;
 
     fn column(label: &str, programme: &str) -> Column {
         Column {
@@ -142,11 +138,8 @@ mod tests {
         ] {
             assert_eq!(label(engine), words, "law: the label of {engine:?}");
             assert_eq!(suffix(engine), name, "law: the name of {engine:?}");
-            assert_eq!(
-                is_stock_bullet(engine),
-                words == "stock",
-                "law: of Bullet alone: {engine:?}"
-            );
+            let is_stock = engine.solver_name() == "stock";
+            assert_eq!(is_stock, words == "stock", "law: of Bullet alone: {engine:?}");
         }
     }
 

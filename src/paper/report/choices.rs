@@ -97,8 +97,7 @@ fn facts(scenario: &Scenario) -> Value {
             _ => {}
         }
     }
-    let is_stock =
-        (engine.backend, engine.contact_solver) == (Backend::Bullet, ContactSolver::Stock);
+    let is_stock = engine.solver_name() == "stock";
     for (name, value) in [
         ("native", engine.is_native().into()),
         ("stock", is_stock.into()),
@@ -152,6 +151,7 @@ fn grains(grains: &GrainsSpec) -> String {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::scenario::ContactSolver;
 
     /// Stages of a specimen under its plate.
     pub const VIBRATED: &str = r#"{"stage": "place_top_plate"}, {"stage": "vibrate",
