@@ -48,27 +48,34 @@ pub fn outcomes_in(summary: &Value) -> BTreeMap<String, f64> {
         let number = summary.pointer(&pointer).and_then(Value::as_f64);
         found.extend(number.map(|number| (path.to_owned(), number)));
     }
-    add_numbers("laboratory", &summary["laboratory"], &mut found);
+    found.extend(numbers_in("laboratory", &summary["laboratory"], [".", ""]));
     for (n, stage) in summary["stages"].as_array().into_iter().flatten().enumerate() {
-        add_numbers(&format!("stages.{n}.until"), &stage["until"], &mut found);
+        found.extend(numbers_in(&format!("stages.{n}.until"), &stage["until"], [".", ""]));
     }
     found
 }
 
-/// Adds every number in a value, lists by numbers from 0.
-fn add_numbers(at: &str, value: &Value, found: &mut BTreeMap<String, f64>) {
+/// Every number in a value at a path, with its own path; what stands around the number, from 0, of
+/// an element of a list.
+pub fn numbers_in(at: &str, value: &Value, around: [&str; 2]) -> Vec<(String, f64)> {
     match value {
         Value::Number(number) => {
-            found.extend(number.as_f64().map(|number| (at.to_owned(), number)));
+            number.as_f64().map(|number| (at.to_owned(), number)).into_iter().collect()
         }
         Value::Object(fields) => {
-            fields.iter().for_each(|(name, of)| add_numbers(&format!("{at}.{name}"), of, found));
+            let dot = if at.is_empty() { "" } else { "." };
+            let of =
+                |(name, of): (&String, &Value)| numbers_in(&format!("{at}{dot}{name}"), of, around);
+            fields.iter().flat_map(of).collect()
         }
         Value::Array(items) => {
-            let numbered = items.iter().enumerate();
-            numbered.for_each(|(n, of)| add_numbers(&format!("{at}.{n}"), of, found));
+            let [before, after] = around;
+            let of = |(n, of): (usize, &Value)| {
+                numbers_in(&format!("{at}{before}{n}{after}"), of, around)
+            };
+            items.iter().enumerate().flat_map(of).collect()
         }
-        Value::Null | Value::Bool(_) | Value::String(_) => {}
+        Value::Null | Value::Bool(_) | Value::String(_) => Vec::new(),
     }
 }
 

@@ -2,7 +2,7 @@
 //! scenario is to give it.
 
 use super::*;
-use crate::report::unit_of;
+use crate::report::{numbers_in, unit_of};
 use crate::scenario::{nearest, renamed_field, renamed_result};
 
 /// A result of a run that is to have a value: a number of its `summary.json`.
@@ -97,30 +97,17 @@ impl CalibrationTarget {
                 self.field
             ));
         }
-        let mut numbers = Vec::new();
-        collect_numbers("", summary, &mut numbers);
         StudyError::Scenario(format!(
             "summary.json of a run has no number at `{}`; it has {}",
             self.field,
-            numbers.join(", ")
+            paths_of_numbers(summary).join(", ")
         ))
     }
 }
 
 /// Paths of all numbers of a value.
-fn collect_numbers(at: &str, value: &Value, found: &mut Vec<String>) {
-    let below = |name: &str| if at.is_empty() { name.to_owned() } else { format!("{at}.{name}") };
-    match value {
-        Value::Number(_) => found.push(at.to_owned()),
-        Value::Object(map) => {
-            map.iter().for_each(|(name, value)| collect_numbers(&below(name), value, found));
-        }
-        Value::Array(items) => items
-            .iter()
-            .enumerate()
-            .for_each(|(i, value)| collect_numbers(&format!("{at}[{i}]"), value, found)),
-        _ => {}
-    }
+fn paths_of_numbers(value: &Value) -> Vec<String> {
+    numbers_in("", value, ["[", "]"]).into_iter().map(|(path, _)| path).collect()
 }
 
 impl FromStr for Interval {
@@ -158,8 +145,7 @@ pub(super) fn takes_whole(field: &str, scenario: &Scenario) -> Result<bool, Stud
     if let Some(now) = renamed_field(field) {
         return fault(&format!("this field is now called `{now}`"));
     }
-    let mut numbers = Vec::new();
-    collect_numbers("", &all, &mut numbers);
+    let numbers = paths_of_numbers(&all);
     let near = nearest(field, numbers.iter().map(String::as_str));
     let meant = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
     fault(&format!("the scenario has no such field{meant}"))
