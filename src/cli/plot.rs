@@ -4,7 +4,7 @@ use super::picture::prepare;
 use super::*;
 use crate::export::refuse_no_run;
 use crate::record::refuse_no_folder;
-use crate::report::{ChartColumn, ChartStyle, ColumnChart, ColumnRange, ColumnTable, svg_to_png};
+use crate::report::{ChartColumn, ColumnChart, ColumnRange, ColumnTable, svg_to_png};
 use crate::scenario::{MeantStage, renamed_result};
 
 /// Plot any columns of a run's tables against each other
@@ -248,7 +248,6 @@ fn chart(
     let goes_on = rows.find("time_s").is_ok()
         || increases(&along.numbers)
         || y.iter().all(|column| increases(&column.numbers));
-    let is_line = goes_on && !args.points;
     let gaps = gaps(rows);
     let in_pieces =
         |column: ChartColumn| ChartColumn { numbers: broken(&column.numbers, &gaps), ..column };
@@ -257,7 +256,7 @@ fn chart(
         x: in_pieces(along),
         y: y.into_iter().map(in_pieces).collect(),
         log: [args.log_x, args.log_y],
-        style: if is_line { ChartStyle::Line } else { ChartStyle::Points },
+        is_line: goes_on && !args.points,
     })
 }
 

@@ -14,15 +14,6 @@ pub struct ChartColumn {
     pub numbers: Vec<Option<f64>>,
 }
 
-/// How it is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ChartStyle {
-    /// Rows joined in their order.
-    Line,
-    /// A marker for each row.
-    Points,
-}
-
 /// What is drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColumnChart {
@@ -32,8 +23,8 @@ pub struct ColumnChart {
     pub y: Vec<ChartColumn>,
     /// Whether the horizontal and the vertical axes are logarithmic.
     pub log: [bool; 2],
-    /// Lines, or points.
-    pub style: ChartStyle,
+    /// Whether rows are joined in their order; else each has a marker.
+    pub is_line: bool,
     /// Values of x at which a stage begins.
     pub stages: Vec<f64>,
 }
@@ -85,8 +76,7 @@ impl ColumnChart {
 
     /// A column in pieces between rows that have no place.
     fn curves(&self, n: usize, column: &ChartColumn, named: bool) -> Vec<Series> {
-        let is_line = self.style == ChartStyle::Line;
-        let look = match (is_line, named) {
+        let look = match (self.is_line, named) {
             (true, true) => Look::spaced(n),
             (true, false) => Look::line(n),
             (false, _) => Look::dots(n),
@@ -106,7 +96,7 @@ impl ColumnChart {
             .filter(|points| !points.is_empty())
             .map(|points| {
                 // A row alone between rows without a number has no line.
-                let alone = is_line && points.len() == 1;
+                let alone = self.is_line && points.len() == 1;
                 let look = if alone { Look::marked(n) } else { look };
                 Series { label: name.take().unwrap_or_default(), look, points }
             })
@@ -160,7 +150,7 @@ mod tests {
             x: column("time_s", &[Some(0.0), Some(1.0), Some(2.0), Some(3.0)]),
             y,
             log: [false; 2],
-            style: ChartStyle::Line,
+            is_line: true,
             stages: vec![2.0],
         }
     }

@@ -67,7 +67,7 @@ pub use calibration::{
 };
 pub use calibration_page::{found as calibration_rows, write_calibration, write_calibration_runs};
 pub use chart::Chart;
-pub use column_chart::{ChartColumn, ChartStyle, ColumnChart};
+pub use column_chart::{ChartColumn, ColumnChart};
 pub use columns::{ColumnRange, ColumnTable, unit_of};
 pub use comparison::{CompareRecord, CompareRun, ComparedQuantity, write_comparison};
 pub use convergence::{
