@@ -2,6 +2,7 @@
 //! ladder and of the study, as tables and figures.
 
 use super::*;
+use crate::{grains::table_csv, record::write_csv};
 
 /// Deviation of a result from a converged one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -51,13 +52,6 @@ pub struct Deviations {
     pub plate: Deviation,
     /// Of the settlement of the mean surface.
     pub surface: Deviation,
-}
-
-impl Deviations {
-    /// All three.
-    pub fn all(&self) -> [&Deviation; 3] {
-        [&self.height, &self.plate, &self.surface]
-    }
 }
 
 /// One rung of a ladder, judged.
@@ -157,13 +151,13 @@ impl Convergence {
 /// # Errors
 /// [`ReportError`] naming the file or the figure.
 pub fn write_convergence(out: &Path, of: &Convergence) -> Result<(), ReportError> {
-    table(of).write(&out.join("convergence.csv"))?;
+    write_csv(&out.join("convergence.csv"), table_csv(records(of)))?;
     write_json(&out.join("convergence.json"), of)?;
     page(of, figures::of_convergence(of)?).write(out, &["convergence.md"])
 }
 
-fn table(of: &Convergence) -> Table {
-    Table::of_records(of.rows.iter().map(|row| {
+fn records(of: &Convergence) -> impl Iterator<Item = Vec<(String, String)>> {
+    of.rows.iter().map(|row| {
         let v = &row.result;
         let mut record = Record::default();
         record.add("ladder", &row.ladder);
@@ -192,8 +186,8 @@ fn table(of: &Convergence) -> Table {
         record.add("error_over_limit", row.error_over_limit);
         record.add("meets", row.meets);
         record.add("open", row.open);
-        record
-    }))
+        record.0
+    })
 }
 
 fn page(of: &Convergence, figures: Vec<Figure>) -> Page {

@@ -4,6 +4,7 @@
 use super::convergence::specimen;
 use super::table::{mean_within, scattered};
 use super::*;
+use crate::{grains::table_csv, record::write_csv};
 
 /// How far a parameter moves a length, in mm. Differences are paired by
 /// configuration.
@@ -118,13 +119,13 @@ pub(super) fn ranked(
 /// # Errors
 /// [`ReportError`] naming the file or the figure.
 pub fn write_sensitivity(out: &Path, of: &Sensitivity) -> Result<(), ReportError> {
-    table(of).write(&out.join("sensitivity.csv"))?;
+    write_csv(&out.join("sensitivity.csv"), table_csv(records(of)))?;
     write_json(&out.join("sensitivity.json"), of)?;
     page(of, figures::of_sensitivity(of)?).write(out, &["sensitivity.md"])
 }
 
-fn table(of: &Sensitivity) -> Table {
-    Table::of_records(of.parameters.iter().map(|row| {
+fn records(of: &Sensitivity) -> impl Iterator<Item = Vec<(String, String)>> {
+    of.parameters.iter().map(|row| {
         let mut record = Record::default();
         record.add("parameter", &row.parameter);
         record.add("unit", &row.unit);
@@ -146,8 +147,8 @@ fn table(of: &Sensitivity) -> Table {
             record.add(format!("{outcome}_per_unit_mm_half_width_95"), half_width);
             record.add(format!("{outcome}_inside_scatter"), e.inside_scatter);
         }
-        record
-    }))
+        record.0
+    })
 }
 
 fn page(of: &Sensitivity, figure: Figure) -> Page {

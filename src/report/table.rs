@@ -180,13 +180,13 @@ macro_rules! table {
 
 pub(crate) use {row, table};
 
-/// The cells of one row, each with the name of its column.
+/// The texts of one row of a file, each with the name of its column.
 #[derive(Debug, Default)]
-pub(crate) struct Record(Vec<(String, Cell)>);
+pub(crate) struct Record(pub Vec<(String, String)>);
 
 impl Record {
     pub(crate) fn add(&mut self, name: impl Into<String>, cell: impl Into<Cell>) {
-        self.0.push((name.into(), cell.into()));
+        self.0.push((name.into(), cell.into().text));
     }
 
     /// Adds a mean and its standard error.
@@ -213,17 +213,6 @@ pub(crate) struct Table {
 impl Table {
     pub(crate) fn new<T: Into<Cell>>(header: impl IntoIterator<Item = T>) -> Self {
         Self { header: header.into_iter().map(Into::into).collect(), ..Self::default() }
-    }
-
-    /// Of records that have the same columns.
-    pub(crate) fn of_records(records: impl IntoIterator<Item = Record>) -> Self {
-        let mut table = Self::default();
-        for Record(cells) in records {
-            let (names, cells): (Vec<String>, Vec<Cell>) = cells.into_iter().unzip();
-            table.header = names.into_iter().map(Cell::from).collect();
-            table.row(cells);
-        }
-        table
     }
 
     /// Names and values, without a header.

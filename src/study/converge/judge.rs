@@ -181,7 +181,8 @@ pub(super) fn cheapest(rows: &[ConvergenceRow], standard: &Standard) -> Cheapest
         surely_meeting: pick(&|r| r.meets == Some(true) && r.open == Some(false)),
         not_shown_to_miss: pick(&|r| {
             let good = quality(&r.result, standard);
-            let mut deviations = r.from_ladder.all().into_iter().chain(r.from_study.all());
+            let deviations = [r.from_ladder, r.from_study];
+            let mut deviations = deviations.iter().flat_map(|d| [d.height, d.plate, d.surface]);
             !is_spoilt(&r.result)
                 && good.iter().all(|(value, limit)| value.is_some_and(|e| e.mean < *limit))
                 && deviations.all(|d| d.may_pass() != Some(false))
