@@ -65,7 +65,8 @@ impl Axis {
 
     /// A linear axis with given ticks, from the first to the last.
     pub fn with_ticks(name: impl Into<String>, ticks: &[f64]) -> Self {
-        Self::divided(name, Scale::with_ticks(ticks))
+        let (from, to) = extent(ticks.iter().copied()).unwrap_or((0.0, 1.0));
+        Self::divided(name, Scale { from, to, ticks: ticks.to_vec(), ..Scale::default() })
     }
 
     /// An axis of rows below each other, numbered from 0 at the top.
@@ -157,11 +158,6 @@ impl Scale {
         let Some((low, high)) = extent(values) else { return self };
         let margin = MARGIN * (self.to - self.from);
         Self { from: self.from.min(low - margin), to: self.to.max(high + margin), ..self }
-    }
-
-    fn with_ticks(ticks: &[f64]) -> Self {
-        let (from, to) = extent(ticks.iter().copied()).unwrap_or((0.0, 1.0));
-        Self { from, to, ticks: ticks.to_vec(), ..Self::default() }
     }
 
     /// A logarithmic scale that holds all positive values; within two decades

@@ -186,13 +186,6 @@ pub struct Calibration {
     pub runs: Vec<CalibrationRun>,
 }
 
-impl Calibration {
-    /// What is sought, for sentences.
-    pub fn unknown_in_words(&self) -> &str {
-        unknown_in_words(&self.unknown)
-    }
-}
-
 /// What is sought, for sentences: a name where there is one, or the field.
 pub fn unknown_in_words(field: &str) -> &str {
     if field == "contact.grain_grain_friction" { "friction between grains" } else { field }

@@ -31,8 +31,11 @@ const HOW_TO_READ: &str = "Every value is run in the same configurations, each a
      time step, an engine or a model.";
 
 fn page(of: &Calibration, figure: Figure) -> Page {
-    let title =
-        format!("Calibration: {} by {}", target_in_words(&of.target), of.unknown_in_words());
+    let title = format!(
+        "Calibration: {} by {}",
+        target_in_words(&of.target),
+        unknown_in_words(&of.unknown)
+    );
     let lead = format!("{}.", capital(&of.statement));
     let found = found(of).into_iter().map(|(name, value)| (capital(&name), value));
     let notes = of.notes.iter().map(|note| format!("{}.", capital(note))).collect();
@@ -51,12 +54,17 @@ pub fn found(of: &Calibration) -> Vec<(String, String)> {
         (format!("{} wanted", target_in_words(&of.target)), unit(of.wanted)),
         (
             "searched".to_owned(),
-            format!("{} from {} to {}", of.unknown_in_words(), of.between.low, of.between.high),
+            format!(
+                "{} from {} to {}",
+                unknown_in_words(&of.unknown),
+                of.between.low,
+                of.between.high
+            ),
         ),
     ];
     let mut row = |name: &str, value: String| rows.push((name.to_owned(), value));
     if let Some(s) = of.solution {
-        row(&format!("{} needed", of.unknown_in_words()), compact(s.value));
+        row(&format!("{} needed", unknown_in_words(&of.unknown)), compact(s.value));
         let none = || "none: the slope does not differ significantly from zero".to_owned();
         let interval = s.interval_95.map_or_else(none, |i| from_to(i.low, i.high));
         row("its 95 % confidence interval", interval);

@@ -117,7 +117,12 @@ pub fn grain_figures(
     if let Some(specified) = specified {
         words = format!("Specified: {}. {words}", in_words(specified.gradation()));
     }
-    figures::of_grains(&curve, &generated, &words)?.write(folder)?;
+    let caption = format!(
+        "Grain size distribution of the grains, each through the virtual sieve (the smallest \
+         square opening that it passes in any orientation). {words}"
+    );
+    let (stem, title) = ("grain-size-distribution", "Grain size distribution");
+    figures::grains::curves(stem, title, caption, [&curve, &generated])?.write(folder)?;
     figures::of_shapes(shapes)?.write(folder)
 }
 

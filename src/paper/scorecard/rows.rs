@@ -7,9 +7,6 @@ use crate::paper::{
     uncertainty::{SETTLEMENT_OF_PLATE, SHARE_AFTER_5_S, placement_scatter},
 };
 
-/// Said of a plate's rows where the programme has no other placements.
-const ONE_PLACEMENT: &str = "One placement of the plate per specimen.";
-
 /// A row before its value is known.
 struct Row<'a> {
     id: &'static str,
@@ -127,7 +124,8 @@ impl Measured {
 
     /// The same, each of the one plate on a specimen.
     fn under_one_plate(values: &[f64]) -> Self {
-        Self { note: ONE_PLACEMENT.to_owned(), ..Self::of(values) }
+        let note = "One placement of the plate per specimen.".to_owned();
+        Self { note, ..Self::of(values) }
     }
 
     /// A quantity under the plates that were laid anew on each specimen, with the interval that

@@ -47,21 +47,6 @@ pub(crate) fn curves(
     Figure::of_curves(stem, title, caption, &[plot], &["curve", "size_mm", "passing_percent"])
 }
 
-/// The curves of a single run's grains, in its own folder. `words` says
-/// what is read off each curve.
-pub(in crate::report) fn of_grains(
-    specified: &[(f64, f64)],
-    generated: &[(f64, f64)],
-    words: &str,
-) -> Result<Figure, ReportError> {
-    let caption = format!(
-        "Grain size distribution of the grains, each through the virtual sieve (the smallest \
-         square opening that it passes in any orientation). {words}"
-    );
-    let (stem, title) = ("grain-size-distribution", "Grain size distribution");
-    curves(stem, title, caption, [specified, generated])
-}
-
 /// Name, symbol and column of a number.
 fn named(ratio: ShapeRatio) -> (&'static str, &'static str) {
     match ratio {

@@ -15,7 +15,7 @@ use crate::record::create_folder;
 
 pub(super) use calibration::of_calibration;
 pub(super) use convergence::of_convergence;
-pub(super) use grains::{of_grains, of_shapes};
+pub(super) use grains::of_shapes;
 pub(crate) use of_run::of_run;
 pub(crate) use pile::by_azimuth;
 pub use pile::side_view;

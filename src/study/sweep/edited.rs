@@ -8,9 +8,6 @@ use super::*;
 /// Most differences that are reported one by one.
 const MOST_TOLD: usize = 5;
 
-/// Fields that no result depends on.
-const WORDS: [&str; 3] = ["name", "description", "notes"];
-
 /// Refuses a folder that holds the plan of another sweep, or that of this one when its scenario was
 /// another, and says what has changed. More configurations of the same sweep are none; fewer would
 /// take runs out of its tables.
@@ -126,7 +123,8 @@ fn differences(before: &Scenario, after: &Scenario) -> Vec<String> {
 }
 
 fn compare(path: &str, before: Option<&Value>, after: Option<&Value>, found: &mut Vec<String>) {
-    if WORDS.contains(&path) || before == after {
+    // Fields that no result depends on.
+    if path == "name" || WORDS.contains(&path) || before == after {
         return;
     }
     match (before, after) {

@@ -103,17 +103,11 @@ pub(super) fn decimals(unit: &str) -> Option<usize> {
     }
 }
 
-const OUTCOME: &str = "Outcome";
-const FIGURE_7: &str = "Figure 7: standing height, mean surface";
-const FIGURE_9: &str = "Figure 9: continuous vibration";
-const FIGURE_10: &str = "Figure 10: intermittent vibration";
-const TRUST: &str = "Credibility";
 /// The one result among what tells whether an interpretation can be believed.
 const VOID_RATIO: &str = "void ratio after pouring";
-const CLAIMS: &str = "The paper's statements";
 
 pub(super) fn rows(columns: &[InterpretationColumn]) -> Vec<InterpretationRow> {
-    let mut table = Rows { columns, part: OUTCOME, rows: Vec::new() };
+    let mut table = Rows { columns, part: "Outcome", rows: Vec::new() };
     table.words("runs made", |c| format!("{} of {}", c.runs.len(), c.planned_runs));
     table.words("runs that failed", |c| match c.failures.len() {
         0 => "none".to_owned(),
@@ -125,14 +119,14 @@ pub(super) fn rows(columns: &[InterpretationColumn]) -> Vec<InterpretationRow> {
     table.words("steps too coarse for the motion", |c| {
         if c.warnings.is_empty() { "no" } else { "yes" }.to_owned()
     });
-    table.part = FIGURE_7;
+    table.part = "Figure 7: standing height, mean surface";
     for fh in constants::FALLING_HEIGHTS_MM {
         let quantity = format!("from {} cm", number(fh / 10.0, 0));
         let height = |r: &RunRecord| r.summary.standing_height_mm.mean();
         table.add(&quantity, "mm", "", |c| InterpretationCell::of_runs(c.poured_from(fh), height));
     }
-    table.add_settlements(FIGURE_9, RunKind::VibrationContinuous);
-    table.add_settlements(FIGURE_10, RunKind::VibrationIntermittent);
+    table.add_settlements("Figure 9: continuous vibration", RunKind::VibrationContinuous);
+    table.add_settlements("Figure 10: intermittent vibration", RunKind::VibrationIntermittent);
     table.add_trust();
     table.add_claims();
     table.rows
@@ -195,7 +189,7 @@ impl Rows<'_> {
 
     /// What tells whether the results can be believed.
     fn add_trust(&mut self) {
-        self.part = TRUST;
+        self.part = "Credibility";
         type Of = fn(&RunRecord) -> Option<f64>;
         let quantities: [(&str, &str, Of); 9] = [
             ("overlap of grains, mean", "%", |r| Some(r.summary.overlap.mean_percent)),
@@ -223,7 +217,7 @@ impl Rows<'_> {
 
     /// Every claim that any interpretation has, and the tally of results.
     fn add_claims(&mut self) {
-        self.part = CLAIMS;
+        self.part = "The paper's statements";
         let mut known: Vec<&str> = Vec::new();
         for claim in self.columns.iter().flat_map(|c| &c.claims) {
             if known.contains(&claim.id.as_str()) {
