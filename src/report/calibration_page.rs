@@ -31,14 +31,11 @@ const HOW_TO_READ: &str = "Every value is run in the same configurations, each a
      time step, an engine or a model.";
 
 fn page(of: &Calibration, figure: Figure) -> Page {
-    let title = format!(
-        "Calibration: {} by {}",
-        target_in_words(&of.target),
-        unknown_in_words(&of.unknown)
-    );
+    let (target, unknown) = (target_in_words(&of.target), unknown_in_words(&of.unknown));
     let lead = format!("{}.", capital(&of.statement));
     let found = found(of).into_iter().map(|(name, value)| (capital(&name), value));
     let notes = of.notes.iter().map(|note| format!("{}.", capital(note))).collect();
+    let title = format!("Calibration: {target} by {unknown}");
     Page::new(title, [Block::lead(lead, of.ending == CalibrationEnding::Found)])
         .section("found", "What was found", [Block::Table(Table::of_pairs(found))])
         .section("notes", "Notes", [Block::List(notes)])
@@ -50,27 +47,20 @@ fn page(of: &Calibration, figure: Figure) -> Page {
 /// Name and value of what was found.
 pub fn found(of: &Calibration) -> Vec<(String, String)> {
     let unit = |v: f64| with_unit(&compact(v), &of.unit);
-    let mut rows = vec![
-        (format!("{} wanted", target_in_words(&of.target)), unit(of.wanted)),
-        (
-            "searched".to_owned(),
-            format!(
-                "{} from {} to {}",
-                unknown_in_words(&of.unknown),
-                of.between.low,
-                of.between.high
-            ),
-        ),
-    ];
+    let (target, unknown) = (target_in_words(&of.target), unknown_in_words(&of.unknown));
+    let Interval { low, high } = of.between;
+    let mut rows = Vec::new();
     let mut row = |name: &str, value: String| rows.push((name.to_owned(), value));
+    row(&format!("{target} wanted"), unit(of.wanted));
+    row("searched", format!("{unknown} from {low} to {high}"));
     if let Some(s) = of.solution {
-        row(&format!("{} needed", unknown_in_words(&of.unknown)), compact(s.value));
+        row(&format!("{unknown} needed"), compact(s.value));
         let none = || "none: the slope does not differ significantly from zero".to_owned();
         let interval = s.interval_95.map_or_else(none, |i| from_to(i.low, i.high));
         row("its 95 % confidence interval", interval);
         let known_to = |mean, off| with_unit(&plus_minus(mean, Some(off), compact), &of.unit);
         let there = known_to(of.wanted, s.result_half_width_95);
-        row(&format!("{} there", target_in_words(&of.target)), there);
+        row(&format!("{target} there"), there);
         let per_unit = known_to(s.slope, s.slope_half_width_95);
         row("change for one unit", format!("{per_unit}, {} configurations", s.configurations));
     }

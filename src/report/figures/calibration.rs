@@ -11,7 +11,8 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
     let left_out = of.runs.iter().filter(|r| r.is_left_out());
     let left_out = left_out.filter_map(|r| Some((r.value, r.result?)));
     let means = of.values.iter().filter_map(|v| Some((v.value, v.mean?)));
-    let x = Axis::linear(capital(unknown_in_words(&of.unknown))).holding([low, high]);
+    let unknown = unknown_in_words(&of.unknown);
+    let x = Axis::linear(capital(unknown)).holding([low, high]);
     let mut plot = Plot::new(x, Axis::linear(name_of_result(of)));
     plot.mark_level(format!("Wanted: {}", with_unit(&compact(of.wanted), &of.unit)), of.wanted);
     if of.identity.is_some() {
@@ -51,11 +52,7 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
         "in_fit" => value.is_some_and(|v| v.in_fit),
         "left_out_of_means" => run.left_out_of_means.clone(),
     });
-    let title = format!(
-        "{} against {}",
-        capital(target_in_words(&of.target)),
-        unknown_in_words(&of.unknown)
-    );
+    let title = format!("{} against {unknown}", capital(target_in_words(&of.target)));
     let identity = if of.identity.is_some() {
         " Dashed: where the angle of repose would be the angle of friction between surfaces."
     } else {
