@@ -70,28 +70,26 @@ fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
     let is_found = |r: &&SweepRun| r.meets_standard == Some(true) && r.valid == Some(false);
     let found = of.runs.iter().filter(is_found).count();
     let left_out = of.left_out().count();
-    let say = |count: usize, text: String| if count > 0 { text } else { String::new() };
+    let does_not = if below == 1 { "does not" } else { "do not" };
+    let that_do = if found == 1 { "that does" } else { "that do" };
+    let against = [
+        (failed, format!(", {failed} failed")),
+        (
+            below,
+            format!(
+                "; {below} {does_not} meet the accuracy standard for overlap and numerical creep"
+            ),
+        ),
+        (found, format!("; in {found} {that_do} a run-time check found something")),
+        (not_valid, format!("; not valid: {not_valid} of {done}")),
+    ];
+    let against = against.into_iter().filter(|(count, _)| *count > 0).map(|(_, said)| said);
     let lead = format!(
-        "{} points in {}: {done} of {} runs have results{}{}{}{}{}.",
+        "{} points in {}: {done} of {} runs have results{}{}.",
         of.points.len(),
         counted(of.configurations as usize, "configuration"),
         of.planned,
-        say(failed, format!(", {failed} failed")),
-        say(
-            below,
-            format!(
-                "; {below} {} meet the accuracy standard for overlap and numerical creep",
-                if below == 1 { "does not" } else { "do not" }
-            )
-        ),
-        say(
-            found,
-            format!(
-                "; in {found} {} a run-time check found something",
-                if found == 1 { "that does" } else { "that do" }
-            )
-        ),
-        say(not_valid, format!("; not valid: {not_valid} of {done}")),
+        against.collect::<String>(),
         left_out_in_words(left_out, done).map_or(String::new(), |said| format!("; {said}")),
     );
     let is_well = failed == 0 && not_valid == 0 && left_out == 0;

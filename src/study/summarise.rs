@@ -97,14 +97,10 @@ pub fn summarise(
     warnings.extend(scenario::warnings(scenario));
     warnings.extend(of_grains(scenario, &run.grains));
     warnings.extend(MeshRecord::notes(&run.grains.meshes));
-    let angle_of_repose = match angle_of_repose(&specimen)? {
-        Some(Ok(angle)) => Some(angle),
-        Some(Err(why)) => {
-            warnings.push(format!("there is no angle of repose: {why}"));
-            None
-        }
-        None => None,
-    };
+    let angle_of_repose = angle_of_repose(&specimen)?.transpose().unwrap_or_else(|why| {
+        warnings.push(format!("there is no angle of repose: {why}"));
+        None
+    });
     let standard = standard(&setup.scale);
     let at_end = AtEnd {
         grains: members.len(),

@@ -156,12 +156,8 @@ impl Runs {
     /// Values of the unknown as variations of the scenario.
     fn varied(&self, values: &[f64]) -> Result<Varied, StudyError> {
         let variation = |value: &f64| {
-            let change = if self.question.whole {
-                format!("{}={value:.0}", self.options.unknown)
-            } else {
-                format!("{}={value}", self.options.unknown)
-            };
-            let change: Result<Override, _> = change.parse();
+            let typed = if self.question.whole { format!("{value:.0}") } else { value.to_string() };
+            let change: Result<Override, _> = format!("{}={typed}", self.options.unknown).parse();
             let changes = vec![change.map_err(|e| StudyError::Scenario(e.to_string()))?];
             Ok(Variation::new(format!("at-{value}"), &self.options.unknown, changes))
         };
