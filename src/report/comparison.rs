@@ -110,13 +110,8 @@ fn lead(of: &CompareRecord) -> String {
             Some(true) => "agree",
             _ => "do NOT agree",
         };
-        let own: Vec<String> = of
-            .runs
-            .iter()
-            .zip(&q.values)
-            .filter(|(r, _)| r.specimen_by.is_none())
-            .map(|(_, v)| v.map_or_else(|| "–".to_owned(), shown))
-            .collect();
+        let own = of.runs.iter().zip(&q.values).filter(|(r, _)| r.specimen_by.is_none());
+        let own: Vec<String> = own.map(|(_, v)| v.map_or_else(dash, shown)).collect();
         sentences.push(format!(
             "They {verdict} on the {}: {}{unit}, band {}{unit}.",
             q.quantity,
@@ -186,10 +181,8 @@ fn packing(of: &Summary) -> String {
 
 /// What is known of the differences, with this comparison's own numbers.
 fn reasons(of: &CompareRecord) -> Vec<String> {
-    let mut reasons = Vec::new();
-    for run in &of.runs {
-        reasons.push(format!("{}: {}.", run.name, packing(&run.summary)));
-    }
+    let packed = of.runs.iter().map(|run| format!("{}: {}.", run.name, packing(&run.summary)));
+    let mut reasons: Vec<String> = packed.collect();
     reasons.push(
         "Overlap makes a packing look denser than it is: grains that share space need less of it. \
          A height is comparable only between runs whose overlaps are both small."

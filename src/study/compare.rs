@@ -181,12 +181,8 @@ fn quantities(runs: &[CompareRun]) -> Vec<ComparedQuantity> {
         .map(|(quantity, unit, value, band)| {
             let values: Vec<Option<f64>> = runs.iter().map(value).collect();
             // A band holds between engines that made their own specimen.
-            let own: Vec<f64> = runs
-                .iter()
-                .zip(&values)
-                .filter(|(r, _)| r.specimen_by.is_none())
-                .filter_map(|(_, v)| *v)
-                .collect();
+            let own = runs.iter().zip(&values).filter(|(r, _)| r.specimen_by.is_none());
+            let own: Vec<f64> = own.filter_map(|(_, v)| *v).collect();
             let band = band(own.first().copied());
             let within =
                 band.filter(|_| judged).zip(own.split_first()).map(|(band, (first, others))| {
