@@ -237,7 +237,9 @@ impl Maker<'_> {
     fn run(&self, command: &str, places: &[(&str, &Path)]) -> Result<Vec<u8>, String> {
         let words = command.split_whitespace().map(|word| {
             let place = places.iter().find(|(name, _)| *name == word);
-            place.map_or_else(|| word.into(), |(_, path)| path.as_os_str().to_owned())
+            // Files that are kept name what they are about by its place in the tree.
+            let within = |path: &Path| path.strip_prefix(self.root).unwrap_or(path).into();
+            place.map_or_else(|| word.into(), |(_, path)| within(path))
         });
         let output = Command::new(self.root.join(self.program))
             .current_dir(self.root)

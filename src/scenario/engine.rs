@@ -116,6 +116,11 @@ impl EngineSettings {
         self.backend == Backend::Bullet && self.contact_solver == ContactSolver::Native
     }
 
+    /// Whether stock Bullet finds and solves the contacts, as in the engine of the paper.
+    pub fn is_stock(&self) -> bool {
+        self.backend == Backend::Bullet && self.contact_solver == ContactSolver::Stock
+    }
+
     /// Who finds and solves the contacts, as results name it: a contact solver on Bullet, or the
     /// other engine itself.
     pub fn solver_name(&self) -> &'static str {

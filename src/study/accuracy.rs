@@ -60,7 +60,7 @@ impl AtEnd<'_> {
         )];
         let over =
             self.overlap.map_or(0.0, |of| (of.mean_percent / mean).max(of.p99_percent / p99));
-        if over >= 1.0 && engine.solver_name() == "native" {
+        if over >= 1.0 && engine.is_native() {
             told.push(stiffer(engine.native.contact_stiffness_n_per_m, over));
         }
         told

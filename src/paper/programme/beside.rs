@@ -138,8 +138,7 @@ mod tests {
         ] {
             assert_eq!(label(engine), words, "law: the label of {engine:?}");
             assert_eq!(suffix(engine), name, "law: the name of {engine:?}");
-            let is_stock = engine.solver_name() == "stock";
-            assert_eq!(is_stock, words == "stock", "law: of Bullet alone: {engine:?}");
+            assert_eq!(engine.is_stock(), words == "stock", "law: of Bullet alone: {engine:?}");
         }
     }
 

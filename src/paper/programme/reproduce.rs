@@ -242,7 +242,7 @@ fn finish(
         label: scenarios.label.clone(),
         programme: scenarios.programme_hash(options.configurations)?,
         claims: claims.clone(),
-        stock_bullet: scenarios.engine().solver_name() == "stock",
+        stock_bullet: scenarios.engine().is_stock(),
         settlement: MeanSettlement::of(&study),
     };
     let progress = run.progress.as_ref();

@@ -97,7 +97,7 @@ fn facts(scenario: &Scenario) -> Value {
             _ => {}
         }
     }
-    let is_stock = engine.solver_name() == "stock";
+    let is_stock = engine.is_stock();
     for (name, value) in [
         ("native", engine.is_native().into()),
         ("stock", is_stock.into()),
