@@ -289,6 +289,20 @@ fn natural_spline(times: &[f64], places: &[Vector]) -> Vec<Vector> {
     bends
 }
 
+/// What is wrong with a first line that is no header of a CSV: of a table whose columns no commas
+/// separate, or of numbers alone.
+fn no_header(first: &csv::StringRecord) -> Option<String> {
+    let other = [(';', "semicolons"), ('\t', "tabs")];
+    let found = other.into_iter().find(|(mark, _)| first.len() == 1 && first[0].contains(*mark));
+    if let Some((_, marks)) = found {
+        return Some(format!(
+            "{marks} separate the columns: commas have to, and numbers have decimal points"
+        ));
+    }
+    let of_numbers = !first.is_empty() && first.iter().all(|text| text.parse::<f64>().is_ok());
+    of_numbers.then(|| "the first line holds numbers: names of the columns have to".to_owned())
+}
+
 /// Reads rows from CSV with a header: `time_s`, `x_mm`, and optionally `y_mm` and `z_mm`, in any
 /// order; spaces around values do not count.
 ///
@@ -300,6 +314,9 @@ pub fn rows_from_csv(content: &[u8]) -> Result<Rows, Vec<String>> {
     let content = content.strip_prefix("\u{feff}".as_bytes()).unwrap_or(content);
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(content);
     let header = reader.headers().map_err(|e| vec![e.to_string()])?.clone();
+    if let Some(fault) = no_header(&header) {
+        return Err(vec![fault]);
+    }
     let mut faults: Vec<String> = header
         .iter()
         .enumerate()

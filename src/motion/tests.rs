@@ -355,7 +355,7 @@ fn csv_is_read_by_its_header_and_refused_with_its_lines() {
         ("time_s\n0\n1\n", "no column `x_mm`"),
         ("time_s,x_mm,w\n0,1,2\n", "\"w\""),
         ("time_s,x_mm,x_mm\n0,1,2\n", "there twice"),
-        ("0,1\n1,2\n", "no column `time_s`"),
+        ("0,x_mm\n1,2\n", "no column `time_s`"),
         ("time_s,x_mm\n0,one\n", "line 2: `x_mm` is no number"),
         ("time_s,x_mm\n0,1\n1\n", "line: 3"),
         ("", "no column"),
@@ -374,4 +374,17 @@ fn csv_is_read_by_its_header_and_refused_with_its_lines() {
         .collect();
     let rows = rows_from_csv(many.as_bytes()).expect("rows");
     assert_eq!(rows.len(), MOST_ROWS + 1, "law: read no further than needed to refuse it");
+}
+
+#[test]
+fn a_csv_of_other_marks_or_without_a_header_has_one_fault_that_says_so() {
+    for (text, words) in [
+        ("time_s;x_mm;y_mm\n0,0;0,0;0,0\n0,1;1,5;0,0\n", "semicolons separate the columns"),
+        ("time_s\tx_mm\n0\t0\n", "tabs separate the columns"),
+        ("0.0,0.0,0.0\n0.1,1.5,0.0\n", "the first line holds numbers"),
+    ] {
+        let faults = rows_from_csv(text.as_bytes()).expect_err("law: refused");
+        assert_eq!(faults.len(), 1, "law: one mistake is one fault, got {faults:?}");
+        assert!(faults[0].contains(words), "law: {text:?} is refused with {words:?}");
+    }
 }
