@@ -66,8 +66,9 @@ pub fn from_meshes(spec: &MeshGrains, seed: u64) -> Result<GrainSet, ScenarioErr
                 continue;
             }
         };
+        let file = path.display().to_string();
+        let mut in_file = Vec::new();
         for object in objects {
-            let file = path.display().to_string();
             let found = each_surface(&object, spec, to_mm(1.0), |surface, name| {
                 let (prototype, record) = prototype(surface, spec)?;
                 let (file, object) = (file.clone(), name.to_owned());
@@ -75,9 +76,9 @@ pub fn from_meshes(spec: &MeshGrains, seed: u64) -> Result<GrainSet, ScenarioErr
                 prototypes.push(prototype);
                 Ok(())
             });
-            let in_file = |fault| Fault { file: file.clone(), ..fault };
-            faults.extend(found.into_iter().map(in_file));
+            in_file.extend(found.into_iter().map(|f| Fault { file: file.clone(), ..f }));
         }
+        faults.extend(one_of_unit(in_file));
     }
     if faults.is_empty()
         && let Some((file, reason)) = unreadable.first()
@@ -146,6 +147,25 @@ fn prototype(
     Ok((Prototype { volume: record.volume, shape, sieve_size }, record))
 }
 
+/// What is wrong with a size that no grain has.
+const NO_SIZE: &str = "the grain's sieve size is out of range";
+
+/// The faults of a file; a size that no grain has, which a wrong unit gives to all of them, only of
+/// the first grain, with how many others have one.
+fn one_of_unit(faults: Vec<Fault>) -> Vec<Fault> {
+    let is_size = |fault: &Fault| fault.message.starts_with(NO_SIZE);
+    let (sizes, mut faults): (Vec<Fault>, Vec<Fault>) = faults.into_iter().partition(is_size);
+    let others = sizes.len().saturating_sub(1);
+    let first = sizes.into_iter().next().map(|first| match others {
+        0 => first,
+        n => {
+            Fault { message: format!("{}; likewise {n} more in this file", first.message), ..first }
+        }
+    });
+    faults.extend(first);
+    faults
+}
+
 /// Refuses sizes that no grain has, and says which unit would give one.
 fn check_size(sieve_size: f64, unit: MeshUnit) -> Result<(), Fault> {
     let (least, most) = SIEVE_SIZES;
@@ -167,7 +187,7 @@ fn check_size(sieve_size: f64, unit: MeshUnit) -> Result<(), Fault> {
         false => format!("; is the `mesh_unit` right? {}", hints.join(", ")),
     };
     Err(Fault::new(
-        format!("the grain's sieve size is out of range{hint}"),
+        format!("{NO_SIZE}{hint}"),
         format!("{} mm with `mesh_unit` \"{}\"", rounded(to_mm(sieve_size)), unit.name()),
         format!("{} to {} mm", rounded(to_mm(least)), rounded(to_mm(most))),
     ))

@@ -278,3 +278,38 @@ proptest::proptest! {
         }
     }
 }
+
+/// Law: a wrong unit is one mistake and one fault of a file, however many grains it holds; other
+/// faults of that file are told as well.
+#[test]
+fn a_wrong_unit_is_one_fault_of_a_file() {
+    let grains = |n: usize| -> String {
+        let cube = cuboid_obj([0.01; 3], [0.0; 3]);
+        let faces: Vec<&str> = cube.lines().filter(|line| line.starts_with('f')).collect();
+        let vertices: Vec<&str> = cube.lines().filter(|line| line.starts_with('v')).collect();
+        let moved = |k: usize| {
+            let of = |line: &&str| {
+                let corners = line[2..].split(' ').map(|c| c.parse::<usize>().unwrap() + 8 * k);
+                let corners: Vec<String> = corners.map(|c| c.to_string()).collect();
+                format!("f {}", corners.join(" "))
+            };
+            let faces: Vec<String> = faces.iter().map(of).collect();
+            format!("o grain_{k}\n{}\n{}\n", vertices.join("\n"), faces.join("\n"))
+        };
+        (0..n).map(moved).collect()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let faults = |n: usize, more: &str| {
+        let path = file(folder.path(), "a.obj", grains(n) + more);
+        from_meshes(&spec(&[path]), 1).expect_err("law: refused").faults().to_vec()
+    };
+    let [one] = &faults(1, "")[..] else { panic!("law: one grain has one fault") };
+    assert!(one.message.contains("\"m\" would give 10 mm"), "{one}");
+    assert!(!one.message.contains("likewise"), "law: there are no others: {one}");
+    let [one] = &faults(40, "")[..] else { panic!("law: forty grains have one fault") };
+    assert!(one.message.contains("likewise 39 more"), "law: the others are counted: {one}");
+    assert_eq!(one.path, "grain_0", "law: the first is named");
+    let open = "o open\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 321 322 323\n";
+    let both = faults(40, open);
+    assert!(both.len() > 1, "law: another fault stays beside it: {both:?}");
+}
