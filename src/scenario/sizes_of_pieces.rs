@@ -249,14 +249,40 @@ impl super::HopperSpec {
     }
 }
 
-/// The lowest height in mm that pieces may reach where they begin.
+/// The lowest height in mm that pieces may reach where they begin: of the boxes around them.
 pub(super) fn lowest_mm<'a>(pieces: impl Iterator<Item = &'a PieceSpec>) -> Option<f64> {
-    pieces.map(|piece| piece.at_mm[2] - piece.shape.reach_mm()).min_by(f64::total_cmp)
+    let lowest = |piece: &PieceSpec| match piece.extent_mm() {
+        Some([low, _]) => low.z,
+        None => piece.at_mm[2] - piece.shape.reach_mm(),
+    };
+    pieces.map(lowest).min_by(f64::total_cmp)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Law: the lowest of pieces is the lower side of a floor or of a wall, not as far below its
+    /// origin as its walls are high.
+    #[test]
+    fn the_lowest_of_pieces_is_their_lowest_side() {
+        let piece = |shape: Value, turn: [f64; 3]| -> PieceSpec {
+            let piece = json!({ "name": "a", "shape": shape, "at_mm": [0, 0, 5],
+                "rotation_deg": turn });
+            read(&piece).expect("a piece")
+        };
+        let tall = json!({ "box": { "inner_mm": [60, 60, 300], "wall_mm": 10 } });
+        let plate = json!({ "plate": { "size_mm": [50, 50, 8] } });
+        for (what, pieces, expected) in [
+            ("a floor", vec![piece(tall.clone(), [0.0; 3])], -5.0),
+            ("a wall of what lies", vec![piece(tall.clone(), [90.0, 0.0, 0.0])], -35.0),
+            ("the lower of two", vec![piece(plate, [0.0; 3]), piece(tall, [0.0; 3])], -5.0),
+        ] {
+            let found = lowest_mm(pieces.iter()).expect("pieces");
+            assert!((found - expected).abs() < 1e-9, "law: {what}: {found}, expected {expected}");
+        }
+        assert_eq!(lowest_mm(std::iter::empty()), None, "law: of none there is none");
+    }
 
     /// Law: the box around a piece is that of its walls, turned and put up with it.
     #[test]

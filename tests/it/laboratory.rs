@@ -74,6 +74,7 @@ fn faults_name_the_field_and_what_is_allowed() {
         ("pieces[1].at_mm", json!([0, 1e300, 0]), "at most 20000 mm from the origin"),
         ("stages[0].at_mm", json!([0, 20001, 90]), "at most 20000 mm from the origin"),
         ("stages[0].at_mm", json!([0, 0, -500]), "below all pieces"),
+        ("stages[0].at_mm", json!([0, 0, -11]), "a height of more than -10 mm"),
         ("stages[0].rate_g_per_s", Value::Null, "type"),
         ("stages[0].area_mm", json!([0, 80]), "above 0"),
         ("stages[0].sizes_mm", json!([8, 9]), "[8, 10]"),
