@@ -101,10 +101,18 @@ impl Judged<'_> {
         let typed = self.engine.native.contact_stiffness_n_per_m;
         let stress = largest_stress(self.value, grading, self.scale.gravity);
         let overlap = OVERLAP_OF_STRESS * stress * self.scale.sizes.median / typed;
-        let least = short(stiffness(self.value, grading, &self.scale));
+        let least = stiffness(self.value, grading, &self.scale);
         let (stress, percent) = (short(stress), short(100.0 * overlap));
         let wrong = self.engine.is_native() && overlap > OVERLAP_ALLOWED;
-        let allowed = format!("at least {least} N/m, or the field left out");
+        let stiffest = within(STIFFNESS, least);
+        let allowed = match least > stiffest {
+            true => format!(
+                "less load, as the field takes {} N/m at most; are sizes and loads in the units \
+                 that their fields name?",
+                short(stiffest)
+            ),
+            false => format!("at least {} N/m, or the field left out", short(least)),
+        };
         let why = format!(
             "contacts too soft for {stress} Pa at the bottom of the specimen: grains would overlap \
              by some {percent} % of their size"

@@ -410,6 +410,30 @@ fn a_seating_load_asks_for_stiff_contacts() {
     assert_eq!(load(200.0, Some(alone)).1, 1, "law: too soft under 200 N, which is said once");
 }
 
+/// Law: where no stiffness that is allowed bears the load, as of grains in a box whose sizes were
+/// typed in metres, nobody is told to leave out a field that is left out, or to type what is refused.
+#[test]
+fn a_load_that_no_contact_bears_asks_for_units() {
+    let mut scenario = json!({
+        "name": "metres",
+        "grains": small::fine(100.0),
+        "pieces": [{ "name": "box", "shape": { "box": { "inner_mm": [0.01, 0.01, 0.1] } } }],
+        "stages": [{ "stage": "deposit", "how": "lattice", "at_mm": [0, 0, 50], "area_mm": [9, 9] }],
+    });
+    let said = |scenario: &Value| -> Vec<String> {
+        reported(scenario).into_iter().filter(|text| text.contains("too soft")).collect()
+    };
+    let [told] = &said(&scenario)[..] else { panic!("law: told once") };
+    for words in ["found 1000000000;", "less load", "units"] {
+        assert!(told.contains(words), "`{words}` in: {told}");
+    }
+    assert!(!told.contains("left out"), "law: it is left out already: {told}");
+    scenario["pieces"][0]["shape"]["box"]["inner_mm"] = json!([50, 50, 100]);
+    scenario["engine"] = json!({ "native": { "contact_stiffness_n_per_m": 1 } });
+    let typed = reported(&scenario);
+    assert!(typed.iter().any(|text| text.contains("field left out")), "law: or so: {typed:?}");
+}
+
 /// Law: cells of one cube have about one size, so a fraction of 10 to 40 mm gives grains of about
 /// 25 mm (D50 25.6 mm where 20 are specified); spheres spread over it, and so do narrower fractions.
 #[test]
