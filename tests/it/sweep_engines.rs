@@ -117,6 +117,31 @@ fn a_scenario_edited_between_two_commands_is_told_and_nothing_overwritten() {
     refused(&listed, 2, &["scenario.json was edited"]);
 }
 
+/// Law: a recorded motion that was edited since a sweep was planned is told as a file that the
+/// scenario names, not as one that grains come from, which there is none.
+#[test]
+fn a_motion_edited_between_two_commands_is_told_as_a_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut layer = small::layer(30.0);
+    let shaken = json!({ "stage": "vibrate", "waveform": "file", "motion_file": "motion.csv" });
+    layer["stages"].as_array_mut().expect("stages").push(shaken);
+    let motion = |middle_mm: f64| {
+        let rows = format!("time_s,x_mm\n0,0\n0.1,0.1\n0.2,{middle_mm}\n0.3,0.1\n0.4,0\n");
+        fs::write(folder.path().join("motion.csv"), rows).expect("a motion");
+    };
+    motion(0.5);
+    let (scenario, out) = (write(folder.path(), "small.json", &layer), folder.path().join("out"));
+    let arguments = ["--over", "contact.restitution=0.2,0.3", "--plan-only"];
+    let (code, _, said) = sweep(&scenario, &out, &arguments);
+    assert_eq!(code, Some(0), "law: it is planned: {said}");
+    motion(0.6);
+    let (code, _, said) = sweep(&scenario, &out, &arguments);
+    assert_eq!(code, Some(2), "law: another motion is another sweep: {said}");
+    assert_holds(&said, &["files (motions,", "have changed"]);
+    assert!(!said.contains("takes its grains"), "law: its grains are cut: {said}");
+    refused(&["stage", "--list", "--json", text(&out)], 2, &["files (motions,"]);
+}
+
 /// A stand-in for sbatch, which numbers what it is given.
 const SBATCH: &str = "#!/bin/sh
 cd \"$(dirname \"$0\")\" && echo x >> submitted && wc -l < submitted | tr -d ' '

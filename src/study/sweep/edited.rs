@@ -8,6 +8,9 @@ use super::*;
 /// Most differences that are reported one by one.
 const MOST_TOLD: usize = 5;
 
+/// What a scenario may name, of which the copy in the folder has the paths.
+const FILES: &str = "files (motions, grains, meshes or specimens)";
+
 /// Refuses a folder that holds the plan of another sweep, or that of this one when its scenario was
 /// another, and says what has changed. More configurations of the same sweep are none; fewer would
 /// take runs out of its tables.
@@ -38,7 +41,7 @@ pub(super) fn refuse(
             |kept| differences(&kept.scenario, scenario),
         );
         let told = if told.is_empty() {
-            "the files that it takes its grains from have changed".to_owned()
+            format!("{FILES} that it names have changed")
         } else {
             told.join("; ")
         };
@@ -78,7 +81,7 @@ pub(super) fn refuse_planned(
     let why = built_otherwise(there, now).unwrap_or_else(|| {
         let kept: Option<Value> = read_json(&file).ok();
         if kept.is_some_and(|kept| hash_json(&kept) == there.scenario_sha256) {
-            "the files that its grains come from have changed".to_owned()
+            format!("{FILES} that it names have changed")
         } else {
             format!("{} was edited", file.display())
         }
