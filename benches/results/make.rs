@@ -238,8 +238,8 @@ impl Maker<'_> {
         let words = command.split_whitespace().map(|word| {
             let place = places.iter().find(|(name, _)| *name == word);
             // Files that are kept name what they are about by its place in the tree.
-            let within = |path: &Path| path.strip_prefix(self.root).unwrap_or(path).into();
-            place.map_or_else(|| word.into(), |(_, path)| within(path))
+            let within = |path| Path::strip_prefix(path, self.root).unwrap_or(path).as_os_str();
+            place.map_or_else(|| word.into(), |(_, path)| within(path).to_owned())
         });
         let output = Command::new(self.root.join(self.program))
             .current_dir(self.root)
