@@ -351,6 +351,17 @@ pub const KEPT: &[Kept] = &[
         takes: "half an hour",
     },
     Kept {
+        name: "referee-frictionless",
+        what: "Pours of 30 grains without friction and restitution by the referee and each engine, \
+               770 seeds",
+        files: &[("referee-frictionless.json", "OUT/referee-frictionless.json")],
+        made: Made::Make(
+            "referee ARGS=\"--only pours --restitution 0 --friction 0 --pours 770 --out \
+             $OUT/referee-frictionless.json\"",
+        ),
+        takes: "one to two hours",
+    },
+    Kept {
         name: "referee-pours",
         what: "Pours of 30 grains by the native solver, rapier, stock Bullet and the referee, 40 \
                seeds of each kind",
@@ -491,6 +502,7 @@ pub const SOURCES: &[(&str, &str)] = &[
     ("tall", "tall.csv"),
     ("load", "load.csv"),
     ("referee", "referee.json"),
+    ("referee-frictionless", "referee-frictionless.json"),
     ("bench", "bench.json"),
     ("peers", "peers.json"),
     ("robustness", "robustness.json"),

@@ -37,6 +37,34 @@ pub fn one_step(all: &Value) -> Result<String, String> {
     Ok(table)
 }
 
+/// A row an engine, with the 90 % interval of the two one-sided tests.
+pub fn pours(all: &Value) -> Result<String, String> {
+    let mut table = head(
+        "engine | pours | height, mm | standard error, mm | less the referee's, % | within ±0.5 % | \
+         coordination number | deepest overlap, mm",
+    );
+    for of in part(all, "pours")? {
+        let percent =
+            |number: &Value| number.as_f64().map(|x| format!("{x:+.2}").replace('-', "−"));
+        let ends = &of["difference_interval_percent"];
+        let interval = [&of["difference_percent"], &ends[0], &ends[1]].map(percent);
+        let interval = match interval {
+            [Some(mean), Some(low), Some(high)] => format!("{mean} ({low} to {high})"),
+            _ => String::new(),
+        };
+        let shown = match of["equivalent_within_0_5_percent"].as_bool() {
+            Some(true) => "shown",
+            Some(false) => "not shown",
+            None => "",
+        };
+        let before = numbers(of, "realisations:0 height_mean_mm:3 height_standard_error_mm:3");
+        let after = numbers(of, "coordination_mean:2 deepest_overlap_mm:3");
+        let between = vec![interval, shown.to_owned()];
+        table += &row(&[vec![text(&of["engine"])], before, between, after].concat());
+    }
+    Ok(table)
+}
+
 /// A row a specimen and engine.
 pub fn certificates(all: &Value) -> Result<String, String> {
     let mut table = head(

@@ -43,6 +43,7 @@ pub fn named(name: &str, results: &Results) -> Result<String, String> {
         "joint-together" => joint::together(results.source("joint")?.as_ref()),
         "peers" => speed::peers(results.source("peers")?.as_ref()),
         "referee-one-step" => referee::one_step(results.source("referee")?.as_ref()),
+        "referee-frictionless" => referee::pours(results.source("referee-frictionless")?.as_ref()),
         "referee-static" => referee::certificates(results.source("referee")?.as_ref()),
         "steps" => speed::steps(results.source("bench")?.as_ref()),
         "files" => Ok(files(&builds::read(results.root())?)),

@@ -87,15 +87,24 @@ impl StageStore {
     /// damaged one counts as missing: the second value says why, for a warning.
     pub fn load(&self, asked: &AskedStage) -> (Option<StoredStage>, Option<String>) {
         let folder = self.folder(&asked.identity.key);
-        // One that was replaced while it was read is read again.
-        match self.believed(&folder, asked).or_else(|_| self.believed(&folder, asked)) {
-            Ok(stage) => {
-                Checkpoints::discard(&self.root, &asked.identity.key);
-                (Some(stage), None)
+        let mut fault = None;
+        // One that was replaced while it was read is read again; one that is put there while it is
+        // looked for is none.
+        for _ in 0..2 {
+            if is_vacant(&folder) {
+                return (None, None);
             }
-            Err(_) if is_vacant(&folder) => (None, None),
-            Err(error) => (None, Some(format!("stored stage is damaged and done again: {error}"))),
+            match self.believed(&folder, asked) {
+                Ok(stage) => {
+                    Checkpoints::discard(&self.root, &asked.identity.key);
+                    return (Some(stage), None);
+                }
+                Err(error) => {
+                    fault = Some(format!("stored stage is damaged and done again: {error}"));
+                }
+            }
         }
+        (None, fault)
     }
 
     /// Reads a stage and compares it with what is asked for.

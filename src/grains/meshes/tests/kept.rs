@@ -168,7 +168,7 @@ fn a_dent_is_filled_only_when_asked_or_small() {
     near("percent that the hull adds", record.hull_adds_percent(), 25.0, 1e-9);
     assert!(record.hull && record.vertices == 8 && record.faces == 6, "{record:?}");
     let notes = MeshRecord::notes(&set.meshes).join("\n");
-    assert!(notes.contains("1 of 1 meshes") && notes.contains("25 %"), "{notes}");
+    assert!(notes.contains("1 of 1 mesh,") && notes.contains("25 %"), "{notes}");
 
     let shallow = file(folder.path(), "shallow.obj", dented(0.5));
     let set = from_meshes(&spec(&[shallow]), 1).expect("99.2 % of the hull is enough");
