@@ -117,10 +117,10 @@ fn a_scenario_edited_between_two_commands_is_told_and_nothing_overwritten() {
     refused(&listed, 2, &["scenario.json was edited"]);
 }
 
-/// Law: a recorded motion that was edited since a sweep was planned is told as a file that the
+/// Law: a recorded motion that was edited since a sweep was planned is reported as a file that the
 /// scenario names, not as one that grains come from, which there is none.
 #[test]
-fn a_motion_edited_between_two_commands_is_told_as_a_file() {
+fn a_motion_edited_between_two_commands_is_reported_as_a_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut layer = small::layer(30.0);
     let shaken = json!({ "stage": "vibrate", "waveform": "file", "motion_file": "motion.csv" });

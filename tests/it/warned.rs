@@ -411,7 +411,7 @@ fn a_seating_load_asks_for_stiff_contacts() {
 }
 
 /// Law: where no stiffness that is allowed bears the load, as of grains in a box whose sizes were
-/// typed in metres, nobody is told to leave out a field that is left out, or to type what is refused.
+/// typed in metres, no message asks to leave out a field that is left out, or to type what is refused.
 #[test]
 fn a_load_that_no_contact_bears_asks_for_units() {
     let mut scenario = json!({

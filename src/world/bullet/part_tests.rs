@@ -207,9 +207,9 @@ fn a_pressed_body_of_two_parts_presses_with_both() {
     }
 }
 
-/// Law: parts of a driven body are where it is at the end of each step.
+/// Law: parts of a kinematic body are where it is at the end of each step.
 #[test]
-fn parts_of_a_driven_body_go_with_it() {
+fn parts_of_a_kinematic_body_go_with_it() {
     let _turn = shared_turn();
     let mut world = world(8, 0.5, 0.0);
     let [whole, other] = [0.0, 0.1].map(|x| {
