@@ -25,6 +25,7 @@ mod missed;
 #[allow(dead_code)] // the test writes nothing
 #[path = "../../benches/results/pages.rs"]
 mod pages;
+mod pours;
 #[allow(dead_code)]
 #[path = "../../benches/results/referee.rs"]
 mod referee;

@@ -8,7 +8,7 @@
 //! alone, which ends the program as it does in Rust; `shim_tests.rs` lists these.
 
 #![allow(unsafe_code)] // cxx generates it; every function below is safe to call
-#![allow(dead_code)] // some are for unit tests alone
+#![cfg_attr(not(test), allow(dead_code))] // some are for unit tests alone
 
 #[cxx::bridge(namespace = "pluvia")]
 mod bridge {

@@ -280,7 +280,7 @@ proptest::proptest! {
 }
 
 /// Law: a wrong unit is one mistake and one fault of a file, however many grains it holds; other
-/// faults of that file are told as well.
+/// faults of that file are reported as well.
 #[test]
 fn a_wrong_unit_is_one_fault_of_a_file() {
     let grains = |n: usize| -> String {
