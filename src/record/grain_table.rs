@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::grains::{Block, grain_name};
-use crate::measure::Place;
 use crate::specimen::Specimen;
 use crate::units::{to_g, to_mm3, to_typed_mm};
 
@@ -16,16 +15,15 @@ const COLUMNS: &str = "grain,passing_mm,retained_mm,volume_mm3,mass_g,equivalent
 
 /// One row a grain: what it is, where it is (centroid, m to mm, orientation of its principal axes
 /// as a unit quaternion) and how fast; the smallest square opening it passes, as generated and with
-/// the shape that the engine held at the end; and its shape. `places`, by which the summary counts
-/// and which give the fate, `sieved`, `shapes`, `sieved_at_end_mm` and `turned`, the angles in rad
-/// by which grains turned in the last stage, are in the order of the grains; what is not known of a
-/// grain is empty.
+/// the shape that the engine held at the end; and its shape. `fates`, by which the summary counts,
+/// `sieved`, `shapes`, `sieved_at_end_mm` and `turned`, the angles in rad by which grains turned in
+/// the last stage, are in the order of the grains; what is not known of a grain is empty.
 ///
 /// # Errors
 /// As [`csv_of`].
 pub fn grains_csv(
     specimen: &Specimen,
-    places: &[Place],
+    fates: &[Fate],
     sieved: &[Sieved],
     shapes: &[GrainShape],
     sieved_at_end_mm: &[Option<f64>],
@@ -44,7 +42,7 @@ pub fn grains_csv(
             sieves[grain.fraction],
             [to_mm3(grain.volume), to_g(grain.mass), to_mm(grain.equivalent_diameter)],
             [shape.vertices, shape.faces],
-            places.get(index).map_or(state.fate, |place| place.fate(state.fate)),
+            fates.get(index).copied().unwrap_or(state.fate),
             [to_mm(at.x), to_mm(at.y), to_mm(at.z)],
             [q.x, q.y, q.z, q.w],
             to_mm(state.body.linear_velocity.norm()),

@@ -79,9 +79,8 @@ use crate::grains::{self, GrainSet, GrainsError, ParticleSizeDistribution, load_
 use crate::in_order::{each_once, grouped};
 use crate::measure::{
     self, Container, Estimate, HeightMap, LoadedContact, MeasureError, change_for_one_unit,
-    contacts_of_grains_in, fabric, grain_energy, height_cell_over, inference::MeanTest,
-    overlap_statistics, paired_difference, pairs_within, places, stress_in, void_ratio,
-    void_ratio_in,
+    contacts_of_grains_in, fabric, fates, grain_energy, height_cell_over, inference::MeanTest,
+    overlap_statistics, paired_difference, pairs_within, stress_in, void_ratio, void_ratio_in,
 };
 use crate::motion::MotionFacts;
 use crate::protocol::{Midway, Progress, Setup, Work, WorldMaker, plausible};

@@ -252,7 +252,7 @@ pub(super) fn write_run(
         .stages
         .last()
         .ok_or_else(|| StudyError::Scenario("a scenario needs at least one stage".to_owned()))?;
-    let Summarised { summary, specimen, places, series, laboratory, rest_test, void_profile } =
+    let Summarised { summary, specimen, fates, series, laboratory, rest_test, void_profile } =
         summarise(run, &plan.nodes[last].setup, nodes, done)?;
     let stages: Vec<&StoredStage> = nodes.stages.iter().map(|&n| &*done[n]).collect();
     let mut written = BTreeMap::new();
@@ -275,7 +275,7 @@ pub(super) fn write_run(
     let at_end = &done[last].record.sieved_mm;
     let turned = inside::turned_in_last(&stages);
     let sieved = known.sieved.grains();
-    let grains = grains_csv(&specimen, &places, sieved, &known.shapes, at_end, &turned);
+    let grains = grains_csv(&specimen, &fates, sieved, &known.shapes, at_end, &turned);
     write("grains.csv", grains)?;
     if !rest_test.is_empty() {
         let stage = nodes.rest_test.map(|n| &*done[n]);

@@ -2,7 +2,7 @@
 //! repose; and grains that something pressed through a floor or a wall.
 
 use super::*;
-use crate::measure::{NoPile, Place, grains_reach, pile_surface};
+use crate::measure::{NoPile, grains_reach, pile_surface};
 use crate::record::{AngleOfRepose, AzimuthAngle, StandingHeight};
 use crate::specimen::Region;
 
@@ -204,11 +204,11 @@ pub(super) fn pressed_through<'a>(
     let mut ends: Vec<(String, Vec<usize>)> = Vec::new();
     for (name, stage) in stages {
         let specimen = Specimen { grains: grains.clone(), state: stage.state.clone() };
-        let there = places(&specimen, &container(setup, &specimen), wall(setup));
+        let there = fates(&specimen, &container(setup, &specimen), wall(setup));
         let mut lie_there = Vec::new();
-        for (n, (grain, place)) in specimen.state.bodies.iter().zip(&there).enumerate() {
+        for (n, (grain, fate)) in specimen.state.bodies.iter().zip(&there).enumerate() {
             match grain.fate {
-                Fate::Present if *place == Place::Escaped => {
+                Fate::Present if *fate == Fate::ThroughWall => {
                     pressed[n] = true;
                     lie_there.push(n);
                 }

@@ -11,9 +11,7 @@ use super::{
     },
 };
 use crate::grains::MeshRecord;
-use crate::measure::{
-    HeightSample, Period, Place, Places, coordination, places_by_fate, touching_gap,
-};
+use crate::measure::{HeightSample, Period, Places, coordination, touching_gap};
 use crate::record::{
     GrainsSummary, RestTest, Settlement, ShapeSummary, SieveSummary, VibrationSummary,
 };
@@ -28,8 +26,8 @@ pub struct Summarised {
     pub summary: Summary,
     /// The specimen at the end of the last stage.
     pub specimen: Specimen,
-    /// Where each of its grains is, by which the summary counts them.
-    pub places: Vec<Place>,
+    /// What became of each of its grains, by which the summary counts them.
+    pub fates: Vec<Fate>,
     /// All rows, stage by stage.
     pub series: Vec<SeriesRow>,
     /// What a laboratory of pieces was at each of the rows; none without pieces.
@@ -171,8 +169,8 @@ pub fn summarise(
             s.changed, s.grains, s.largest_change_percent, s.lost
         ));
     }
-    let places = places_of(&specimen, &container, setup);
-    let grains = grains_summary(&run.grains, &specimen, &container, &places);
+    let fates = fates_of(&specimen, &container, setup);
+    let grains = grains_summary(&run.grains, &specimen, &container, &fates);
     warnings.extend(grains.too_few_in_place());
     for Withheld { field, reason } in &withheld {
         warnings.push(format!("{field} is withheld: {reason}"));
@@ -228,7 +226,7 @@ pub fn summarise(
     let void_profile = inside::void_profile(setup, &specimen, &container, surface_m);
     Ok(Summarised {
         summary,
-        places,
+        fates,
         series,
         laboratory: laboratory_rows,
         rest_test: rest_rows,
@@ -338,11 +336,12 @@ fn is_poured(state: &SpecimenState) -> bool {
     state.cylinder
 }
 
-/// Where each grain is, by which summary and tables count them.
-fn places_of(specimen: &Specimen, container: &Container, setup: &Setup) -> Vec<Place> {
+/// What became of each grain, by which summary and tables count them. In a laboratory of named
+/// pieces, which has no cylinder, it is what its stages saw.
+fn fates_of(specimen: &Specimen, container: &Container, setup: &Setup) -> Vec<Fate> {
     match specimen.state.pieces.is_empty() {
-        true => places(specimen, container, wall(setup)),
-        false => places_by_fate(specimen),
+        true => fates(specimen, container, wall(setup)),
+        false => specimen.state.bodies.iter().map(|grain| grain.fate).collect(),
     }
 }
 
@@ -350,14 +349,14 @@ fn grains_summary(
     grains: &GrainSet,
     specimen: &Specimen,
     container: &Container,
-    places: &[Place],
+    fates: &[Fate],
 ) -> GrainsSummary {
     let state = &specimen.state;
     let mass_inside = match state.pieces.is_empty() {
         true => measure::content(specimen, container).mass,
         false => specimen.present().map(|i| grains.grains[i].mass).sum(),
     };
-    let places = Places::of(places);
+    let places = Places::of(fates);
     // By what stands: a run may have begun with a specimen that was poured, or piled up, before.
     let poured = match &state.base {
         // What rolls off the base was part of the pile.
