@@ -129,22 +129,11 @@ pub struct SecondarySieve {
     pub unchanged: bool,
 }
 
-/// Why a grain was not sieved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NotSieved {
-    /// It spilled over the rim.
-    Spilled,
-    /// It was left in the funnel.
-    LeftInFunnel,
-    /// It should have been there.
-    Lost,
-}
-
 impl SecondarySieve {
-    /// Compares what was found of each grain, its sieve size in mm or why it
-    /// was not sieved, with the grains before. Grains that nothing is said of
-    /// are lost; what was found beyond the grains before counts as changed.
-    pub fn of(before: &[Sieved], found: &[Result<f64, NotSieved>]) -> Self {
+    /// Compares what was found of each grain, its sieve size in mm or the fate of one that was not
+    /// sieved, with the grains before. Grains that nothing is said of are lost; what was found
+    /// beyond the grains before counts as changed.
+    pub fn of(before: &[Sieved], found: &[Result<f64, Fate>]) -> Self {
         let mut after = Vec::with_capacity(before.len());
         let (mut changed, mut largest) = (0, 0.0_f64);
         for (grain, size_mm) in
@@ -158,16 +147,21 @@ impl SecondarySieve {
             largest = if change.is_nan() { f64::NAN } else { largest.max(change) };
             after.push(Sieved { size: from_mm(size_mm), mass: grain.mass });
         }
-        let count = |why| found.iter().filter(|f| **f == Err(why)).count();
+        let count = |fates: &[Fate]| {
+            found.iter().filter(|f| f.is_err_and(|fate| fates.contains(&fate))).count()
+        };
         let added = found.iter().skip(before.len()).filter(|f| f.is_ok()).count();
-        let lost = count(NotSieved::Lost) + before.len().saturating_sub(found.len());
+        // What takes part must be in the engine.
+        let lost =
+            count(&[Fate::Present, Fate::ThroughWall]) + before.len().saturating_sub(found.len());
         changed += added;
         Self {
             grains: after.len() + added,
             changed,
             lost,
-            spilled: count(NotSieved::Spilled),
-            left_in_funnel: count(NotSieved::LeftInFunnel),
+            spilled: count(&[Fate::Spilled]),
+            // What was not fed was left behind as well.
+            left_in_funnel: count(&[Fate::LeftInFunnel, Fate::Waiting]),
             largest_change_percent: 100.0 * largest,
             gradation: SieveAnalysis::new(after).gradation().into(),
             unchanged: changed == 0 && lost == 0,
@@ -246,7 +240,7 @@ mod tests {
         (1..=10).map(|n| Sieved { size: 1e-3 * f64::from(n), mass: 1e-3 }).collect()
     }
 
-    fn found() -> Vec<Result<f64, NotSieved>> {
+    fn found() -> Vec<Result<f64, Fate>> {
         (1..=10).map(|n| Ok(f64::from(n))).collect()
     }
 
@@ -258,7 +252,7 @@ mod tests {
         assert_eq!(secondary.gradation, SieveAnalysis::new(grains()).gradation().into());
         // Grains whose whereabouts are known are not lost.
         let mut some = found();
-        (some[2], some[5]) = (Err(NotSieved::Spilled), Err(NotSieved::LeftInFunnel));
+        (some[2], some[5]) = (Err(Fate::Spilled), Err(Fate::LeftInFunnel));
         let secondary = SecondarySieve::of(&grains(), &some);
         assert!(secondary.unchanged && secondary.grains == 8, "{secondary:?}");
         assert_eq!((secondary.spilled, secondary.left_in_funnel), (1, 1));
@@ -279,7 +273,7 @@ mod tests {
             assert!(secondary.unchanged, "rounding is no change, {factor}: {secondary:?}");
         }
         let mut lost = found();
-        lost[3] = Err(NotSieved::Lost);
+        lost[3] = Err(Fate::Present);
         let secondary = SecondarySieve::of(&grains(), &lost);
         assert!(!secondary.unchanged && secondary.lost == 1, "{secondary:?}");
         let secondary = SecondarySieve::of(&grains(), &found()[..9]);

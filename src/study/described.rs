@@ -4,7 +4,7 @@ use std::sync::Weak;
 
 use super::*;
 use crate::grains::{GrainShape, SieveAnalysis};
-use crate::record::{NotSieved, SecondarySieve};
+use crate::record::SecondarySieve;
 
 /// Sieve sizes and shapes of a set of grains.
 #[derive(Debug, PartialEq)]
@@ -44,19 +44,8 @@ pub fn secondary_sieve(
     if stage.sieved_mm.is_empty() {
         return None;
     }
-    let found: Vec<Result<f64, NotSieved>> = stage
-        .sieved_mm
-        .iter()
-        .enumerate()
-        .map(|(n, size)| {
-            size.ok_or(match state.bodies.get(n).map(|b| b.fate) {
-                Some(Fate::Spilled) => NotSieved::Spilled,
-                // What was not fed was left behind as well.
-                Some(Fate::LeftInFunnel | Fate::Waiting) => NotSieved::LeftInFunnel,
-                // What takes part must be in the engine.
-                Some(Fate::Present | Fate::ThroughWall) | None => NotSieved::Lost,
-            })
-        })
-        .collect();
-    Some(SecondarySieve::of(before.grains(), &found))
+    // What has no body, either, should have been there.
+    let fate = |n: usize| state.bodies.get(n).map_or(Fate::Present, |body| body.fate);
+    let found = stage.sieved_mm.iter().enumerate().map(|(n, size)| size.ok_or(fate(n)));
+    Some(SecondarySieve::of(before.grains(), &found.collect::<Vec<_>>()))
 }
