@@ -65,7 +65,7 @@ pub use repose::{
 };
 pub use rotation::rotations;
 pub use separation::{Separation, separation, separation_within};
-pub use settlement::{EARLY_SHAKING, HeightSample, Period, Settlement, settlement};
+pub use settlement::{EARLY_SHAKING, Settlement, settlement};
 pub use stress::{Stress, stress_in};
 
 // What its parts are made of, too.

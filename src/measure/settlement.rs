@@ -20,24 +20,6 @@ const ROUNDING: f64 = 1e-9;
 /// five seconds of vibration"), in s.
 pub const EARLY_SHAKING: f64 = 5.0;
 
-/// One reading.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HeightSample {
-    /// Time in s.
-    pub time: f64,
-    /// Height in m: of the plate, the mean surface, or the mean grain.
-    pub height: f64,
-}
-
-/// One period in which the table shakes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Period {
-    /// Beginning in s, on the clock of the series.
-    pub start: f64,
-    /// End in s.
-    pub end: f64,
-}
-
 /// Settlement by vibration, positive downwards.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settlement {
@@ -57,21 +39,24 @@ pub struct Settlement {
     pub after_each_period: Vec<f64>,
 }
 
-/// Reads the settlement off a series; heights between samples by linear interpolation. The series
-/// ends where the final reading is taken: leave out what comes after (a rest test).
+/// Reads the settlement off a series of times in s and heights in m (of the plate, the mean surface,
+/// or the mean grain); heights between samples by linear interpolation. The series ends where the
+/// final reading is taken: leave out what comes after (a rest test). Periods in which the table
+/// shakes are from beginning to end in s, on the clock of the series.
 ///
 /// # Errors
 /// [`MeasureError::EmptySeries`], [`MeasureError::BadSample`],
 /// [`MeasureError::NoPeriod`], [`MeasureError::BadPeriod`].
-pub fn settlement(series: &[HeightSample], periods: &[Period]) -> Result<Settlement, MeasureError> {
+pub fn settlement(series: &[(f64, f64)], periods: &[[f64; 2]]) -> Result<Settlement, MeasureError> {
     check(series, periods)?;
-    let start = height_clamped(series, periods[0].start);
+    let start = height_clamped(series, periods[0][0]);
     let after = |time| start - height_clamped(series, time);
-    let at_end = start - series[series.len() - 1].height;
-    let end = series[series.len() - 1].time;
+    let (end, last) = series[series.len() - 1];
+    let at_end = start - last;
     let after_5_s = shaking_clock(periods, EARLY_SHAKING, end).map(after);
-    let end_of_shaking = after(periods[periods.len() - 1].end);
-    let mut after_each_period: Vec<f64> = periods[1..].iter().map(|p| after(p.start)).collect();
+    let end_of_shaking = after(periods[periods.len() - 1][1]);
+    let mut after_each_period: Vec<f64> =
+        periods[1..].iter().map(|[start, _]| after(*start)).collect();
     after_each_period.push(at_end);
     Ok(Settlement {
         at_end,
@@ -84,15 +69,15 @@ pub fn settlement(series: &[HeightSample], periods: &[Period]) -> Result<Settlem
 
 /// The moment at which the table has shaken for `seconds` in all; the end of a period is read
 /// in the rest that follows it, of the last one at the end of the series.
-fn shaking_clock(periods: &[Period], seconds: f64, end: f64) -> Option<f64> {
+fn shaking_clock(periods: &[[f64; 2]], seconds: f64, end: f64) -> Option<f64> {
     let mut left = seconds;
-    for (n, p) in periods.iter().enumerate() {
-        let length = p.end - p.start;
+    for (n, [from, to]) in periods.iter().enumerate() {
+        let length = to - from;
         if left < length - ROUNDING {
-            return Some(p.start + left);
+            return Some(from + left);
         }
         if left <= length + ROUNDING {
-            return Some(periods.get(n + 1).map_or(end, |next| next.start));
+            return Some(periods.get(n + 1).map_or(end, |[next, _]| *next));
         }
         left -= length;
     }
@@ -100,46 +85,38 @@ fn shaking_clock(periods: &[Period], seconds: f64, end: f64) -> Option<f64> {
 }
 
 /// Height at a time; before the first and after the last sample theirs.
-fn height_clamped(series: &[HeightSample], time: f64) -> f64 {
-    let after = series.partition_point(|s| s.time <= time);
+fn height_clamped(series: &[(f64, f64)], time: f64) -> f64 {
+    let after = series.partition_point(|(at, _)| *at <= time);
     if after == 0 {
-        return series[0].height;
+        return series[0].1;
     }
-    let Some(right) = series.get(after) else { return series[series.len() - 1].height };
-    let left = &series[after - 1];
-    let t = (time - left.time) / (right.time - left.time);
-    left.height + t * (right.height - left.height)
+    let Some(right) = series.get(after) else { return series[series.len() - 1].1 };
+    let left = series[after - 1];
+    let t = (time - left.0) / (right.0 - left.0);
+    left.1 + t * (right.1 - left.1)
 }
 
-fn check(series: &[HeightSample], periods: &[Period]) -> Result<(), MeasureError> {
-    let (Some(first), Some(last)) = (series.first(), series.last()) else {
+fn check(series: &[(f64, f64)], periods: &[[f64; 2]]) -> Result<(), MeasureError> {
+    let (Some(&(first, _)), Some(&(last, _))) = (series.first(), series.last()) else {
         return Err(MeasureError::EmptySeries);
     };
     let mut before = f64::NEG_INFINITY;
-    for (index, s) in series.iter().enumerate() {
-        if !s.time.is_finite() || !s.height.is_finite() || s.time < before {
-            return Err(MeasureError::BadSample { index, time: s.time, height: s.height });
+    for (index, &(time, height)) in series.iter().enumerate() {
+        if !time.is_finite() || !height.is_finite() || time < before {
+            return Err(MeasureError::BadSample { index, time, height });
         }
-        before = s.time;
+        before = time;
     }
     if periods.is_empty() {
         return Err(MeasureError::NoPeriod);
     }
-    let mut free_from = first.time - SLACK;
-    for (index, p) in periods.iter().enumerate() {
-        let fits = p.start >= free_from - ROUNDING
-            && p.end > p.start
-            && p.end <= last.time + SLACK + ROUNDING;
+    let mut free_from = first - SLACK;
+    for (index, &[start, end]) in periods.iter().enumerate() {
+        let fits = start >= free_from - ROUNDING && end > start && end <= last + SLACK + ROUNDING;
         if !fits {
-            return Err(MeasureError::BadPeriod {
-                index,
-                start: p.start,
-                end: p.end,
-                first: first.time,
-                last: last.time,
-            });
+            return Err(MeasureError::BadPeriod { index, start, end, first, last });
         }
-        free_from = p.end;
+        free_from = end;
     }
     Ok(())
 }
@@ -150,19 +127,11 @@ mod tests {
     use super::*;
 
     /// Share of the final settlement reached after a time of vibration, by the parts.
-    fn share_after(series: &[HeightSample], periods: &[Period], seconds: f64) -> Option<f64> {
-        let start = height_clamped(series, periods[0].start);
-        let last = series[series.len() - 1];
-        let time = shaking_clock(periods, seconds, last.time)?;
-        Some((start - height_clamped(series, time)) / (start - last.height))
-    }
-
-    fn series(points: &[(f64, f64)]) -> Vec<HeightSample> {
-        points.iter().map(|&(time, height)| HeightSample { time, height }).collect()
-    }
-
-    fn periods(bounds: &[(f64, f64)]) -> Vec<Period> {
-        bounds.iter().map(|&(start, end)| Period { start, end }).collect()
+    fn share_after(series: &[(f64, f64)], periods: &[[f64; 2]], seconds: f64) -> Option<f64> {
+        let start = height_clamped(series, periods[0][0]);
+        let (end, last) = series[series.len() - 1];
+        let time = shaking_clock(periods, seconds, end)?;
+        Some((start - height_clamped(series, time)) / (start - last))
     }
 
     /// Law: for a height h₀ − s(1 − exp(−t/τ)), sampled every 0.08 s from 3 s before the vibration,
@@ -171,11 +140,11 @@ mod tests {
     fn continuous_vibration() {
         let (begin, sink, tau) = (3.0, 0.018, 3.0);
         let fallen = |t: f64| sink * (1.0 - (-t.max(0.0) / tau).exp());
-        let points: Vec<HeightSample> = (0..=288)
+        let points: Vec<(f64, f64)> = (0..=288)
             .map(|i| f64::from(i) * 0.08)
-            .map(|time| HeightSample { time, height: 0.16 - fallen(time - begin) })
+            .map(|time| (time, 0.16 - fallen(time - begin)))
             .collect();
-        let got = settlement(&points, &periods(&[(begin, 23.0)])).unwrap();
+        let got = settlement(&points, &[[begin, 23.0]]).unwrap();
         // Larger than the smooth bound: the curve bends within one interval at the beginning.
         let tolerance = 0.08 * sink / tau / 4.0;
         let end = fallen(288.0 * 0.08 - begin);
@@ -184,7 +153,7 @@ mod tests {
         let share = got.share_after_5_s.unwrap();
         assert_near("share", fallen(5.0) / end, share, tolerance / end);
         assert_eq!(got.after_each_period, [got.at_end]);
-        let again = share_after(&points, &periods(&[(begin, 23.0)]), 5.0);
+        let again = share_after(&points, &[[begin, 23.0]], 5.0);
         assert_eq!(again, got.share_after_5_s, "share by the other way");
     }
 
@@ -192,7 +161,7 @@ mod tests {
     /// a step of height at one time (the later sample counts).
     #[test]
     fn interpolation() {
-        let s = series(&[(0.0, 1.0), (1.0, 3.0), (1.0, 5.0), (2.0, 4.0)]);
+        let s = [(0.0, 1.0), (1.0, 3.0), (1.0, 5.0), (2.0, 4.0)];
         for (time, expected) in
             [(0.0, 1.0), (0.25, 1.5), (0.999, 2.998), (1.0, 5.0), (1.5, 4.5), (2.0, 4.0)]
         {
@@ -204,7 +173,7 @@ mod tests {
     /// follows, 5 s of vibration are counted without rests.
     #[test]
     fn intermittent_vibration() {
-        let s = series(&[
+        let s = [
             (0.0, 0.160),
             (2.0, 0.150), // end of the first period
             (3.0, 0.149), // settled in the rest
@@ -212,8 +181,8 @@ mod tests {
             (6.0, 0.144),
             (8.0, 0.140), // end of the third
             (9.0, 0.142), // the plate comes up again
-        ]);
-        let shaken = periods(&[(0.0, 2.0), (3.0, 5.0), (6.0, 8.0)]);
+        ];
+        let shaken = [[0.0, 2.0], [3.0, 5.0], [6.0, 8.0]];
         let got = settlement(&s, &shaken).unwrap();
         assert_near("final", 0.018, got.at_end, 1e-15);
         for (expected, got) in [0.011, 0.016, 0.018].iter().zip(&got.after_each_period) {
@@ -238,8 +207,8 @@ mod tests {
     /// final and that of the moving table beside it, and shares are of the value at rest.
     #[test]
     fn what_comes_down_after_shaking_counts() {
-        let s = series(&[(0.0, 0.160), (5.0, 0.150), (6.0, 0.1545), (6.5, 0.153), (9.0, 0.153)]);
-        let got = settlement(&s, &periods(&[(0.0, 6.0)])).unwrap();
+        let s = [(0.0, 0.160), (5.0, 0.150), (6.0, 0.1545), (6.5, 0.153), (9.0, 0.153)];
+        let got = settlement(&s, &[[0.0, 6.0]]).unwrap();
         assert_near("at rest", 0.007, got.at_end, 1e-15);
         assert_near("at the end of shaking", 0.0055, got.end_of_shaking, 1e-15);
         assert_near("share of the value at rest", 10.0 / 7.0, got.share_after_5_s.unwrap(), 1e-12);
@@ -249,41 +218,40 @@ mod tests {
     #[test]
     fn nothing_to_share_out() {
         for rise in [0.0, 0.001] {
-            let s = series(&[(0.0, 0.16), (5.0, 0.159), (20.0, 0.16 + rise)]);
-            let got = settlement(&s, &periods(&[(0.0, 20.0)])).unwrap();
+            let s = [(0.0, 0.16), (5.0, 0.159), (20.0, 0.16 + rise)];
+            let got = settlement(&s, &[[0.0, 20.0]]).unwrap();
             assert_near("final", -rise, got.at_end, 1e-15);
             assert_near("after 5 s", 0.001, got.after_5_s.unwrap(), 1e-15);
             assert_eq!(got.share_after_5_s, None, "no share of {}", got.at_end);
         }
-        let short = series(&[(0.0, 0.16), (4.0, 0.15)]);
-        let got = settlement(&short, &periods(&[(0.0, 4.0)])).unwrap();
+        let got = settlement(&[(0.0, 0.16), (4.0, 0.15)], &[[0.0, 4.0]]).unwrap();
         assert_eq!((got.after_5_s, got.share_after_5_s), (None, None), "only 4 s shaken");
     }
 
     #[test]
     fn faults_are_named() {
-        let good = series(&[(0.0, 0.16), (5.0, 0.15)]);
-        let all = periods(&[(0.0, 5.0)]);
+        let good = [(0.0, 0.16), (5.0, 0.15)];
+        let all = [[0.0, 5.0]];
         assert!(settlement(&good, &all).is_ok());
         assert_eq!(settlement(&[], &all), Err(MeasureError::EmptySeries));
         assert_eq!(settlement(&good, &[]), Err(MeasureError::NoPeriod));
         for bad in [[(1.0, 0.1), (0.0, 0.1)], [(0.0, 0.1), (1.0, f64::NAN)]] {
-            let got = settlement(&series(&bad), &all);
+            let got = settlement(&bad, &all);
             assert!(matches!(got, Err(MeasureError::BadSample { index: 1, .. })), "{got:?}");
         }
-        let cases: [(&[(f64, f64)], usize); 5] = [
-            (&[(-0.1, 5.0)], 0),
-            (&[(0.0, 5.1)], 0),
-            (&[(2.0, 2.0)], 0),
-            (&[(0.0, 3.0), (2.0, 4.0)], 1),
-            (&[(0.0, f64::NAN)], 0),
+        let cases: [(&[[f64; 2]], usize); 5] = [
+            (&[[-0.1, 5.0]], 0),
+            (&[[0.0, 5.1]], 0),
+            (&[[2.0, 2.0]], 0),
+            (&[[0.0, 3.0], [2.0, 4.0]], 1),
+            (&[[0.0, f64::NAN]], 0),
         ];
         for (bounds, which) in cases {
-            let got = settlement(&good, &periods(bounds));
+            let got = settlement(&good, bounds);
             let named = matches!(got, Err(MeasureError::BadPeriod { index, .. }) if index == which);
             assert!(named, "{bounds:?}: {got:?}");
         }
-        let late = settlement(&good, &periods(&[(-0.07, 5.07)])).unwrap();
+        let late = settlement(&good, &[[-0.07, 5.07]]).unwrap();
         assert_near("within one reading interval", 0.01, late.at_end, 1e-15);
     }
 }

@@ -11,7 +11,7 @@ use super::{
     },
 };
 use crate::grains::MeshRecord;
-use crate::measure::{HeightSample, Period, Places, coordination, touching_gap};
+use crate::measure::{Places, coordination, touching_gap};
 use crate::record::{
     GrainsSummary, RestTest, Settlement, ShapeSummary, SieveSummary, VibrationSummary,
 };
@@ -84,7 +84,7 @@ pub fn summarise(
         },
     };
     let specs = scenario.stages.iter().zip(&stages);
-    let periods: Vec<Period> = specs.flat_map(|(spec, stage)| periods(spec, stage)).collect();
+    let periods: Vec<[f64; 2]> = specs.flat_map(|(spec, stage)| periods(spec, stage)).collect();
     let plate = settlement(&series, &periods, |r| r.plate_height_mm)?;
     let surface = settlement(&series, &periods, |r| r.mean_surface_mm)?;
     let rest_test_figures = self::rest_test(&rest_rows);
@@ -261,17 +261,14 @@ fn height_of_grains(row: &SeriesRow) -> Option<f64> {
     row.mean_grain_height_mm.filter(|mm| row.grains_in_cylinder > 0 || *mm != 0.0)
 }
 
-/// Periods of a stage's vibration in the run's time.
-fn periods(spec: &StageSpec, stage: &StoredStage) -> Vec<Period> {
+/// Beginning and end of each period of a stage's vibration, in the run's time.
+fn periods(spec: &StageSpec, stage: &StoredStage) -> Vec<[f64; 2]> {
     let (Some(motion), Some(first)) = (spec.motion(), stage.series.first()) else {
         return Vec::new();
     };
     // The last sample may lie half a step before the stated end.
     let last = stage.series.last().map_or(first.time_s, |r| r.time_s);
-    let period = |end: &f64| Period {
-        start: first.time_s + end - motion.duration,
-        end: (first.time_s + end).min(last),
-    };
+    let period = |end: &f64| [first.time_s + end - motion.duration, (first.time_s + end).min(last)];
     motion.period_ends().iter().map(period).collect()
 }
 
@@ -284,7 +281,7 @@ fn vibrations(
     let vibrated = specs.iter().zip(stages).enumerate().filter_map(|(n, (spec, stage))| {
         Some(VibrationSummary {
             stage: n as u32,
-            periods_s: periods(spec, stage).iter().map(|p| [p.start, p.end]).collect(),
+            periods_s: periods(spec, stage),
             motion: MotionFacts::of(&spec.motion()?, 1.0 / setup.engine.rate_hz),
             settling: stage.record.settling,
         })
@@ -294,16 +291,16 @@ fn vibrations(
 
 fn settlement(
     series: &[SeriesRow],
-    periods: &[Period],
+    periods: &[[f64; 2]],
     height_mm: impl Fn(&SeriesRow) -> Option<f64>,
 ) -> Result<Option<Settlement>, StudyError> {
-    let Some(first) = periods.first() else { return Ok(None) };
-    let heights: Vec<HeightSample> = series
+    let Some([start, _]) = periods.first() else { return Ok(None) };
+    let heights: Vec<(f64, f64)> = series
         .iter()
         .filter(|r| r.is_shaken())
         // The sum that gave the start may be a rounding above the first row's time.
-        .filter(|r| r.time_s >= first.start - ROUNDING)
-        .filter_map(|r| Some(HeightSample { time: r.time_s, height: from_mm(height_mm(r)?) }))
+        .filter(|r| r.time_s >= start - ROUNDING)
+        .filter_map(|r| Some((r.time_s, from_mm(height_mm(r)?))))
         .collect();
     if heights.is_empty() {
         return Ok(None);
@@ -421,7 +418,7 @@ mod tests {
         let first = 2.583_333_333_333_333_5_f64;
         let start = f64::from_bits(first.to_bits() + 2);
         let rows = [row(first, 178.0), row(first + 0.08, 175.7), row(first + 5.0, 163.0)];
-        let periods = [Period { start, end: first + 5.0 }];
+        let periods = [[start, first + 5.0]];
         let got = settlement(&rows, &periods, |r| r.plate_height_mm)
             .expect("it can be measured")
             .expect("it was vibrated")
