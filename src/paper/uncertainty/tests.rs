@@ -1,14 +1,8 @@
 //! Uncertainty of made-up studies.
 
 use super::*;
+use crate::measure::testing::assert_near as near;
 use crate::paper::canned;
-
-fn near(what: &str, expected: f64, got: f64, tolerance: f64) {
-    assert!(
-        (expected - got).abs() <= tolerance,
-        "law: {what} is {expected}, got {got}, tolerance {tolerance}"
-    );
-}
 
 #[test]
 fn intervals_are_students_of_the_configurations() {
