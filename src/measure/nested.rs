@@ -29,16 +29,11 @@ pub struct Nested {
     /// Mean over the groups of their means, so that a group with more values weighs no more,
     /// with the interval of μ by Student's t of the group means, which scatter by both sources.
     pub mean: Bounded,
-    /// Mean square between groups.
-    pub mean_square_between: f64,
-    /// Mean square within groups; `None` where no group has two values.
-    pub mean_square_within: Option<f64>,
-    /// Values a group that count, n₀ = (N − Σn_i²/N)/(a − 1).
-    pub values_a_group: f64,
-    /// σ_w², within groups.
+    /// σ_w², within groups: their mean square; `None` where no group has two values.
     pub within: Option<Bounded>,
-    /// σ_b², between groups: (MS_b − MS_w)/n₀, which may come out negative, where it is taken
-    /// to be 0; its interval likewise.
+    /// σ_b², between groups: (MS_b − MS_w)/n₀ of the mean squares between and within groups and of
+    /// the values a group that count, n₀ = (N − Σn_i²/N)/(a − 1). It may come out negative, where it
+    /// is taken to be 0; its interval likewise.
     pub between: Option<Bounded>,
     /// (MS_b − MS_w)/n₀ as it came out.
     pub between_as_estimated: Option<f64>,
@@ -99,9 +94,6 @@ impl Nested {
             groups: groups.len(),
             values: count as usize,
             mean: Bounded { value: of_means, low: of_means - half, high: of_means + half },
-            mean_square_between,
-            mean_square_within,
-            values_a_group,
             within: mean_square_within.and_then(|w| {
                 let chi = ChiSquared::new(free_w).ok()?;
                 Some(Bounded {
@@ -170,9 +162,7 @@ mod tests {
             [1.0, 5.0, 9.0].iter().map(|b| (0..4).map(|i| b + f64::from(i)).collect()).collect();
         let got = Nested::of(&groups, 0.95).expect("three groups");
         assert_eq!((got.groups, got.values), (3, 12));
-        assert_near("MS_b", 64.0, got.mean_square_between, 1e-12);
-        assert_near("MS_w", 5.0 / 3.0, got.mean_square_within.unwrap(), 1e-12);
-        assert_near("n0", 4.0, got.values_a_group, 1e-12);
+        assert_near("MS_w", 5.0 / 3.0, got.within.unwrap().value, 1e-12);
         assert_near("σ_b²", 187.0 / 12.0, got.between.unwrap().value, 1e-12);
         assert_near("μ", 6.5, got.mean.value, 1e-12);
         let half = 4.302_652_730 * 4.0 / 3.0_f64.sqrt();
@@ -194,9 +184,7 @@ mod tests {
     fn groups_of_several_sizes_by_hand() {
         let groups = vec![vec![2.0], vec![4.0, 6.0], vec![8.0, 9.0, 10.0]];
         let got = Nested::of(&groups, 0.95).expect("three groups");
-        assert_near("MS_b", 21.75, got.mean_square_between, 1e-12);
-        assert_near("MS_w", 4.0 / 3.0, got.mean_square_within.unwrap(), 1e-12);
-        assert_near("n0", 11.0 / 6.0, got.values_a_group, 1e-12);
+        assert_near("MS_w", 4.0 / 3.0, got.within.unwrap().value, 1e-12);
         assert_near("σ_b²", 245.0 / 22.0, got.between.unwrap().value, 1e-12);
         assert_near("μ", 16.0 / 3.0, got.mean.value, 1e-12);
         let half = 4.302_652_730 * (37.0_f64 / 3.0).sqrt() / 3.0_f64.sqrt();

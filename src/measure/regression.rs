@@ -108,11 +108,6 @@ impl LinearModel {
         (0..self.scales.len()).map(of).collect()
     }
 
-    /// Mean of the result at a point.
-    pub fn at(&self, point: &[f64]) -> f64 {
-        self.row(point).dot(&self.coefficients)
-    }
-
     /// Ends of a range at a point, as multiples of the spread of one more result about its mean
     /// there: the scatter of the residuals and the uncertainty of the model. Without any scatter
     /// they are infinite.
@@ -135,11 +130,6 @@ impl LinearModel {
             false => student.map_or(f64::NAN, |student| student.cdf(x)),
         };
         below(high) - below(low)
-    }
-
-    /// Probability that one more result at a point lies from `low` to `high`.
-    pub fn probability(&self, point: &[f64], low: f64, high: f64) -> f64 {
-        self.between(self.in_spreads(point, low, high))
     }
 
     /// Degrees of freedom: values less coefficients.
@@ -173,6 +163,18 @@ fn scaled(x: f64, (middle, half): (f64, f64)) -> f64 {
 mod tests {
     use super::super::testing::assert_near;
     use super::*;
+
+    impl LinearModel {
+        /// Mean of the result at a point.
+        fn at(&self, point: &[f64]) -> f64 {
+            self.row(point).dot(&self.coefficients)
+        }
+
+        /// Probability that one more result at a point lies from `low` to `high`.
+        fn probability(&self, point: &[f64], low: f64, high: f64) -> f64 {
+            self.between(self.in_spreads(point, low, high))
+        }
+    }
 
     /// y = 2 + 3 a − 5 b with a given error at each of nine points of a grid.
     fn grid(error: impl Fn(usize) -> f64) -> Vec<(Vec<f64>, f64)> {

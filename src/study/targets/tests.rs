@@ -202,7 +202,7 @@ fn residuals_of_one_point_go_together() {
     let rows: Vec<(Vec<f64>, f64)> =
         (0..25_u32).map(|n| (vec![f64::from(n % 5)], f64::from(n / 5) - 2.0)).collect();
     let model = LinearModel::fit(&rows).expect("a fit");
-    let expected = model.probability(&[2.0], 0.5, 1.5);
+    let expected = model.between(model.in_spreads(&[2.0], 0.5, 1.5));
     let got = found.all.best;
     assert!((got - expected).abs() < 0.02, "law: expected {expected}, got {got}, tolerance 0.02");
     assert!((found.all.at["a"] - 2.0).abs() < 0.1, "law: at a = 2, got {:?}", found.all.at);
