@@ -38,29 +38,27 @@ struct After {
     spin: f64,
 }
 
-/// What is known of a bar that falls.
-#[derive(Debug, Clone, Copy)]
-struct Fall {
-    /// Velocity along x and downwards in m/s.
-    speed: [f64; 2],
-    friction: f64,
-    restitution: f64,
-    /// Square of the radius of gyration about y, in m².
-    gyration_squared: f64,
-    /// Length and height in m.
-    sides: [f64; 2],
-}
+impl ImpactAtSeveralPoints {
+    /// Where the supports begin and end, in m.
+    fn supports(&self) -> Vec<[f64; 2]> {
+        self.supports_mm.iter().map(|support| support.map(from_mm)).collect()
+    }
 
-impl Fall {
-    /// By the law; `None` where it says nothing.
-    fn law(&self, supports: &[[f64; 2]]) -> Option<After> {
-        let [along, down] = self.speed;
-        let Self { friction, restitution, .. } = *self;
+    /// Square of the radius of gyration about y, in m².
+    fn gyration_squared(&self) -> f64 {
+        let [length, _, height] = self.sides_mm.map(from_mm);
+        (length * length + height * height) / 12.0
+    }
+
+    /// By the law with a coefficient of restitution; `None` where it says nothing.
+    fn law(&self, restitution: f64) -> Option<After> {
+        let [along, down] = self.velocity_m_per_s;
+        let (friction, supports) = (self.friction, self.supports());
         let least = supports.iter().map(|s| s[0]).fold(f64::INFINITY, f64::min);
         let most = supports.iter().map(|s| s[1]).fold(f64::NEG_INFINITY, f64::max);
         if supports.is_empty() || (least < 0.0 && most > 0.0) {
             let lost = friction * (1.0 + restitution) * down;
-            let pushes = friction * self.sides[1] < self.sides[0];
+            let pushes = friction * self.sides_mm[2] < self.sides_mm[0];
             let level = supports.is_empty() || friction == 0.0;
             let slides = along.abs() > lost && pushes;
             let x = if along == 0.0 { 0.0 } else { along - lost * along.signum() };
@@ -72,23 +70,11 @@ impl Fall {
         }
         // One side, without friction: the edge nearest to the centroid.
         let arm = if least > 0.0 { least } else { most };
-        let impulse = (1.0 + restitution) * down / (1.0 + arm * arm / self.gyration_squared);
+        let gyration_squared = self.gyration_squared();
+        let impulse = (1.0 + restitution) * down / (1.0 + arm * arm / gyration_squared);
         // An impulse upwards at +x turns the bar against y.
-        let spin = -arm * impulse / self.gyration_squared;
+        let spin = -arm * impulse / gyration_squared;
         (friction == 0.0).then_some(After { x: along, z: impulse - down, spin })
-    }
-}
-
-impl ImpactAtSeveralPoints {
-    fn fall(&self, restitution: f64) -> Fall {
-        let sides = self.sides_mm.map(from_mm);
-        Fall {
-            speed: self.velocity_m_per_s,
-            friction: self.friction,
-            restitution,
-            gyration_squared: (sides[0] * sides[0] + sides[2] * sides[2]) / 12.0,
-            sides: [sides[0], sides[2]],
-        }
     }
 
     pub(super) fn run(&self, bench: &Bench) -> Measured {
@@ -100,10 +86,9 @@ impl ImpactAtSeveralPoints {
     /// Error in % of the downward velocity, and in words.
     fn one(&self, bench: &Bench, restitution: f64, outcome: &mut Outcome) -> Result<(f64, String)> {
         let sides = in_m(self.sides_mm);
-        let supports: Vec<[f64; 2]> = self.supports_mm.iter().map(|s| s.map(from_mm)).collect();
+        let supports = self.supports();
         let law = self
-            .fall(restitution)
-            .law(&supports)
+            .law(restitution)
             .ok_or_else(|| VerifyError::Setup("the law does not cover this impact".into()))?;
         let mut scene = bench.scene_under(Vector::zeros(), &uniform(self.friction, restitution))?;
         if supports.is_empty() {
@@ -146,45 +131,46 @@ impl ImpactAtSeveralPoints {
 mod tests {
     use super::*;
 
-    fn fall(friction: f64, restitution: f64) -> Fall {
-        Fall {
-            speed: [0.4, 0.2],
+    fn bar(friction: f64, supports_mm: &[[f64; 2]]) -> ImpactAtSeveralPoints {
+        ImpactAtSeveralPoints {
+            sides_mm: [60.0, 20.0, 10.0],
+            velocity_m_per_s: [0.4, 0.2],
             friction,
-            restitution,
-            gyration_squared: 3e-4,
-            sides: [0.06, 0.01],
+            restitutions: Vec::new(),
+            supports_mm: supports_mm.to_vec(),
         }
     }
 
     #[test]
     fn between_two_supports_a_bar_rebounds_level() {
-        for supports in [[[-0.02, -0.019], [0.01, 0.011]], [[-0.03, -0.029], [0.002, 0.003]]] {
-            let got = fall(0.0, 0.5).law(&supports).expect("a law");
+        for supports in [[[-20.0, -19.0], [10.0, 11.0]], [[-30.0, -29.0], [2.0, 3.0]]] {
+            let got = bar(0.0, &supports).law(0.5).expect("a law");
             assert_eq!(got, After { x: 0.4, z: 0.1, spin: 0.0 });
         }
-        let slides = fall(0.3, 0.5).law(&[]).expect("a law");
-        let straight = Fall { speed: [0.0, 0.2], ..fall(0.3, 0.5) }.law(&[]).expect("a law");
+        let slides = bar(0.3, &[]).law(0.5).expect("a law");
+        let upright = ImpactAtSeveralPoints { velocity_m_per_s: [0.0, 0.2], ..bar(0.3, &[]) };
+        let straight = upright.law(0.5).expect("a law");
         assert_eq!(straight, After { x: 0.0, z: 0.1, spin: 0.0 }, "law: friction has no part");
         assert!((slides.x - (0.4 - 0.3 * 1.5 * 0.2)).abs() < 1e-15, "law: Coulomb, {slides:?}");
     }
 
     #[test]
     fn beyond_its_centroid_a_bar_turns_about_the_nearer_support() {
-        let supports = [[0.0045, 0.0055], [0.02, 0.021]];
+        let bar = bar(0.0, &[[4.5, 5.5], [20.0, 21.0]]);
+        let gyration_squared = bar.gyration_squared();
         for restitution in [0.0, 0.5, 1.0] {
-            let fall = fall(0.0, restitution);
-            let after = fall.law(&supports).expect("a law");
+            let after = bar.law(restitution).expect("a law");
             let at = |x: f64| after.z - after.spin * x;
             let near = at(0.0045) - restitution * 0.2;
             assert!(near.abs() < 1e-15, "law: the nearer point leaves with e v, off by {near}");
             assert!(at(0.02) > at(0.0045), "law: the farther one leaves faster, unaided");
             // Angular momentum about the nearer point, which bears the impulse.
             let before = 0.0045 * 0.2;
-            let then = -0.0045 * after.z - fall.gyration_squared * after.spin;
+            let then = -0.0045 * after.z - gyration_squared * after.spin;
             let off = before - then;
             assert!(off.abs() < 1e-15, "law: momentum about the support, off by {off:e}");
             if restitution == 1.0 {
-                let energy = after.z * after.z + fall.gyration_squared * after.spin * after.spin;
+                let energy = after.z * after.z + gyration_squared * after.spin * after.spin;
                 assert!((energy - 0.04).abs() < 1e-15, "law: e = 1 loses nothing, {energy}");
             }
         }
@@ -192,8 +178,8 @@ mod tests {
 
     #[test]
     fn where_the_law_says_nothing_there_is_none() {
-        assert_eq!(fall(2.0, 0.5).law(&[]), None, "law: it would stop sliding");
-        assert_eq!(fall(0.3, 0.5).law(&[[0.0045, 0.0055]]), None, "law: no friction there");
-        assert_eq!(fall(0.3, 0.5).law(&[[-0.02, -0.01], [0.01, 0.02]]), None);
+        assert_eq!(bar(2.0, &[]).law(0.5), None, "law: it would stop sliding");
+        assert_eq!(bar(0.3, &[[4.5, 5.5]]).law(0.5), None, "law: no friction there");
+        assert_eq!(bar(0.3, &[[-20.0, -10.0], [10.0, 20.0]]).law(0.5), None);
     }
 }
