@@ -153,7 +153,7 @@ pub(super) fn collision(bench: &Bench, speed: f64, friction: f64, restitution: f
             (100.0 * (l - linear).norm() / scale, 100.0 * (a - angular).norm() / (scale * CUBE));
         of_linear.push((scene.time(), change.0));
         of_angular.push((scene.time(), change.1));
-        worst = worst.max(change.0).max(change.1);
+        worst = largest([worst, change.0, change.1]);
     }
     if !met {
         return Err(VerifyError::NoEvent("a collision"));

@@ -62,7 +62,7 @@ pub(super) fn properties() -> Measured {
     for body in known()? {
         let mut curve = Vec::new();
         for scale in [1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0] {
-            let mut largest = 0.0_f64;
+            let mut off = 0.0;
             for turn in 0..8 {
                 let angle = f64::from(turn);
                 let rotation =
@@ -75,13 +75,15 @@ pub(super) fn properties() -> Measured {
                 let inertia = turned
                     * Matrix3::from_diagonal(&(body.moments * scale.powi(5)))
                     * turned.transpose();
-                largest = largest
-                    .max((got.volume / volume - 1.0).abs())
-                    .max((got.centroid.coords - shift).norm() / scale)
-                    .max((got.inertia_per_density - inertia).norm() / inertia.norm());
+                off = largest([
+                    off,
+                    (got.volume / volume - 1.0).abs(),
+                    (got.centroid.coords - shift).norm() / scale,
+                    (got.inertia_per_density - inertia).norm() / inertia.norm(),
+                ]);
             }
-            curve.push((scale, largest));
-            worst = worst.max(largest);
+            curve.push((scale, off));
+            worst = largest([worst, off]);
         }
         outcome.measured(body.name, curve);
     }

@@ -199,7 +199,7 @@ impl OfGrains {
         for _ in 0..packing.scene.steps_in(self.settle_s) {
             packing.scene.step()?;
             let now = packing.energy()?;
-            gain = gain.max(now - lowest);
+            gain = largest([gain, now - lowest]);
             lowest = lowest.min(now);
             curve.push((packing.scene.time(), now));
         }

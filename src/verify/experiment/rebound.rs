@@ -93,11 +93,10 @@ pub(super) fn bounces(bench: &Bench, restitution: f64, height: f64, count: usize
     }
     let curve = motion.iter().map(|m| (m.0, to_mm(m.1))).collect();
     let words: Vec<String> = ratios.iter().map(|r| format!("{r:.3}")).collect();
-    let error = |e: &&f64| (**e - restitution).abs();
-    let worst = ratios.iter().max_by(|a, b| error(a).total_cmp(&error(b)));
+    let worst = worst_of(&ratios, |e| (e - restitution).abs());
     Ok(Outcome::over_time("Height of the lower face (mm)", curve, "Impacts and peaks", law)
         .said(format!("{}; turns with {turns:.3} rad/s at most", words.join(", ")))
-        .got(worst.copied().unwrap_or(f64::NAN)))
+        .got(worst))
 }
 
 #[cfg(test)]

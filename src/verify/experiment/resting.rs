@@ -12,14 +12,11 @@ fn movement(y: &str, mut scene: Scene, ids: &[BodyId], settle: f64, duration: f6
     let start = scene.states(ids)?;
     let curve = scene.sampled(duration, 400, |scene, _| {
         let now = scene.states(ids)?;
-        let furthest = now
-            .iter()
-            .zip(&start)
-            .map(|(a, b)| (a.pose.translation.vector - b.pose.translation.vector).norm())
-            .fold(0.0_f64, f64::max);
-        Ok((scene.time(), to_mm(furthest)))
+        let place = |state: &BodyState| state.pose.translation.vector;
+        let moved = now.iter().zip(&start).map(|(a, b)| (place(a) - place(b)).norm());
+        Ok((scene.time(), to_mm(largest(moved))))
     })?;
-    let worst = curve.iter().map(|point| point.1).fold(0.0_f64, f64::max);
+    let worst = largest(curve.iter().map(|point| point.1));
     Ok(steady(y, 0.0, "Engine", curve).got(worst))
 }
 

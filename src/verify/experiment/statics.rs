@@ -167,7 +167,7 @@ impl CriticalFriction {
         let mut outcome = Outcome::new("Time (s)", "Sinks by (mm)");
         let mut stands = |friction: f64, show: bool| -> Result<bool> {
             let curve = self.sinks(bench, friction)?;
-            let sunk = curve.iter().map(|(_, z)| *z).fold(0.0, f64::max);
+            let sunk = largest(curve.iter().map(|(_, z)| *z));
             if show {
                 outcome.measured(format!("μ = {friction:.4}"), curve);
             }
