@@ -169,11 +169,17 @@ impl TableMotion {
         }
     }
 
-    /// Times in s at which the periods of vibration end.
-    pub fn period_ends(&self) -> Vec<f64> {
+    /// Beginning and end of each period of vibration, in s since the start.
+    pub fn period_bounds(&self) -> Vec<(f64, f64)> {
         (0..self.periods)
-            .map(|p| f64::from(p) * (self.duration + self.rest) + self.duration)
+            .map(|p| f64::from(p) * (self.duration + self.rest))
+            .map(|begin| (begin, begin + self.duration))
             .collect()
+    }
+
+    /// Times in s at which they end.
+    pub fn period_ends(&self) -> Vec<f64> {
+        self.period_bounds().into_iter().map(|(_, end)| end).collect()
     }
 
     /// The waveform at a time in s within a period, its end included.

@@ -1,7 +1,8 @@
 //! A made-up study of the made-up runs of `record`, for tests of claims and reports.
 
-use super::{Intermittent, StudyView, constants};
+use super::{StudyView, constants};
 use crate::grains::GrainShape;
+use crate::motion::TableMotion;
 use crate::record::RunRecord;
 pub use crate::record::canned::*;
 
@@ -34,7 +35,7 @@ pub fn study(runs: &[RunRecord]) -> StudyView<'_> {
             };
             3
         ],
-        intermittent: Intermittent { period_s: 5.0, periods: 4, rest_s: 1.0 },
+        intermittent: TableMotion { periods: 4, rest: 1.0, ..TableMotion::sine(0.025, 3.0, 5.0) },
         pile_friction: constants::FRICTION_COEFFICIENT,
         quick: false,
     }

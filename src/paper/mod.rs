@@ -35,7 +35,7 @@ pub use report::{
 };
 pub use scorecard::{ResultCounts, RowCounts, ScoreRow, Scorecard, scorecard};
 pub use uncertainty::{Uncertainty, uncertainty};
-pub use view::{Intermittent, StudyView};
+pub use view::StudyView;
 
 use std::{
     path::{Path, PathBuf},

@@ -1,6 +1,7 @@
 //! A study as claims and report see it: plain data.
 
 use crate::grains::GrainShape;
+use crate::motion::TableMotion;
 use crate::record::{GradationSummary, RunKind, RunRecord, SeriesRow, Settlement};
 use crate::report::settlement::settlement_curve;
 
@@ -32,32 +33,11 @@ pub struct StudyView<'a> {
     /// Shapes of the generated grains; empty where they were not measured.
     pub shapes: Vec<GrainShape>,
     /// How the intermittent vibration was run.
-    pub intermittent: Intermittent,
+    pub intermittent: TableMotion,
     /// Friction coefficient between the grains of the piles.
     pub pile_friction: f64,
     /// Whether this is the small, quick study, whose specimen is not the paper's.
     pub quick: bool,
-}
-
-/// How the intermittent vibration was run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Intermittent {
-    /// Length of one period in s.
-    pub period_s: f64,
-    /// Number of periods.
-    pub periods: u32,
-    /// Rest between two periods in s.
-    pub rest_s: f64,
-}
-
-impl Intermittent {
-    /// Start and end of every period in s since the beginning of vibration.
-    pub fn bounds(&self) -> Vec<(f64, f64)> {
-        (0..self.periods)
-            .map(|p| f64::from(p) * (self.period_s + self.rest_s))
-            .map(|start| (start, start + self.period_s))
-            .collect()
-    }
 }
 
 impl StudyView<'_> {

@@ -205,7 +205,7 @@ fn below_minimum(study: &StudyView) -> Claim {
 
 /// Fluctuation at the starts and ends of the periods over that in their middle.
 pub(in crate::paper) fn edge_ratio(study: &StudyView, run: &RunRecord) -> Option<f64> {
-    let bounds = study.intermittent.bounds();
+    let bounds = study.intermittent.period_bounds();
     let curve = curve(run);
     let near = |t: f64| {
         bounds.iter().any(|&(a, b)| t - a <= EDGE_S && t >= a || b - t <= EDGE_S && t <= b)

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use super::pictures::of_programme;
 use super::*;
 use crate::grains::{GrainSet, ParticleSizeDistribution};
+use crate::motion::TableMotion;
 use crate::paper;
 use crate::plain::in_shell;
 use crate::record::read_json;
@@ -346,13 +347,7 @@ pub(super) fn study_view<'a>(
     };
     let distribution = ParticleSizeDistribution::new(sieved).map_err(StudyError::grains)?;
     let known = described(grains);
-    let motion = scenarios.intermittent.motion();
-    let intermittent =
-        motion.map_or(Intermittent { period_s: 0.0, periods: 0, rest_s: 0.0 }, |m| Intermittent {
-            period_s: m.duration,
-            periods: m.periods,
-            rest_s: m.rest,
-        });
+    let still = || TableMotion { periods: 0, ..TableMotion::sine(0.0, 0.0, 0.0) };
     Ok(StudyView {
         runs,
         left_out: &[],
@@ -365,7 +360,7 @@ pub(super) fn study_view<'a>(
         gradation: distribution.gradation().into(),
         generated: Some(known.sieved.gradation().into()),
         shapes: known.shapes.clone(),
-        intermittent,
+        intermittent: scenarios.intermittent.motion().unwrap_or_else(still),
         pile_friction: scenarios
             .repose
             .as_ref()

@@ -32,7 +32,7 @@ pub(super) fn continuous(study: &StudyView) -> Result<Figure, ReportError> {
 
 pub(super) fn intermittent(study: &StudyView) -> Result<Figure, ReportError> {
     let runs: Vec<&RunRecord> = study.of_kind(RunKind::VibrationIntermittent).collect();
-    let bounds = study.intermittent.bounds();
+    let bounds = study.intermittent.period_bounds();
     let end = bounds.last().map_or(20.0, |b| b.1);
     let (mut plot, table) = curves(&runs, end);
     let mut edges: Vec<f64> = bounds.iter().flat_map(|b| [b.0, b.1]).collect();
@@ -46,8 +46,8 @@ pub(super) fn intermittent(study: &StudyView) -> Result<Figure, ReportError> {
          grey area in the paper's figure, which was not available to us (only its text was); none is \
          drawn. {}",
         study.intermittent.periods,
-        hundredths(study.intermittent.period_s),
-        hundredths(study.intermittent.rest_s),
+        hundredths(study.intermittent.duration),
+        hundredths(study.intermittent.rest),
         finals(&runs)
     );
     let title = "Figure 10. Settlement of the top plate under intermittent vibration";
