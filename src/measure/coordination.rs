@@ -7,12 +7,10 @@ use super::*;
 /// Contacts a grain, over the grains looked at.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Coordination {
-    /// Number of grains looked at.
-    pub grains: usize,
     /// Mean number of touching grains a grain; `None` without grains.
     pub mean: Option<f64>,
-    /// How many grains touch 0, 1, 2, ... others; it adds up to `grains` and
-    /// ends with the largest number met.
+    /// How many grains touch 0, 1, 2, ... others; it adds up to the number of grains looked at
+    /// and ends with the largest number met.
     pub distribution: Vec<usize>,
 }
 
@@ -38,7 +36,6 @@ pub fn coordination(grains: &[usize], pairs: &[PairGap]) -> Coordination {
     }
     let total: usize = counts.iter().sum();
     Coordination {
-        grains: counts.len(),
         mean: (!counts.is_empty()).then(|| total as f64 / counts.len() as f64),
         distribution,
     }
@@ -66,7 +63,7 @@ mod tests {
         let pairs = pairs_within(&specimen, &all, TOUCHING_GAP);
         let got = coordination(&all, &pairs);
         assert_eq!(got.distribution, [1, 2, 3]);
-        assert_eq!((got.grains, got.mean), (6, Some(8.0 / 6.0)));
+        assert_eq!(got.mean, Some(8.0 / 6.0));
         let row = coordination(&all[..5], &pairs);
         assert_eq!((row.mean, row.distribution), (Some(1.6), vec![0, 2, 3]));
         let cut = coordination(&[0, 1, 3], &pairs);
@@ -95,6 +92,6 @@ mod tests {
     #[test]
     fn no_grains() {
         let got = coordination(&[], &[PairGap { a: 0, b: 1, gap: 0.0 }]);
-        assert_eq!(got, Coordination { grains: 0, mean: None, distribution: vec![] });
+        assert_eq!(got, Coordination { mean: None, distribution: vec![] });
     }
 }

@@ -9,8 +9,6 @@ use super::*;
 pub struct OverlapStatistics {
     /// Number of overlapping pairs.
     pub overlapping: usize,
-    /// Number of touching pairs, the overlapping ones among them.
-    pub touching: usize,
     /// Mean share over the overlapping pairs; 0 when there are none.
     pub mean: f64,
     /// 99th percentile of the shares by nearest rank, over the overlapping pairs.
@@ -21,8 +19,7 @@ pub struct OverlapStatistics {
     pub max_depth: f64,
 }
 
-/// Sums up the overlaps among `pairs`, as [`super::pairs_within`] finds them;
-/// every pair in the list counts as touching.
+/// Sums up the overlaps among `pairs`, as [`super::pairs_within`] finds them.
 pub fn overlap_statistics(specimen: &Specimen, pairs: &[PairGap]) -> OverlapStatistics {
     let grains = &specimen.grains.grains;
     let overlapping = || pairs.iter().filter(|p| p.gap < 0.0);
@@ -34,7 +31,6 @@ pub fn overlap_statistics(specimen: &Specimen, pairs: &[PairGap]) -> OverlapStat
         .collect();
     OverlapStatistics {
         overlapping: shares.len(),
-        touching: pairs.len(),
         mean: statistics::mean(&shares).unwrap_or(0.0),
         p99: statistics::percentile(&shares, 99.0).unwrap_or(0.0),
         max: shares.iter().copied().fold(0.0, f64::max),
@@ -69,7 +65,7 @@ mod tests {
         let got = overlap_statistics(&specimen, &pairs);
         let equivalent = (6.0 / std::f64::consts::PI).cbrt();
         let shares = [1e-4 / (0.01 * equivalent), 4e-4 / (0.015 * equivalent)];
-        assert_eq!((got.overlapping, got.touching), (2, 3));
+        assert_eq!((pairs.len(), got.overlapping), (3, 2));
         assert_near("mean share", (shares[0] + shares[1]) / 2.0, got.mean, 1e-13);
         assert_near("99th of two is the larger", shares[1], got.p99, 1e-13);
         assert_near("largest share", shares[1], got.max, 1e-13);
