@@ -75,16 +75,19 @@ impl Container {
     /// Checks that the lengths are positive and finite.
     ///
     /// # Errors
-    /// [`MeasureError::BadContainer`].
+    /// [`MeasureError`] naming the first that is not.
     pub fn check(&self) -> Result<(), MeasureError> {
         let positive = |v: f64| v.is_finite() && v > 0.0;
-        for (what, value) in [("radius", self.radius), ("height", self.height)] {
-            if !positive(value) {
-                return Err(MeasureError::BadContainer { what, value });
+        for (what, value, is_sound) in [
+            ("radius", self.radius, positive(self.radius)),
+            ("height", self.height, positive(self.height)),
+            ("axis", self.centre_x, self.centre_x.is_finite()),
+        ] {
+            if !is_sound {
+                return Err(MeasureError(format!(
+                    "the container's {what} is {value} m, it must be a positive number"
+                )));
             }
-        }
-        if !self.centre_x.is_finite() {
-            return Err(MeasureError::BadContainer { what: "axis", value: self.centre_x });
         }
         Ok(())
     }
@@ -193,7 +196,9 @@ mod tests {
             Container { radius: f64::INFINITY, ..CUP },
             Container { centre_x: f64::NAN, ..CUP },
         ] {
-            assert!(matches!(bad.check(), Err(MeasureError::BadContainer { .. })), "{bad:?}");
+            let got = bad.check();
+            let said = got.as_ref().is_err_and(|why| why.0.contains("the container's "));
+            assert!(said, "{bad:?}: {got:?}");
         }
     }
 }

@@ -52,8 +52,8 @@ impl HeightMap {
     /// Parts of grains that stand out of the circle are left out; parts below the floor read 0.
     ///
     /// # Errors
-    /// [`MeasureError::BadContainer`]; [`MeasureError::BadCell`] when the
-    /// diameter is less than one or more than 4000 cells.
+    /// [`MeasureError`] of the container, or when the diameter is less than one or more than 4000
+    /// cells.
     pub fn of(specimen: &Specimen, container: &Container, cell: f64) -> Result<Self, MeasureError> {
         let bodies = &specimen.state.bodies;
         let members = container.members(specimen).into_iter();
@@ -75,7 +75,10 @@ impl HeightMap {
         let radius = container.radius;
         let diameter = 2.0 * radius / cell;
         if !(1.0..=MOST_ACROSS as f64).contains(&diameter) {
-            return Err(MeasureError::BadCell { cell, radius, most: MOST_ACROSS });
+            return Err(MeasureError(format!(
+                "height map cells of {cell} m do not fit a container of radius {radius} m: the \
+                 diameter must be 1 to {MOST_ACROSS} cells"
+            )));
         }
         let mut surface = Surface::flat(diameter);
         let mut highest = 0.0f64;
@@ -352,10 +355,11 @@ mod tests {
         let specimen = specimen_of(vec![]);
         for cell in [0.0, -1.0, f64::NAN, 0.11, 1e-6, f64::INFINITY] {
             let got = HeightMap::of(&specimen, &CUP, cell);
-            assert!(matches!(got, Err(MeasureError::BadCell { .. })), "{cell}: {got:?}");
+            let said = got.as_ref().is_err_and(|why| why.0.starts_with("height map cells of "));
+            assert!(said, "{cell}: {got:?}");
         }
         let flat = Container { radius: -1.0, ..CUP };
         let got = HeightMap::of(&specimen, &flat, DEFAULT_CELL);
-        assert!(matches!(got, Err(MeasureError::BadContainer { .. })));
+        assert!(got.is_err_and(|why| why.0.starts_with("the container's radius")));
     }
 }

@@ -81,61 +81,7 @@ use crate::specimen::{Fate, Party, SavedContact, Specimen, SpecimenState};
 use crate::world::BodyState;
 use {hull::*, inference::*, raster::*, region::*, statistics::*};
 
-/// Why something could not be measured.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum MeasureError {
-    /// The container has no size.
-    #[error("the container's {what} is {value} m, it must be a positive number")]
-    BadContainer {
-        /// Which length.
-        what: &'static str,
-        /// Its value in m.
-        value: f64,
-    },
-    /// The cells of the height map are no usable size.
-    #[error(
-        "height map cells of {cell} m do not fit a container of radius {radius} m: the diameter must be 1 to {most} cells"
-    )]
-    BadCell {
-        /// Side of a cell in m.
-        cell: f64,
-        /// Radius of the container in m.
-        radius: f64,
-        /// Largest number of cells across the diameter.
-        most: usize,
-    },
-    /// A series of heights holds no sample.
-    #[error("there is no height in the series")]
-    EmptySeries,
-    /// Times run backwards, or a value is not finite.
-    #[error(
-        "sample {index} of the series (time {time} s, height {height} m) is not finite or lies before its predecessor"
-    )]
-    BadSample {
-        /// Index of the sample.
-        index: usize,
-        /// Its time in s.
-        time: f64,
-        /// Its height in m.
-        height: f64,
-    },
-    /// A vibration period is empty, out of order, or not covered by the series.
-    #[error(
-        "period {index} of vibration, {start} s to {end} s, is empty, overlaps the one before, or is not covered by the series ({first} s to {last} s)"
-    )]
-    BadPeriod {
-        /// Index of the period.
-        index: usize,
-        /// Its beginning in s.
-        start: f64,
-        /// Its end in s.
-        end: f64,
-        /// Time of the first sample in s.
-        first: f64,
-        /// Time of the last sample in s.
-        last: f64,
-    },
-    /// No period of vibration was given.
-    #[error("settlement by vibration needs at least one period of vibration")]
-    NoPeriod,
-}
+/// Why something could not be measured, in a sentence.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct MeasureError(String);

@@ -45,8 +45,8 @@ pub struct Settlement {
 /// shakes are from beginning to end in s, on the clock of the series.
 ///
 /// # Errors
-/// [`MeasureError::EmptySeries`], [`MeasureError::BadSample`],
-/// [`MeasureError::NoPeriod`], [`MeasureError::BadPeriod`].
+/// [`MeasureError`] without heights or periods, and where a time runs backwards, a value is not
+/// finite, or a period is empty, out of order, or not covered by the series.
 pub fn settlement(series: &[(f64, f64)], periods: &[[f64; 2]]) -> Result<Settlement, MeasureError> {
     check(series, periods)?;
     let start = height_clamped(series, periods[0][0]);
@@ -97,24 +97,32 @@ fn height_clamped(series: &[(f64, f64)], time: f64) -> f64 {
 }
 
 fn check(series: &[(f64, f64)], periods: &[[f64; 2]]) -> Result<(), MeasureError> {
+    let fault = |what: String| Err(MeasureError(what));
     let (Some(&(first, _)), Some(&(last, _))) = (series.first(), series.last()) else {
-        return Err(MeasureError::EmptySeries);
+        return fault("there is no height in the series".to_owned());
     };
     let mut before = f64::NEG_INFINITY;
     for (index, &(time, height)) in series.iter().enumerate() {
         if !time.is_finite() || !height.is_finite() || time < before {
-            return Err(MeasureError::BadSample { index, time, height });
+            return fault(format!(
+                "sample {index} of the series (time {time} s, height {height} m) is not finite or \
+                 lies before its predecessor"
+            ));
         }
         before = time;
     }
     if periods.is_empty() {
-        return Err(MeasureError::NoPeriod);
+        let what = "settlement by vibration needs at least one period of vibration";
+        return fault(what.to_owned());
     }
     let mut free_from = first - SLACK;
     for (index, &[start, end]) in periods.iter().enumerate() {
         let fits = start >= free_from - ROUNDING && end > start && end <= last + SLACK + ROUNDING;
         if !fits {
-            return Err(MeasureError::BadPeriod { index, start, end, first, last });
+            return fault(format!(
+                "period {index} of vibration, {start} s to {end} s, is empty, overlaps the one \
+                 before, or is not covered by the series ({first} s to {last} s)"
+            ));
         }
         free_from = end;
     }
@@ -232,12 +240,14 @@ mod tests {
     fn faults_are_named() {
         let good = [(0.0, 0.16), (5.0, 0.15)];
         let all = [[0.0, 5.0]];
+        let says = |got: Result<Settlement, MeasureError>, fault: &str| {
+            assert!(got.as_ref().is_err_and(|why| why.0.contains(fault)), "{fault}: {got:?}");
+        };
         assert!(settlement(&good, &all).is_ok());
-        assert_eq!(settlement(&[], &all), Err(MeasureError::EmptySeries));
-        assert_eq!(settlement(&good, &[]), Err(MeasureError::NoPeriod));
+        says(settlement(&[], &all), "no height");
+        says(settlement(&good, &[]), "at least one period");
         for bad in [[(1.0, 0.1), (0.0, 0.1)], [(0.0, 0.1), (1.0, f64::NAN)]] {
-            let got = settlement(&bad, &all);
-            assert!(matches!(got, Err(MeasureError::BadSample { index: 1, .. })), "{got:?}");
+            says(settlement(&bad, &all), "sample 1 of");
         }
         let cases: [(&[[f64; 2]], usize); 5] = [
             (&[[-0.1, 5.0]], 0),
@@ -247,9 +257,7 @@ mod tests {
             (&[[0.0, f64::NAN]], 0),
         ];
         for (bounds, which) in cases {
-            let got = settlement(&good, bounds);
-            let named = matches!(got, Err(MeasureError::BadPeriod { index, .. }) if index == which);
-            assert!(named, "{bounds:?}: {got:?}");
+            says(settlement(&good, bounds), &format!("period {which} of"));
         }
         let late = settlement(&good, &[[-0.07, 5.07]]).unwrap();
         assert_near("within one reading interval", 0.01, late.at_end, 1e-15);
