@@ -60,9 +60,7 @@ pub use places::{Places, fates};
 pub use plate::{PlatePosition, plate_position};
 pub use profile::{Slice, layers, rings};
 pub use region::{grains_reach, void_ratio_in};
-pub use repose::{
-    FLANK, NoPile, PileSurface, Repose, Sector, base_level, over, pile_surface, pile_top,
-};
+pub use repose::{FLANK, PileSurface, Repose, Sector, base_level, over, pile_surface, pile_top};
 pub use rotation::rotations;
 pub use separation::{Separation, separation, separation_within};
 pub use settlement::{EARLY_SHAKING, Settlement, settlement};

@@ -29,7 +29,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::*;
-use crate::specimen::Base;
+use crate::{specimen::Base, units::to_mm};
 
 /// Sectors about the axis: of 10° each.
 pub const SECTORS: usize = 36;
@@ -106,29 +106,6 @@ pub struct Repose {
     pub sectors: Vec<Sector>,
 }
 
-/// Why there is no angle of repose.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum NoPile {
-    /// The base is bare.
-    #[error("there is no grain on the base")]
-    Empty,
-    /// What lies there has no flanks.
-    #[error(
-        "what lies on the base is {:.1} mm high, a pile is at least {:.1} mm, \
-         {LEAST_HEIGHT_GRAINS} mean grains",
-        1e3 * height, 1e3 * least
-    )]
-    TooLow {
-        /// Height in m.
-        height: f64,
-        /// Least height in m.
-        least: f64,
-    },
-    /// The number of sectors with a flank that slopes down is too small.
-    #[error("only {0} of {SECTORS} sectors about the axis have a flank that slopes down")]
-    NoFlanks(usize),
-}
-
 /// The surface of the pile on a specimen's base; `None` where there is no base.
 ///
 /// Heights are above the mean height of the base: that of the fixed grains and
@@ -188,17 +165,22 @@ impl PileSurface {
     /// The angle of repose, or why there is none.
     ///
     /// # Errors
-    /// [`NoPile`].
-    pub fn repose(&self) -> Result<Repose, NoPile> {
+    /// [`MeasureError`] where the base is bare, or what lies there is too low or has no flanks.
+    pub fn repose(&self) -> Result<Repose, MeasureError> {
         let area = self.cell * self.cell;
         let sum: f64 = self.cells.iter().map(|c| c.height).sum();
         if !(sum > 0.0) {
-            return Err(NoPile::Empty);
+            return Err(MeasureError("there is no grain on the base".to_owned()));
         }
         let height = self.cells.iter().map(|c| c.height).fold(0.0, f64::max);
         let least = LEAST_HEIGHT_GRAINS * self.grain_size;
         if height < least {
-            return Err(NoPile::TooLow { height, least });
+            return Err(MeasureError(format!(
+                "what lies on the base is {:.1} mm high, a pile is at least {:.1} mm, \
+                 {LEAST_HEIGHT_GRAINS} mean grains",
+                to_mm(height),
+                to_mm(least)
+            )));
         }
         let moment =
             |of: fn(&Cell) -> f64| self.cells.iter().map(|c| c.height * of(c)).sum::<f64>() / sum;
@@ -207,17 +189,22 @@ impl PileSurface {
         let lines = self.lines(axis, flank);
         let found: Vec<Line> = lines.iter().copied().flatten().collect();
         let falling = found.iter().filter(|line| line.slope > 0.0).count();
-        let no_flanks = NoPile::NoFlanks(falling);
+        let no_flanks = || {
+            MeasureError(format!(
+                "only {falling} of {SECTORS} sectors about the axis have a flank that slopes down"
+            ))
+        };
         if (falling as f64) < LEAST_SECTORS * SECTORS as f64 {
-            return Err(no_flanks);
+            return Err(no_flanks());
         }
         let mean =
             |of: fn(&Line) -> f64| statistics::mean(&found.iter().map(of).collect::<Vec<_>>());
-        let slope = mean(|l| l.slope).filter(|s| *s > 0.0).ok_or(no_flanks)?;
-        let base_radius = mean(|l| l.at_axis).ok_or(no_flanks)? / slope;
+        let slope = mean(|l| l.slope).filter(|s| *s > 0.0).ok_or_else(no_flanks)?;
+        let base_radius = mean(|l| l.at_axis).ok_or_else(no_flanks)? / slope;
         let angles: Vec<f64> = found.iter().map(|line| line.slope.atan()).collect();
-        let standard_deviation = statistics::sample_standard_deviation(&angles).ok_or(no_flanks)?;
-        let half = half_width(&lines).ok_or(no_flanks)?;
+        let standard_deviation =
+            statistics::sample_standard_deviation(&angles).ok_or_else(no_flanks)?;
+        let half = half_width(&lines).ok_or_else(no_flanks)?;
         let volume = sum * area;
         let sectors = (0..).zip(&lines).map(|(n, line)| Sector {
             azimuth: (f64::from(n) + 0.5) * TAU / SECTORS as f64,

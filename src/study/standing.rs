@@ -2,7 +2,7 @@
 //! repose; and grains that something pressed through a floor or a wall.
 
 use super::*;
-use crate::measure::{NoPile, grains_reach, pile_surface};
+use crate::measure::{grains_reach, pile_surface};
 use crate::record::{AngleOfRepose, AzimuthAngle, StandingHeight};
 use crate::specimen::Region;
 
@@ -132,7 +132,7 @@ pub(super) fn height_unless(height: StandingHeight, reason: Option<&str>) -> Sta
 /// The angle of repose of a specimen on a base, or why it has none; `None` without a base.
 pub(super) fn angle_of_repose(
     specimen: &Specimen,
-) -> Result<Option<Result<AngleOfRepose, NoPile>>, StudyError> {
+) -> Result<Option<Result<AngleOfRepose, MeasureError>>, StudyError> {
     let Some(surface) = pile_surface(specimen).map_err(StudyError::measure)? else {
         return Ok(None);
     };
