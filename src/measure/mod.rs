@@ -56,7 +56,7 @@ pub use loads::{
 };
 pub use overlap::{OverlapStatistics, overlap_statistics};
 pub use pairs::{PairGap, neighbours, pairs_within, pairs_within_of, touching_gap};
-pub use places::{Places, fates};
+pub use places::fates;
 pub use plate::{PlatePosition, plate_position};
 pub use profile::{Slice, layers, rings};
 pub use region::{grains_reach, void_ratio_in};

@@ -11,7 +11,7 @@ use super::{
     },
 };
 use crate::grains::MeshRecord;
-use crate::measure::{Places, coordination, touching_gap};
+use crate::measure::{coordination, touching_gap};
 use crate::record::{
     GrainsSummary, RestTest, Settlement, ShapeSummary, SieveSummary, VibrationSummary,
 };
@@ -353,23 +353,24 @@ fn grains_summary(
         true => measure::content(specimen, container).mass,
         false => specimen.present().map(|i| grains.grains[i].mass).sum(),
     };
-    let places = Places::of(fates);
+    let count = |counted: &[Fate]| fates.iter().filter(|fate| counted.contains(fate)).count();
+    let (in_cylinder, spilled) = (count(&[Fate::Present]), count(&[Fate::Spilled]));
     // By what stands: a run may have begun with a specimen that was poured, or piled up, before.
     let poured = match &state.base {
         // What rolls off the base was part of the pile.
-        Some(_) => Some(places.in_cylinder + places.spilled),
-        None => is_poured(state).then_some(places.in_cylinder),
+        Some(_) => Some(in_cylinder + spilled),
+        None => is_poured(state).then_some(in_cylinder),
     };
     GrainsSummary {
         count: grains.grains.len(),
         mass_g: to_g(grains.grains.iter().map(|g| g.mass).sum()),
         solids_volume_cm3: to_cm3(grains.grains.iter().map(|g| g.volume).sum()),
-        in_cylinder: places.in_cylinder,
+        in_cylinder,
         // The sum of no masses is −0.
         mass_in_cylinder_g: to_g(mass_inside) + 0.0,
-        escaped: places.escaped,
-        spilled: places.spilled,
-        left_in_funnel: places.left_in_funnel,
+        escaped: count(&[Fate::ThroughWall]),
+        spilled,
+        left_in_funnel: count(&[Fate::LeftInFunnel, Fate::Waiting]),
         missing: poured.map(|there| grains.grains.len().saturating_sub(there)),
     }
 }

@@ -327,6 +327,8 @@ fn grains_below_the_floor_and_spilled_specimens_are_no_result() {
         for grain in &mut state.bodies[..2] {
             grain.body.pose.translation.vector = Vector::new(0.0, 0.0, -0.001);
         }
+        // What was not fed counts as left.
+        state.bodies[2].fate = crate::specimen::Fate::Waiting;
     });
     assert_eq!((pressed.grains.escaped, sum(&pressed.grains)), (2, pressed.grains.count));
     let checks = pressed.checks.as_ref().expect("checks");
