@@ -5,7 +5,7 @@ use std::{sync::Arc, sync::atomic::AtomicBool};
 
 use pluvia::{
     grains::generate,
-    protocol::{Moment, Observer, Setup, StageOutcome, run},
+    protocol::{Setup, StageOutcome, run},
     scenario::{GrainsSpec, Scenario, SievedGrains, StageSpec},
     specimen::{FunnelState, Specimen, SpecimenState},
     world,
@@ -18,12 +18,6 @@ pub const QUARTER: (f64, f64) = (585.75, 72.5);
 
 /// Falling height of the pour in mm.
 pub const FALLING_HEIGHT_MM: f64 = 50.0;
-
-struct Nobody;
-
-impl Observer for Nobody {
-    fn observe(&mut self, _: &Specimen, _: Moment) {}
-}
 
 /// A scenario without stages, of a mass in g and a cylinder's diameter in mm.
 pub fn scenario((mass_g, diameter_mm): (f64, f64)) -> Scenario {
@@ -56,7 +50,7 @@ pub fn sieved(scenario: &Scenario) -> &SievedGrains {
 
 /// A stage run.
 pub fn stage(setup: &Setup, specimen: Specimen, stage: &StageSpec) -> StageOutcome {
-    run(setup, &world::create, specimen, stage, None, &mut Nobody, &AtomicBool::new(false))
+    run(setup, &world::create, specimen, stage, None, &mut (), &AtomicBool::new(false))
         .expect("a finished stage")
 }
 

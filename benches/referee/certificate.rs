@@ -17,7 +17,7 @@ use super::{
     kept::{self, Kept, fingerprint, identity},
     pours::Engine,
     program::{self, Program, number},
-    steps::{Nobody, specimen},
+    steps::specimen,
     tree::root,
 };
 
@@ -118,7 +118,7 @@ fn poured(scenario: &str, engine: Engine) -> Result<Value, String> {
         StageSpec::Rest { duration_s: REST },
     ] {
         let stop = AtomicBool::new(false);
-        specimen = run(&setup, &world::create, specimen, &stage, None, &mut Nobody, &stop)
+        specimen = run(&setup, &world::create, specimen, &stage, None, &mut (), &stop)
             .map_err(|e| e.to_string())?
             .specimen;
     }

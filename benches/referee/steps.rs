@@ -11,7 +11,7 @@ use pluvia::{
     geometry::Vector,
     grains::load_scenario,
     grains::{generate, streams},
-    protocol::{Moment, Observer, Setup, run},
+    protocol::{Setup, run},
     scenario::{EngineSettings, GrainsSpec, Scenario, StageSpec},
     specimen::{Specimen, SpecimenState},
     world::{PairTable, bullet::SubstepRecord},
@@ -59,13 +59,6 @@ struct Part {
     stage: StageSpec,
     scene: String,
     due: BTreeSet<u64>,
-}
-
-/// Who sees nothing of a stage.
-pub struct Nobody;
-
-impl Observer for Nobody {
-    fn observe(&mut self, _: &Specimen, _: Moment) {}
 }
 
 /// Looks at random instants of pouring, shaking and rest.
@@ -182,7 +175,7 @@ fn recorded(
         Tapped::make(settings, gravity, pairs, &tap)
     };
     let stop = AtomicBool::new(false);
-    let specimen = run(setup, &make, specimen, stage, None, &mut Nobody, &stop)
+    let specimen = run(setup, &make, specimen, stage, None, &mut (), &stop)
         .map_err(|e| e.to_string())?
         .specimen;
     let records = std::mem::take(&mut locked(&tap).records);

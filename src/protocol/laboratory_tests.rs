@@ -27,12 +27,12 @@ fn specimen() -> Specimen {
 
 fn carry_out(specimen: Specimen, stage: &StageSpec) -> Result<StageOutcome, StageError> {
     let make = scripted_worlds(|| ScriptedWorld::still(STEP));
-    run_stage(&scenario(), &make, specimen, stage, None, &mut Unseen)
+    run_stage(&scenario(), &make, specimen, stage, None, &mut ())
 }
 
 fn in_engine(specimen: Specimen, stage: &StageSpec) -> StageOutcome {
     let make = &crate::world::create;
-    run_stage(&scenario(), make, specimen, stage, None, &mut Unseen).expect("it runs")
+    run_stage(&scenario(), make, specimen, stage, None, &mut ()).expect("it runs")
 }
 
 fn present(specimen: &Specimen) -> Vec<usize> {

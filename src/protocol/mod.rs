@@ -110,6 +110,11 @@ pub trait Observer {
     fn warn(&mut self, _finding: &str) {}
 }
 
+/// Sees nothing.
+impl Observer for () {
+    fn observe(&mut self, _: &Specimen, _: Moment) {}
+}
+
 /// When and in what motion of the table an observation is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {

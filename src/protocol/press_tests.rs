@@ -128,7 +128,7 @@ fn a_load_that_is_not_reached_is_told() {
 fn a_lid_that_nothing_carries_is_an_error_that_names_both_pieces() {
     let _turn = crate::world::shared_turn();
     let (make, press) = (&crate::world::create, stage(press(10.0)));
-    let got = run_stage(&scenario(None), make, before_everything(), &press, None, &mut Unseen);
+    let got = run_stage(&scenario(None), make, before_everything(), &press, None, &mut ());
     let told = got.expect_err("law: it ends").to_string();
     assert!(told.contains("`lid` was pressed into `box`"), "law: who and where, got {told}");
 }
@@ -142,7 +142,7 @@ fn a_wall_that_is_moved_into_a_pressed_lid_is_named() {
     let aside = stage(json!({ "stage": "move", "pieces": ["box"], "duration_s": 0.3,
         "velocity_mm_per_s": [20, 0, 0] }));
     let make = &crate::world::create;
-    let got = run_stage(&scenario(None), make, pressed, &aside, None, &mut Unseen);
+    let got = run_stage(&scenario(None), make, pressed, &aside, None, &mut ());
     let told = got.expect_err("law: it ends").to_string();
     let both = "`lid`, which is pressed, and `box`, which this stage moves, got into each other";
     assert!(told.contains(both), "law: who and where, got {told}");

@@ -150,7 +150,7 @@ fn carry_out(
         make(settings, gravity, pairs).map(|world| Spy::watch(world, &logs))
     };
     let never = AtomicBool::new(false);
-    let outcome = run(&setup, &make, specimen, stage, None, &mut Unseen, &never);
+    let outcome = run(&setup, &make, specimen, stage, None, &mut (), &never);
     let outcome = outcome.expect("it runs");
     let logs = logs.into_inner().expect("alone");
     (outcome, logs.iter().map(|log| log.lock().expect("alone").clone()).collect())

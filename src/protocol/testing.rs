@@ -58,13 +58,6 @@ pub(super) fn scripted_worlds(
     move |_, _, _| Ok(Box::new(make()) as Box<dyn World + Send>)
 }
 
-/// Sees nothing.
-pub(super) struct Unseen;
-
-impl Observer for Unseen {
-    fn observe(&mut self, _: &Specimen, _: Moment) {}
-}
-
 /// Keeps where a stage could go on.
 #[derive(Default)]
 pub(super) struct Seams(pub Vec<Midway>);

@@ -290,7 +290,7 @@ fn an_unphysical_world_ends_the_stage_and_keeps_the_last_good_specimen() {
 fn a_request_to_stop_is_heard() {
     let setup = Setup::new(&scenario()).expect("a laboratory");
     let (make, cancel) = (scripted_worlds(still()), AtomicBool::new(true));
-    let outcome = run(&setup, &make, poured(&[]), &rest(100.0), None, &mut Unseen, &cancel);
+    let outcome = run(&setup, &make, poured(&[]), &rest(100.0), None, &mut (), &cancel);
     assert!(matches!(outcome, Err(StageError::Cancelled)));
 }
 
