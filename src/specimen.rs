@@ -135,7 +135,7 @@ fn whole() -> f64 {
 }
 
 /// Who takes part in a contact.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Party {
     /// A grain, by its number.
@@ -145,7 +145,7 @@ pub enum Party {
 }
 
 /// What grains touch beside each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Other {
     /// The top plate.

@@ -119,27 +119,18 @@ struct Bond {
 /// Lines of force: one for every two bodies that bear on each other, between their centroids; where
 /// one is no grain, from the grain's centroid to the mean point of contact.
 pub fn chains(setup: &Setup, state: &SpecimenState) -> PolyData {
-    let key = |party: Party| match party {
-        Party::Grain(n) => (n, 0, 0),
-        Party::Other(Other::TopPlate) => (usize::MAX, 0, 0),
-        Party::Other(Other::Cylinder(n)) => (usize::MAX, 1, n),
-        Party::Other(Other::Funnel(n)) => (usize::MAX, 2, n),
-        Party::Other(Other::Base(n)) => (usize::MAX, 3, n),
-        Party::Other(Other::Piece(piece, part)) => (usize::MAX, 4 + piece, part),
-    };
-    let mut bonds: BTreeMap<_, ([Party; 2], Bond)> = BTreeMap::new();
+    let mut bonds: BTreeMap<[Party; 2], Bond> = BTreeMap::new();
     for contact in &state.contacts {
         let [a, b] = contact.between;
         let (between, force) =
-            if key(a) <= key(b) { ([a, b], contact.force_n) } else { ([b, a], -contact.force_n) };
-        let keys = between.map(key);
-        let (_, bond) = bonds.entry(keys).or_insert_with(|| (between, Bond::default()));
+            if a <= b { ([a, b], contact.force_n) } else { ([b, a], -contact.force_n) };
+        let bond = bonds.entry(between).or_default();
         bond.force += force;
         bond.normal_force += normal_force(contact);
         bond.points.push(contact.point_m);
     }
     let mut data = PolyData::new(LINES);
-    for (between, bond) in bonds.values() {
+    for (between, bond) in &bonds {
         let mean = bond.points.iter().sum::<Vector>() / bond.points.len() as f64;
         let ends = between.map(|party| match party {
             Party::Grain(n) => state.bodies[n].body.pose.translation.vector,
@@ -148,14 +139,14 @@ pub fn chains(setup: &Setup, state: &SpecimenState) -> PolyData {
         let numbers = ends.map(|end| data.point(&Point::from(end)));
         data.cell(numbers.into_iter());
     }
-    let all = || bonds.values();
-    let party =
-        |which: usize| Values::ints(all().map(|(between, _)| party_number(setup, between[which])));
+    let party = |which: usize| {
+        Values::ints(bonds.keys().map(|between| party_number(setup, between[which])))
+    };
     data.cell_data = vec![
         ("first", party(0)),
         ("second", party(1)),
-        ("force_n", Values::floats(all().map(|(_, b)| Some(b.force.norm())))),
-        ("normal_force_n", Values::floats(all().map(|(_, b)| Some(b.normal_force)))),
+        ("force_n", Values::floats(bonds.values().map(|b| Some(b.force.norm())))),
+        ("normal_force_n", Values::floats(bonds.values().map(|b| Some(b.normal_force)))),
     ];
     // Tubes take their width from points: each line has two of its own.
     let twice = vec![2; data.cells()];
