@@ -127,14 +127,7 @@ fn middle(face: &[Point]) -> [i64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{export::testing, measure::testing::assert_near};
-
-    /// Volume that faces enclose, in m³.
-    fn volume(faces: &[Vec<Point>]) -> f64 {
-        let triangles =
-            faces.iter().flat_map(|f| (1..f.len() - 1).map(move |i| [f[0], f[i], f[i + 1]]));
-        triangles.map(|[a, b, c]| a.coords.dot(&b.coords.cross(&c.coords)) / 6.0).sum()
-    }
+    use crate::{export::testing, geometry::volume_of_loops, measure::testing::assert_near};
 
     /// Law: leaving out what two pieces share leaves a closed surface, which
     /// encloses the volume of the pieces.
@@ -148,7 +141,7 @@ mod tests {
         assert_eq!(wall.faces.len(), 4 * pieces, "law: in, out, below and above of each piece");
         let expected: f64 =
             setup.cylinder.pieces[..pieces].iter().map(|p| p.shape.signed_volume()).sum();
-        let got = volume(&wall.faces);
+        let got = volume_of_loops(&wall.faces, |p| p.coords);
         assert_near("volume of the wall in m³", expected, got, 1e-9 * expected);
         let plate = parts.last().expect("a top plate");
         assert_eq!(plate.faces.len(), setup.plate.shape.faces().len(), "law: one piece, all faces");

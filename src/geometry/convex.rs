@@ -51,7 +51,11 @@ pub(super) fn mean(points: &[Point]) -> Vector {
 /// about the mean of the vertices; negative where faces are turned inwards.
 pub(crate) fn enclosed_volume(vertices: &[Point], faces: &[Vec<u32>]) -> f64 {
     let centre = mean(vertices);
-    let at = |v: u32| vertices[v as usize].coords - centre;
+    volume_of_loops(faces, |v| vertices[v as usize].coords - centre)
+}
+
+/// The same of corners that are wherever `at` says; about its origin.
+pub(crate) fn volume_of_loops<C: Copy>(faces: &[Vec<C>], at: impl Fn(C) -> Vector) -> f64 {
     faces
         .iter()
         .flat_map(|f| (1..f.len() - 1).map(move |i| [f[0], f[i], f[i + 1]]))

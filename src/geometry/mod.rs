@@ -17,7 +17,7 @@ mod sphere;
 #[cfg(test)]
 pub(crate) mod testing;
 
-pub(crate) use convex::{cut, edges_of, enclosed_volume, loop_of, used};
+pub(crate) use convex::{cut, edges_of, enclosed_volume, loop_of, used, volume_of_loops};
 pub(crate) use hull::{Hull, hull};
 pub(crate) use joined::{FLATNESS, joined_polyhedron};
 pub use mass::{MassProperties, PrincipalFrame};

@@ -140,14 +140,6 @@ mod tests {
         line.split_whitespace().filter_map(|w| w.parse().ok()).collect()
     }
 
-    fn volume(points: &[Point], faces: &[Vec<usize>]) -> f64 {
-        let triangles = faces.iter().flat_map(|f| (1..f.len() - 1).map(|i| [f[0], f[i], f[i + 1]]));
-        triangles
-            .map(|t| t.map(|v| points[v].coords))
-            .map(|[a, b, c]| a.dot(&b.cross(&c)) / 6.0)
-            .sum()
-    }
-
     fn same_volume(format: &str, got: f64, grains: &GrainSet, tolerance: f64) {
         let expected = grains.total_volume();
         near(&format!("volume enclosed by the {format}"), got, expected, tolerance * expected);
@@ -174,7 +166,7 @@ mod tests {
             lines("v ").map(|l| Point::from_slice(&numbers::<f64>(l))).collect();
         let faces: Vec<Vec<usize>> =
             lines("f ").map(|l| numbers::<usize>(l).iter().map(|n| n - 1).collect()).collect();
-        same_volume("OBJ", volume(&points, &faces), &grains, 1e-12);
+        same_volume("OBJ", volume_of_loops(&faces, |v| points[v].coords), &grains, 1e-12);
     }
 
     #[test]
@@ -201,7 +193,7 @@ mod tests {
                 row[1..=row[0]].to_vec()
             })
             .collect();
-        same_volume("PLY", volume(&points, &faces), &grains, 1e-12);
+        same_volume("PLY", volume_of_loops(&faces, |v| points[v].coords), &grains, 1e-12);
     }
 
     #[test]

@@ -50,7 +50,7 @@ use rand_pcg::Pcg64;
 
 use crate::geometry::{
     ConvexPolyhedron, MassProperties, Point, PolyhedronError, Pose, Rounded, Vector, edges_of,
-    enclosed_volume, loop_of, used,
+    enclosed_volume, loop_of, used, volume_of_loops,
 };
 use crate::scale::{self, Scale};
 use crate::scenario::{CellShape, SievedGrains};

@@ -144,7 +144,10 @@ fn tessellate(points: &[Vector], sides: Vector, side: f64, origin: Vector) -> Ce
         let mut faces: Vec<Vec<u32>> = (0..cell.face_count())
             .map(|face| cell.face_vertices(face).iter().map(|&v| numbers[v]).collect())
             .collect();
-        if volume(&faces, &vertices) < 0.0 {
+        let at = |v: u32| vertices[v as usize].position;
+        let first = at(faces[0][0]);
+        // Then they run the wrong way round.
+        if volume_of_loops(&faces, |v| at(v) - first) < 0.0 {
             faces.iter_mut().for_each(|face| face.reverse());
         }
         cells.push(faces);
@@ -166,20 +169,6 @@ fn place(
         sides |= 1 << plane;
     }
     SharedVertex { position: Point::from(origin + Vector::from(at) * side), sides }
-}
-
-/// Signed volume enclosed by face loops, to tell which way round they run.
-fn volume(faces: &[Vec<u32>], vertices: &[SharedVertex]) -> f64 {
-    let at = |v: u32| vertices[v as usize].position;
-    let origin = at(faces[0][0]);
-    faces
-        .iter()
-        .flat_map(|f| (1..f.len() - 1).map(move |i| [f[0], f[i], f[i + 1]]))
-        .map(|t| {
-            let [a, b, c] = t.map(|v| at(v) - origin);
-            a.dot(&b.cross(&c)) / 6.0
-        })
-        .sum()
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use roxmltree::{Document, Node};
 
 use super::*;
 use crate::export::testing;
+use crate::geometry::{Vector, volume_of_loops};
 use crate::measure::{coordination, pairs_within, testing::assert_near, touching_gap};
 
 /// A `.vtp` file as read back.
@@ -106,15 +107,6 @@ impl<'a> TextOf<'a> for Node<'a, '_> {
     }
 }
 
-/// Volume that the polygons of a file enclose, in m³.
-fn volume(read: &Read3d) -> f64 {
-    let point = |n: usize| nalgebra::Vector3::from(read.points[n]);
-    let of = |c: &Vec<usize>| -> f64 {
-        (2..c.len()).map(|i| point(c[0]).dot(&point(c[i - 1]).cross(&point(c[i]))) / 6.0).sum()
-    };
-    read.cells.iter().map(of).sum()
-}
-
 fn written() -> (tempfile::TempDir, Moments, VtkFiles) {
     let folder = tempfile::tempdir().expect("a folder");
     let moments = testing::moments(&[11, 6], 0.08);
@@ -166,7 +158,8 @@ fn grains_are_the_grains_with_what_is_known_of_them() {
     let faces: usize = present.iter().map(|&n| grains[n].shape.faces().len()).sum();
     assert_eq!(read.cells.len(), faces, "law: a cell a face of the grains that take part");
     let solids: f64 = present.iter().map(|&n| grains[n].volume).sum();
-    assert_near("volume of the grains in m³", solids, volume(&read), 1e-5 * solids);
+    let enclosed = volume_of_loops(&read.cells, |n| Vector::from(read.points[n]));
+    assert_near("volume of the grains in m³", solids, enclosed, 1e-5 * solids);
     let names: Vec<&str> = read.cell_data.keys().map(String::as_str).collect();
     assert_eq!(
         names,
