@@ -6,8 +6,8 @@ use crate::scenario::Scenario;
 use crate::world::scripted::ScriptedWorld;
 
 /// A box with a steel-like block above its floor, a vane and a few grains that wait.
-fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
-    let mut scenario = scenario_of(json!({
+fn scenario() -> Scenario {
+    scenario_of(json!({
         "grains": { "total_mass_g": 60, "density_kg_per_m3": 2650 },
         "pieces": [
             { "name": "box", "shape": { "box": { "inner_mm": [80, 80, 140] } } },
@@ -16,27 +16,19 @@ fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
             { "name": "vane", "shape": { "vane": { "diameter_mm": 50, "height_mm": 40 } },
               "at_mm": [0, 0, 115] }
         ]
-    }));
-    scenario.engine.native.checkpoint_every_s = checkpoint_every_s;
-    scenario
+    }))
 }
 
 fn before_everything() -> Specimen {
-    specimen_of(&scenario(None), 1)
+    specimen_of(&scenario(), 1)
 }
 
-fn try_go(
-    every: Option<f64>,
-    specimen: Specimen,
-    midway: Option<Midway>,
-    value: Value,
-) -> (Result<StageOutcome, StageError>, Vec<Midway>) {
-    let (scenario, make, mut seams) = (scenario(every), &crate::world::create, Seams::default());
-    (run_stage(&scenario, make, specimen, &stage(value), midway, &mut seams), seams.0)
+fn try_go(specimen: Specimen, value: Value) -> Result<StageOutcome, StageError> {
+    run_stage(&scenario(), &crate::world::create, specimen, &stage(value), None, &mut ())
 }
 
 fn go(specimen: Specimen, value: Value) -> StageOutcome {
-    try_go(None, specimen, None, value).0.expect("it runs")
+    try_go(specimen, value).expect("it runs")
 }
 
 fn release(names: &[&str], mass_g: f64) -> Value {
@@ -56,7 +48,7 @@ fn what_is_let_go_falls_and_is_carried_by_other_pieces() {
     near("the floor carries it, N", -floor.force_n.z, weight, 2e-3 * weight);
     near("as it is carried, N", block.force_n.z, weight, 2e-3 * weight);
     // On the springs of its four corners.
-    let spring = scenario(None).engine.native.contact_stiffness_n_per_m;
+    let spring = scenario().engine.native.contact_stiffness_n_per_m;
     let sunk = weight / (4.0 * spring) * 1e3;
     near("flat on the floor, mm", block.pose.translation.z * 1e3, 10.0 - sunk, 2e-3);
     let up = block.pose.rotation * Vector::z();
@@ -109,13 +101,13 @@ fn what_lies_on_a_piece_does_not_stand_in_it() {
     let slid = go(lies.clone(), press([0.0, 1.0, 0.0])).specimen;
     let moved = place(&slid) - place(&lies);
     assert!(moved.y > 5e-3, "law: it moves along the floor, got {moved} m");
-    let (got, _) = try_go(None, lies, None, press([0.0, 0.0, -1.0]));
+    let got = try_go(lies, press([0.0, 0.0, -1.0]));
     let told = got.expect_err("law: no grains carry it").to_string();
     assert!(told.contains("`block` was pressed into `box`"), "law: who and where, got {told}");
 
     let mut deep = held;
     deep.state.pieces[1].pose.translation.vector.z -= 1e-3;
-    let (got, _) = try_go(None, deep, None, release(&["block"], 500.0));
+    let got = try_go(deep, release(&["block"], 500.0));
     let told = got.expect_err("law: it stands in the floor").to_string();
     assert!(told.contains("`block` stands in `box`"), "law: who and where, got {told}");
 }
@@ -124,23 +116,11 @@ fn what_lies_on_a_piece_does_not_stand_in_it() {
 #[test]
 fn what_is_let_go_goes_on_from_a_checkpoint_with_the_same_bits() {
     let _turn = crate::world::shared_turn();
-    let every = Some(0.05);
-    let begin = before_everything();
+    let mut scenario = scenario();
+    scenario.engine.native.checkpoint_every_s = Some(0.05);
     let mut value = release(&["block", "vane"], 300.0);
     value["until"] = json!([{ "piece": "block", "moved_mm": 1000 }]);
-    let (whole, seams) = try_go(every, begin.clone(), None, value.clone());
-    let whole = whole.expect("it runs");
-    assert!(seams.len() >= 4, "the check sees segments, {}", seams.len());
-    for n in [0, 1, 3, seams.len() - 1] {
-        let midway = stored(&seams[n]);
-        midway.check(begin.grains.grains.len()).expect("a sound checkpoint");
-        assert_eq!(midway.state.pieces, seams[n].state.pieces, "law: a file keeps every bit");
-        let (got, _) = try_go(every, begin.clone(), Some(midway), value.clone());
-        let got = got.expect("it runs");
-        assert_eq!(got.steps, whole.steps, "law: the same end from seam {n}");
-        assert_eq!(got.specimen.state, whole.specimen.state, "law: the same from seam {n}");
-        assert_eq!(got.until, whole.until, "law: told alike from seam {n}");
-    }
+    same_from_seams(&scenario, &before_everything(), &stage(value), &[0, 1, 3]);
 }
 
 /// Law: what falls out of the laboratory ends the run, and says so.
@@ -150,11 +130,10 @@ fn what_nothing_carries_is_reported() {
     let away = json!({ "stage": "move", "pieces": ["box"], "duration_s": 1,
         "velocity_mm_per_s": [300, 0, 0] });
     let moved = go(before_everything(), away).specimen;
-    let (got, _) = try_go(None, moved, None, release(&["block"], 500.0));
+    let got = try_go(moved, release(&["block"], 500.0));
     let told = got.expect_err("nothing carries it").to_string();
     assert!(told.contains("`block` fell below all other pieces"), "law: {told}");
-    let (got, _) =
-        try_go(None, before_everything(), None, release(&["block", "vane", "box"], 500.0));
+    let got = try_go(before_everything(), release(&["block", "vane", "box"], 500.0));
     let told = got.expect_err("nothing carries them").to_string();
     assert!(told.contains("nothing is left that could carry"), "law: {told}");
 }
@@ -163,7 +142,7 @@ fn what_nothing_carries_is_reported() {
 /// what is pressed has ½ m v².
 #[test]
 fn the_kinetic_energy_of_pieces_is_that_of_their_motion() {
-    let setup = Setup::new(&scenario(None)).expect("a laboratory");
+    let setup = Setup::new(&scenario()).expect("a laboratory");
     let begun = laboratory::begun(&setup, before_everything()).state;
     let pieces_of = |state: &SpecimenState| {
         let mut world = ScriptedWorld::still(STEP);
@@ -203,7 +182,7 @@ fn pieces_of_several_parts_are_pressed_as_one() {
         "axis": [0, 0, 1] }], "until": [{ "piece": "box", "direction": [0, 0, 1], "force_n": 1e6 },
             { "piece": "vane", "turned_deg": 100 }] });
     let outcome = go(before_everything(), turn);
-    let setup = Setup::new(&scenario(None)).expect("a laboratory");
+    let setup = Setup::new(&scenario()).expect("a laboratory");
     let mass = setup.pieces[2].volume() * 2700.0;
     let inertia = setup.pieces[2].inertia_about(&Vector::z(), &Default::default(), mass);
     // Four blades of 24 mm from 1 to 25 mm, and the core.

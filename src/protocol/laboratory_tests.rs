@@ -108,20 +108,9 @@ fn a_deposit_without_room_ends_long_before_its_limit() {
     scenario.engine.native.checkpoint_every_s = Some(0.5);
     let low = stage(json!({ "stage": "deposit", "at_mm": [0, 0, 12],
         "area_mm": [40, 40], "rate_g_per_s": 200, "time_limit_s": 60 }));
-    let go = |midway: Option<Midway>| {
-        let (make, mut seams) = (&crate::world::create, Seams::default());
-        let outcome = run_stage(&scenario, make, specimen(), &low, midway, &mut seams);
-        (outcome.expect("it runs"), seams.0)
-    };
-    let (whole, seams) = go(None);
+    // A checkpoint keeps how long nothing moved.
+    let (whole, _) = same_from_seams(&scenario, &specimen(), &low, &[]);
     assert!(whole.simulated < 20.0, "law: not 60 s, got {} s", whole.simulated);
-    assert!(seams.len() >= 2, "law: it has segments, {}", seams.len());
-    let (resumed, _) = go(Some(stored(&seams[seams.len() - 1])));
-    assert_eq!(
-        resumed.simulated, whole.simulated,
-        "law: a checkpoint keeps how long nothing moved"
-    );
-    assert_eq!(resumed.specimen.state, whole.specimen.state, "law: to the last bit");
 }
 
 /// Law: a deposit says how many grains fell out, and that fewer were there than it asks for; one
@@ -196,25 +185,12 @@ fn at_rest_the_box_carries_the_weight_of_the_grains() {
 fn rain_and_motion_go_on_from_a_checkpoint_with_the_same_bits() {
     let mut scenario = scenario();
     scenario.engine.native.checkpoint_every_s = Some(0.2);
-    let go = |specimen: Specimen, stage: &StageSpec, midway: Option<Midway>| {
-        let (make, mut seams) = (&crate::world::create, Seams::default());
-        let outcome = run_stage(&scenario, make, specimen, stage, midway, &mut seams);
-        (outcome.expect("it runs").specimen, seams.0)
-    };
     let rain = stage(json!({ "stage": "deposit", "at_mm": [0, 0, 90],
         "area_mm": [50, 50], "rate_g_per_s": 60 }));
     let turn = stage(json!({ "stage": "move", "pieces": ["box"], "travel_deg": 20,
         "rotation": { "axis": [0, 1, 0], "deg_per_s": 30 }, "ramp_s": 0.1, "settle_limit_s": 1 }));
-    let mut before = specimen();
-    for stage in [&rain, &turn] {
-        let (whole, seams) = go(before.clone(), stage, None);
-        assert!(seams.len() >= 2, "law: it has segments, {}", seams.len());
-        for midway in [&seams[0], &seams[seams.len() - 1]] {
-            let (resumed, _) = go(before.clone(), stage, Some(midway.clone()));
-            assert_eq!(resumed.state, whole.state, "law: the same from {} steps", midway.steps);
-        }
-        before = whole;
-    }
+    let (rained, _) = same_from_seams(&scenario, &specimen(), &rain, &[0]);
+    same_from_seams(&scenario, &rained.specimen, &turn, &[0]);
 }
 
 /// Law: what grains bear of a piece, against a direction, or as a moment about an axis.

@@ -7,7 +7,7 @@ use super::*;
 use crate::scenario::Scenario;
 
 /// A smooth box of 50 mm that is open above and to one side; a wall stands there, and a lid above.
-fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
+fn scenario() -> Scenario {
     let mut scenario = scenario_of(json!({
         "grains": {
             "total_mass_g": 65, "density_kg_per_m3": 2650,
@@ -26,7 +26,6 @@ fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
             "regions": [{ "name": "core", "low_mm": [-25, -25, 0], "high_mm": [25, 25, 25] }]
         }
     }));
-    scenario.engine.native.checkpoint_every_s = checkpoint_every_s;
     // What a file with the loads of `pressed` gets by itself: softer contacts let the lid push grains
     // through the floor.
     scenario.engine.native.contact_stiffness_n_per_m = 17_000.0;
@@ -34,38 +33,24 @@ fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
     scenario
 }
 
-/// Keeps what it is shown.
+/// Mean stress of the region in Pa, and force on the wall in N, as they are shown.
 #[derive(Default)]
-struct Seen {
-    /// Mean stress of the region in Pa, and force on the wall in N.
-    moments: Vec<(f64, f64)>,
-    seams: Vec<Midway>,
-}
+struct Seen(Vec<(f64, f64)>);
 
 impl Observer for Seen {
     fn observe(&mut self, specimen: &Specimen, _: Moment) {
-        let mean = region(&scenario(None).measures.regions[0]).mean_stress_of(&specimen.state);
+        let mean = region(&scenario().measures.regions[0]).mean_stress_of(&specimen.state);
         let force = specimen.state.pieces[1].press.map_or(0.0, |press| press.force_n);
-        self.moments.push((mean, force));
-    }
-
-    fn seam(&mut self, midway: &Midway) -> ControlFlow<()> {
-        self.seams.push(midway.clone());
-        ControlFlow::Continue(())
+        self.0.push((mean, force));
     }
 }
 
-fn go(
-    every: Option<f64>,
-    specimen: Specimen,
-    midway: Option<Midway>,
-    value: Value,
-) -> (Result<StageOutcome, StageError>, Seen) {
-    let mut setup = Setup::new(&scenario(every)).expect("a laboratory");
+fn go(specimen: Specimen, value: Value) -> (Result<StageOutcome, StageError>, Seen) {
+    let mut setup = Setup::new(&scenario()).expect("a laboratory");
     setup.sample_interval = 0.02;
     let (mut seen, never) = (Seen::default(), AtomicBool::new(false));
     let make = &crate::world::create;
-    (run(&setup, make, specimen, &stage(value), midway, &mut seen, &never), seen)
+    (run(&setup, make, specimen, &stage(value), None, &mut seen, &never), seen)
 }
 
 /// Grains between box, wall and lid, which both press by 10 kPa.
@@ -75,9 +60,8 @@ fn pressed(seed: u64) -> Specimen {
     let press = json!({ "stage": "press", "time_limit_s": 4, "approach_mm_per_s": 100, "loads": [
         { "piece": "wall", "direction": [-1, 0, 0], "force_n": 15 },
         { "piece": "lid", "direction": [0, 0, -1], "force_n": 25 }] });
-    let filled =
-        go(None, specimen_of(&scenario(None), seed), None, rain).0.expect("it runs").specimen;
-    go(None, filled, None, press).0.expect("it runs").specimen
+    let filled = go(specimen_of(&scenario(), seed), rain).0.expect("it runs").specimen;
+    go(filled, press).0.expect("it runs").specimen
 }
 
 /// The first of them, made once.
@@ -109,13 +93,13 @@ fn a_mean_stress_is_kept_while_a_lid_goes_down_or_up() {
     fn ends(seed: u64, speed: f64) -> [f64; 2] {
         let begun = pressed(seed);
         let end = |window_s| {
-            let (outcome, seen) = go(None, begun.clone(), None, lid(speed, window_s));
+            let (outcome, seen) = go(begun.clone(), lid(speed, window_s));
             let warnings = outcome.expect("it runs").warnings;
             assert!(warnings.is_empty(), "law: no limit is come to, {warnings:?}");
-            let target = seen.moments[0].0;
-            let later = &seen.moments[2 * seen.moments.len() / 3..];
+            let target = seen.0[0].0;
+            let later = &seen.0[2 * seen.0.len() / 3..];
             let mean = later.iter().map(|(p, _)| p / target).sum::<f64>() / later.len() as f64;
-            (mean, later[0].1 / seen.moments[0].1)
+            (mean, later[0].1 / seen.0[0].1)
         };
         let ((kept, force), (free, same)) = (end(Some(0.1)), end(None));
         println!("{speed} mm/s: {kept} of p₀ by {force} of the force, {free} by {same}");
@@ -143,19 +127,16 @@ fn a_mean_stress_is_kept_while_a_lid_goes_down_or_up() {
 #[test]
 fn a_mean_stress_is_kept_on_from_a_checkpoint_with_the_same_bits() {
     let _turn = crate::world::shared_turn();
-    let begun = first();
-    let (whole, seen) = go(Some(0.25), begun.clone(), None, lid(-5.0, Some(0.1)));
-    let whole = whole.expect("it runs").specimen.state;
-    assert!(seen.seams.len() > 2, "the check sees segments, {}", seen.seams.len());
-    for midway in [&seen.seams[0], &seen.seams[seen.seams.len() - 1]] {
-        let read = stored(midway);
-        assert!(read.kept_stress.is_some_and(|kept| kept.factor != 1.0), "it is under way");
-        let (got, _) = go(Some(0.25), begun.clone(), Some(read), lid(-5.0, Some(0.1)));
-        let same = got.expect("it runs").specimen.state == whole;
-        assert!(same, "law: the same bits from a checkpoint as without a break");
+    let (begun, mut scenario) = (first(), scenario());
+    scenario.engine.native.checkpoint_every_s = Some(0.25);
+    let kept = |window_s| stage(lid(-5.0, Some(window_s)));
+    let (whole, seams) = same_from_seams(&scenario, &begun, &kept(0.1), &[0]);
+    for midway in seams {
+        assert!(midway.kept_stress.is_some_and(|kept| kept.factor != 1.0), "it is under way");
     }
-    let (other, _) = go(Some(0.25), begun, None, lid(-5.0, Some(0.2)));
-    assert!(other.expect("it runs").specimen.state != whole, "the comparison can fail");
+    let other = run_stage(&scenario, &crate::world::create, begun, &kept(0.2), None, &mut ());
+    let other = other.expect("it runs").specimen.state;
+    assert!(other != whole.specimen.state, "the comparison can fail");
 }
 
 #[test]
@@ -165,7 +146,7 @@ fn what_cannot_keep_a_mean_stress_is_refused() {
     let refused = |change: &dyn Fn(&mut Specimen)| {
         let mut specimen = begun.clone();
         change(&mut specimen);
-        let got = go(None, specimen, None, lid(-5.0, Some(0.1))).0;
+        let got = go(specimen, lid(-5.0, Some(0.1))).0;
         got.expect_err("law: it is refused").to_string()
     };
     let told = refused(&|specimen| specimen.state.pieces[1].hold());

@@ -5,8 +5,8 @@ use super::*;
 use crate::scenario::Scenario;
 
 /// A smooth box of 50 mm with a lid that fills it, and a few grains.
-fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
-    let mut scenario = scenario_of(json!({
+fn scenario() -> Scenario {
+    scenario_of(json!({
         "grains": { "total_mass_g": 60, "density_kg_per_m3": 2650 },
         "contact": { "grain_wall_friction": 0.0 },
         "pieces": [
@@ -14,13 +14,11 @@ fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
             { "name": "lid", "shape": { "plate": { "size_mm": [49, 49, 10] } },
               "at_mm": [0, 0, 130] }
         ]
-    }));
-    scenario.engine.native.checkpoint_every_s = checkpoint_every_s;
-    scenario
+    }))
 }
 
 fn before_everything() -> Specimen {
-    specimen_of(&scenario(None), 1)
+    specimen_of(&scenario(), 1)
 }
 
 /// Keeps what it is shown.
@@ -30,7 +28,6 @@ struct Seen {
     lid: Vec<(f64, f64, f64)>,
     /// How many of these there were before it bore anything.
     approach: usize,
-    seams: Vec<Midway>,
 }
 
 impl Observer for Seen {
@@ -41,37 +38,22 @@ impl Observer for Seen {
             self.lid.push((moment.stage_time, press.speed_m_per_s, press.force_n));
         }
     }
-
-    fn seam(&mut self, midway: &Midway) -> ControlFlow<()> {
-        self.seams.push(midway.clone());
-        ControlFlow::Continue(())
-    }
 }
 
-fn go_in(
-    scenario: &Scenario,
-    specimen: Specimen,
-    midway: Option<Midway>,
-    value: Value,
-) -> (StageOutcome, Seen) {
+fn go_in(scenario: &Scenario, specimen: Specimen, value: Value) -> (StageOutcome, Seen) {
     let (make, mut seen) = (&crate::world::create, Seen::default());
-    let outcome = run_stage(scenario, make, specimen, &stage(value), midway, &mut seen);
+    let outcome = run_stage(scenario, make, specimen, &stage(value), None, &mut seen);
     (outcome.expect("it runs"), seen)
 }
 
-fn go(
-    every: Option<f64>,
-    specimen: Specimen,
-    midway: Option<Midway>,
-    value: Value,
-) -> (StageOutcome, Seen) {
-    go_in(&scenario(every), specimen, midway, value)
+fn go(specimen: Specimen, value: Value) -> (StageOutcome, Seen) {
+    go_in(&scenario(), specimen, value)
 }
 
 fn filled() -> Specimen {
     let rain = json!({ "stage": "deposit", "at_mm": [0, 0, 85], "area_mm": [10, 10],
         "rate_g_per_s": 200, "time_limit_s": 4 });
-    go(None, before_everything(), None, rain).0.specimen
+    go(before_everything(), rain).0.specimen
 }
 
 fn press(stress_kpa: f64) -> Value {
@@ -82,7 +64,7 @@ fn press(stress_kpa: f64) -> Value {
 #[test]
 fn the_floor_bears_the_pressed_stress_and_the_weight_of_the_grains() {
     let _turn = crate::world::shared_turn();
-    let (outcome, seen) = go(None, filled(), None, press(10.0));
+    let (outcome, seen) = go(filled(), press(10.0));
     let state = &outcome.specimen.state;
     let force = 10e3 * 0.049 * 0.049;
     let weight: f64 = {
@@ -115,12 +97,12 @@ fn a_load_that_is_not_reached_is_told() {
     let mut short = press(10.0);
     short["time_limit_s"] = json!(0.3);
     short["ramp_s"] = json!(3);
-    let told = go(None, filled(), None, short).0.warnings.join("; ");
+    let told = go(filled(), short).0.warnings.join("; ");
     assert!(
         told.contains("`lid` is pressed with ") && told.contains("of the 24.01 asked"),
         "{told}"
     );
-    let whole = go(None, filled(), None, press(10.0)).0.warnings;
+    let whole = go(filled(), press(10.0)).0.warnings;
     assert!(whole.is_empty(), "law: the whole load is on it, {whole:?}");
 }
 
@@ -128,7 +110,7 @@ fn a_load_that_is_not_reached_is_told() {
 fn a_lid_that_nothing_carries_is_an_error_that_names_both_pieces() {
     let _turn = crate::world::shared_turn();
     let (make, press) = (&crate::world::create, stage(press(10.0)));
-    let got = run_stage(&scenario(None), make, before_everything(), &press, None, &mut ());
+    let got = run_stage(&scenario(), make, before_everything(), &press, None, &mut ());
     let told = got.expect_err("law: it ends").to_string();
     assert!(told.contains("`lid` was pressed into `box`"), "law: who and where, got {told}");
 }
@@ -138,11 +120,11 @@ fn a_lid_that_nothing_carries_is_an_error_that_names_both_pieces() {
 #[test]
 fn a_wall_that_is_moved_into_a_pressed_lid_is_named() {
     let _turn = crate::world::shared_turn();
-    let pressed = go(None, filled(), None, press(10.0)).0.specimen;
+    let pressed = go(filled(), press(10.0)).0.specimen;
     let aside = stage(json!({ "stage": "move", "pieces": ["box"], "duration_s": 0.3,
         "velocity_mm_per_s": [20, 0, 0] }));
     let make = &crate::world::create;
-    let got = run_stage(&scenario(None), make, pressed, &aside, None, &mut ());
+    let got = run_stage(&scenario(), make, pressed, &aside, None, &mut ());
     let told = got.expect_err("law: it ends").to_string();
     let both = "`lid`, which is pressed, and `box`, which this stage moves, got into each other";
     assert!(told.contains(both), "law: who and where, got {told}");
@@ -151,45 +133,39 @@ fn a_wall_that_is_moved_into_a_pressed_lid_is_named() {
 #[test]
 fn a_pressed_lid_goes_on_from_a_checkpoint_with_the_same_bits() {
     let _turn = crate::world::shared_turn();
-    let filled = filled();
-    let (whole, seen) = go(Some(0.25), filled.clone(), None, press(10.0));
-    let [first, later] = [0, seen.seams.len() - 1].map(|n| seen.seams[n].clone());
-    assert!(seen.seams.len() > 2, "the check sees segments, {}", seen.seams.len());
-    for midway in [first, later] {
-        let (got, _) = go(Some(0.25), filled.clone(), Some(midway), press(10.0));
-        let same = got.specimen.state == whole.specimen.state;
-        assert!(same, "law: the same bits from a checkpoint as without a break");
-    }
-    let (other, _) = go(Some(0.25), filled, None, press(11.0));
+    let (filled, mut scenario) = (filled(), scenario());
+    scenario.engine.native.checkpoint_every_s = Some(0.25);
+    let (whole, _) = same_from_seams(&scenario, &filled, &stage(press(10.0)), &[0]);
+    let (other, _) = go_in(&scenario, filled, press(11.0));
     assert!(other.specimen.state != whole.specimen.state, "the comparison can fail");
 }
 
 #[test]
 fn a_lid_stays_pressed_until_it_is_locked_or_moved() {
     let _turn = crate::world::shared_turn();
-    let pressed = go(None, filled(), None, press(5.0)).0.specimen;
+    let pressed = go(filled(), press(5.0)).0.specimen;
     let rest = json!({ "stage": "rest", "duration_s": 0.2 });
-    let rested = go(None, pressed.clone(), None, rest).0.specimen;
+    let rested = go(pressed.clone(), rest).0.specimen;
     let force = 5e3 * 0.049 * 0.049;
     near("still pressed, N", rested.state.pieces[1].force_n.z, force, 0.01 * force);
-    let again = go(None, rested.clone(), None, press(5.0)).0;
+    let again = go(rested.clone(), press(5.0)).0;
     assert!(again.warnings.is_empty(), "law: the same load again is reached, {:?}", again.warnings);
-    let more = go(None, rested, None, press(8.0)).0.specimen;
+    let more = go(rested, press(8.0)).0.specimen;
     let sunk = |s: &Specimen| s.state.pieces[1].pose.translation.z;
     assert!(sunk(&more) < sunk(&pressed), "law: more stress, deeper");
     let lock = json!({ "stage": "press", "time_limit_s": 2,
         "loads": [{ "piece": "lid", "locked": true }] });
-    let locked = go(None, more.clone(), None, lock).0.specimen;
+    let locked = go(more.clone(), lock).0.specimen;
     assert_eq!(locked.state.pieces[1].pose, more.state.pieces[1].pose, "law: it stays");
     assert_eq!(locked.state.pieces[1].press, None, "law: and is pressed no more");
     let raise = json!({ "stage": "move", "pieces": ["lid"],
         "velocity_mm_per_s": [0, 0, 20], "travel_mm": 5 });
-    let raised = go(None, more.clone(), None, raise).0.specimen;
+    let raised = go(more.clone(), raise).0.specimen;
     near("raised by 5 mm", sunk(&raised) - sunk(&more), 0.005, 1e-9);
     assert_eq!(raised.state.pieces[1].press, None, "law: what is moved is not pressed");
     let all = json!({ "stage": "move", "velocity_mm_per_s": [0, 0, 10],
         "travel_mm": 1, "settle_limit_s": 2 });
-    let lifted = go(None, more, None, all).0.specimen;
+    let lifted = go(more, all).0.specimen;
     assert!(lifted.state.pieces[1].press.is_some(), "law: all that stand, less what is pressed");
     near("pressed on the way, N", lifted.state.pieces[1].force_n.z, 8e3 * 0.049 * 0.049, 0.2);
 }
@@ -200,11 +176,11 @@ fn a_lid_stays_pressed_until_it_is_locked_or_moved() {
 fn a_locked_lid_is_pressed_on_from_what_it_bears() {
     let _turn = crate::world::shared_turn();
     let height = |s: &Specimen| s.state.pieces[1].pose.translation.z;
-    let pressed = go(None, filled(), None, press(8.0)).0.specimen;
+    let pressed = go(filled(), press(8.0)).0.specimen;
     let lock = json!({ "stage": "press", "time_limit_s": 2,
         "loads": [{ "piece": "lid", "locked": true }] });
-    let locked = go(None, pressed.clone(), None, lock).0.specimen;
-    let (again, seen) = go(None, locked, None, press(8.0));
+    let locked = go(pressed.clone(), lock).0.specimen;
+    let (again, seen) = go(locked, press(8.0));
     let least = seen.lid.iter().map(|(.., force)| *force).fold(f64::MAX, f64::min);
     let force = 8e3 * 0.049 * 0.049;
     assert!(least > 0.9 * force, "law: the load of {force} N stays, got {least} N");
@@ -216,10 +192,10 @@ fn a_locked_lid_is_pressed_on_from_what_it_bears() {
 #[test]
 fn grains_under_a_lid_that_is_raised_give_back_what_they_hold() {
     let _turn = crate::world::shared_turn();
-    let pressed = go(None, filled(), None, press(50.0)).0.specimen;
+    let pressed = go(filled(), press(50.0)).0.specimen;
     let raise = json!({ "stage": "move", "pieces": ["lid"],
         "velocity_mm_per_s": [0, 0, 2], "travel_mm": 0.5, "ramp_s": 0.05 });
-    let raised = go(None, pressed, None, raise).0;
+    let raised = go(pressed, raise).0;
     assert_eq!(raised.watch.energy.beyond, 0, "law: none is unexplained, {:?}", raised.warnings);
 }
 
@@ -228,17 +204,17 @@ fn grains_under_a_lid_that_is_raised_give_back_what_they_hold() {
 fn a_lid_without_load_does_not_fly_away() {
     let _turn = crate::world::shared_turn();
     let height = |s: &Specimen| s.state.pieces[1].pose.translation.z;
-    let pressed = go(None, filled(), None, press(8.0)).0.specimen;
-    let free = go(None, pressed.clone(), None, press(0.0)).0.specimen;
+    let pressed = go(filled(), press(8.0)).0.specimen;
+    let free = go(pressed.clone(), press(0.0)).0.specimen;
     let rest = json!({ "stage": "rest", "duration_s": 0.5 });
-    let later = go(None, free.clone(), None, rest).0.specimen;
+    let later = go(free.clone(), rest).0.specimen;
     near("it stays, m", height(&later), height(&free), 1e-6);
     near("near to where it was, m", height(&free), height(&pressed), 3e-3);
 }
 
 /// A vane stands in the middle of the box while grains fall around it, and is turned.
-fn vane(checkpoint_every_s: Option<f64>) -> Scenario {
-    let mut scenario = scenario(checkpoint_every_s);
+fn vane() -> Scenario {
+    let mut scenario = scenario();
     let vane = json!({ "name": "lid", "at_mm": [0, 0, 40],
         "shape": { "plate": { "size_mm": [30, 4, 70] } } });
     scenario.pieces[1] = serde_json::from_value(vane).expect("a piece");
@@ -248,15 +224,16 @@ fn vane(checkpoint_every_s: Option<f64>) -> Scenario {
 #[test]
 fn grains_resist_the_moment_that_turns_a_vane_and_an_interruption_changes_nothing() {
     let _turn = crate::world::shared_turn();
-    let go = |every, specimen, midway, value| go_in(&vane(every), specimen, midway, value);
+    let mut scenario = vane();
     let rain = json!({ "stage": "deposit", "at_mm": [0, 0, 110], "area_mm": [34, 34],
         "rate_g_per_s": 150, "time_limit_s": 4 });
-    let filled = go(None, before_everything(), None, rain).0.specimen;
+    let filled = go_in(&scenario, before_everything(), rain).0.specimen;
+    scenario.engine.native.checkpoint_every_s = Some(0.25);
     let moment = 1.5e-3;
     let turn = json!({ "stage": "press", "time_limit_s": 4, "ramp_s": 0.3,
         "loads": [{ "piece": "lid", "moment_n_m": moment, "axis": [0, 0, -2],
                     "about_mm": [0, 0, 0] }] });
-    let (whole, seen) = go(Some(0.25), filled.clone(), None, turn.clone());
+    let (whole, _) = same_from_seams(&scenario, &filled, &stage(turn), &[0]);
     assert!(whole.warnings.is_empty(), "law: the grains hold it, {:?}", whole.warnings);
     let piece = whole.specimen.state.pieces[1];
     near("the grains resist, N m", piece.moment_n_m.z, moment, 0.03 * moment);
@@ -265,10 +242,4 @@ fn grains_resist_the_moment_that_turns_a_vane_and_an_interruption_changes_nothin
     near("turned as its pose says, rad", -yaw, turned, 1e-9);
     assert!(turned > 1e-5 && turned < 1.0, "law: until they do, got {turned} rad");
     near("and nowhere else, m", piece.pose.translation.vector.xy().norm(), 0.0, 1e-9);
-    assert!(seen.seams.len() >= 2, "the check sees segments, {}", seen.seams.len());
-    for midway in [&seen.seams[0], &seen.seams[seen.seams.len() - 1]] {
-        let midway = Some(midway.clone());
-        let (got, _) = go(Some(0.25), filled.clone(), midway, turn.clone());
-        assert!(got.specimen.state == whole.specimen.state, "law: the same from a checkpoint");
-    }
 }

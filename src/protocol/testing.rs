@@ -60,7 +60,7 @@ pub(super) fn scripted_worlds(
 
 /// Keeps where a stage could go on.
 #[derive(Default)]
-pub(super) struct Seams(pub Vec<Midway>);
+struct Seams(Vec<Midway>);
 
 impl Observer for Seams {
     fn observe(&mut self, _: &Specimen, _: Moment) {}
@@ -71,8 +71,31 @@ impl Observer for Seams {
     }
 }
 
-/// A checkpoint as a file keeps it.
-pub(super) fn stored(midway: &Midway) -> Midway {
-    let text = serde_json::to_string(midway).expect("JSON");
-    serde_json::from_str(&text).expect("a checkpoint")
+/// What a stage leaves in the engine, and its seams; it leaves the same bits where it goes on from
+/// these of them or from the last two, as files keep them.
+pub(super) fn same_from_seams(
+    scenario: &Scenario,
+    before: &Specimen,
+    stage: &StageSpec,
+    also_from: &[usize],
+) -> (StageOutcome, Vec<Midway>) {
+    let go = |midway: Option<Midway>| {
+        let (make, mut seams) = (&crate::world::create, Seams::default());
+        let outcome = run_stage(scenario, make, before.clone(), stage, midway, &mut seams);
+        (outcome.expect("it runs"), seams.0)
+    };
+    let (whole, seams) = go(None);
+    let count = seams.len();
+    assert!(count >= 2, "the check sees segments, {count}");
+    for n in also_from.iter().copied().chain([count - 2, count - 1]) {
+        let text = serde_json::to_string(&seams[n]).expect("JSON");
+        let midway: Midway = serde_json::from_str(&text).expect("a checkpoint");
+        midway.check(before.grains.grains.len()).expect("a sound checkpoint");
+        assert_eq!(midway.state.pieces, seams[n].state.pieces, "law: a file keeps every bit");
+        let (got, _) = go(Some(midway));
+        assert_eq!(got.steps, whole.steps, "law: the same end from seam {n}");
+        assert_eq!(got.specimen.state, whole.specimen.state, "law: the same from seam {n}");
+        assert_eq!(got.until, whole.until, "law: told alike from seam {n}");
+    }
+    (whole, seams)
 }
