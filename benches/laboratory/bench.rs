@@ -209,8 +209,6 @@ impl Progress for Lines {
     fn begin_stage(&self, _: u64, name: &str, _: f64) {
         eprintln!("{name}");
     }
-    fn update(&self, _: u64, _: f64, _: &str) {}
-    fn end_stage(&self, _: u64) {}
     fn message(&self, text: &str) {
         eprintln!("{text}");
     }

@@ -9,16 +9,16 @@ pub trait Progress: Send + Sync {
     /// That work has ended.
     fn end_work(&self) {}
     /// A stage begins; `expected` is the simulated time in s it is expected to take.
-    fn begin_stage(&self, id: u64, name: &str, expected: f64);
+    fn begin_stage(&self, _id: u64, _name: &str, _expected: f64) {}
     /// Work begins that is counted in pieces, not in simulated time; it is
     /// updated and ended like a stage.
     fn begin_pieces(&self, id: u64, name: &str, pieces: usize) {
         self.begin_stage(id, name, pieces as f64);
     }
     /// A stage has reached a simulated time in s; the note says what matters most just now.
-    fn update(&self, id: u64, simulated: f64, note: &str);
+    fn update(&self, _id: u64, _simulated: f64, _note: &str) {}
     /// A stage has ended, and its result is kept.
-    fn end_stage(&self, id: u64);
+    fn end_stage(&self, _id: u64) {}
     /// A stage is given up: it failed, or was asked to stop.
     fn leave_stage(&self, id: u64) {
         self.end_stage(id);
@@ -49,8 +49,5 @@ impl Drop for Work<'_> {
 pub struct Silent;
 
 impl Progress for Silent {
-    fn begin_stage(&self, _: u64, _: &str, _: f64) {}
-    fn update(&self, _: u64, _: f64, _: &str) {}
-    fn end_stage(&self, _: u64) {}
     fn message(&self, _: &str) {}
 }

@@ -62,9 +62,6 @@ impl Heard {
 }
 
 impl Progress for Heard {
-    fn begin_stage(&self, _: u64, _: &str, _: f64) {}
-    fn update(&self, _: u64, _: f64, _: &str) {}
-    fn end_stage(&self, _: u64) {}
     fn message(&self, text: &str) {
         self.0.lock().expect("nobody panicked").push(text.to_owned());
     }
@@ -107,8 +104,6 @@ struct Announced<'a> {
 }
 
 impl Progress for Announced<'_> {
-    fn begin_stage(&self, _: u64, _: &str, _: f64) {}
-    fn update(&self, _: u64, _: f64, _: &str) {}
     fn end_stage(&self, id: u64) {
         let key = self.plan.nodes[id as usize].key();
         let record = StageStore::folder_in(self.folder, key).join("stage.json");

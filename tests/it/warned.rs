@@ -29,9 +29,6 @@ use super::{
 struct Heard(Mutex<Vec<String>>);
 
 impl Progress for Heard {
-    fn begin_stage(&self, _: u64, _: &str, _: f64) {}
-    fn update(&self, _: u64, _: f64, _: &str) {}
-    fn end_stage(&self, _: u64) {}
     fn message(&self, text: &str) {
         self.0.lock().expect("held by one").push(text.to_owned());
     }

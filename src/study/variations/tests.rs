@@ -66,9 +66,6 @@ impl Progress for Works {
     fn end_work(&self) {
         self.0.lock().expect("nobody panics").push("ended");
     }
-    fn begin_stage(&self, _: u64, _: &str, _: f64) {}
-    fn update(&self, _: u64, _: f64, _: &str) {}
-    fn end_stage(&self, _: u64) {}
     fn message(&self, _: &str) {}
 }
 
