@@ -79,9 +79,10 @@ fn read(path: &Path) -> Read3d {
         cells.push(topology["connectivity"][from..end].iter().map(|&n| n as usize).collect());
         from = end;
     }
-    let time = section("FieldData").expect("a time").text_of("DataArray");
+    let fields = section("FieldData").expect("fields");
+    let time = fields.children().find(|n| n.has_tag_name("DataArray")).and_then(|n| n.text());
     let read = Read3d {
-        time: time.trim().parse().expect("a number"),
+        time: time.expect("a time").trim().parse().expect("a number"),
         points,
         cells,
         kind: kind.to_owned(),
@@ -94,17 +95,6 @@ fn read(path: &Path) -> Read3d {
         assert_eq!(values.len(), read.cells.len(), "law: an entry of {name} a cell");
     }
     read
-}
-
-trait TextOf<'a> {
-    fn text_of(&self, tag: &str) -> &'a str;
-}
-
-impl<'a> TextOf<'a> for Node<'a, '_> {
-    fn text_of(&self, tag: &str) -> &'a str {
-        let child = self.children().find(|n| n.has_tag_name(tag));
-        child.and_then(|n| n.text()).unwrap_or_default()
-    }
 }
 
 fn written() -> (tempfile::TempDir, Moments, VtkFiles) {
