@@ -9,6 +9,7 @@ use super::{
     export::small_run as whole,
     interruption::{copy, stored},
     program::{self, assert_holds, done, json as read, refused, said, text, write},
+    scenario::assert_one,
     small,
 };
 
@@ -183,7 +184,6 @@ fn what_cannot_be_begun_with_is_refused() {
 /// are not known.
 #[test]
 fn a_specimen_that_is_not_there_is_no_second_fault() {
-    let folder = tempfile::tempdir().expect("a folder");
     let force = json!({ "piece": "both", "direction": [0, 0, 1], "force_n": 3 });
     let scenario = json!({
         "name": "begun",
@@ -196,17 +196,13 @@ fn a_specimen_that_is_not_there_is_no_second_fault() {
               "until": { "opening": "mouth", "flow_below_g_per_s": 1 } }
         ]
     });
-    let path = write(folder.path(), "begun.json", &scenario);
-    let errors = load_scenario(&path, &[]).expect_err("law: it is refused");
-    let paths: Vec<&str> = errors.faults().iter().map(|fault| fault.path.as_str()).collect();
-    assert_eq!(paths, ["begin.specimen"], "law: one fault, got {errors}");
+    assert_one(&scenario, "begin.specimen", "");
 }
 
 /// Law: a fault in the form of `begin` is the only one: the scenario needs no grains and no funnel
 /// then either.
 #[test]
 fn a_beginning_of_a_wrong_form_is_no_second_fault() {
-    let folder = tempfile::tempdir().expect("a folder");
     for (begin, at) in [
         (json!({ "specimen": "none", "stage": 1 }), "begin.stage"),
         (json!({ "specimen": 1 }), "begin.specimen"),
@@ -216,26 +212,18 @@ fn a_beginning_of_a_wrong_form_is_no_second_fault() {
     ] {
         let rest = json!([{ "stage": "rest", "duration_s": 0.1 }]);
         let scenario = json!({ "name": "begun", "begin": begin, "stages": rest });
-        let path = write(folder.path(), "begun.json", &scenario);
-        let errors = load_scenario(&path, &[]).expect_err("law: it is refused");
-        let paths: Vec<&str> = errors.faults().iter().map(|fault| fault.path.as_str()).collect();
-        assert_eq!(paths, [at], "law: one fault of {begin}, got {errors}");
+        assert_one(&scenario, at, "");
     }
 }
 
 /// Law: grains that contradict the specimen's are one fault; nothing is said of a mixture of both.
 #[test]
 fn other_grains_than_those_of_the_specimen_are_no_second_fault() {
-    let folder = tempfile::tempdir().expect("a folder");
     let scenario = json!({
         "name": "begun", "begin": { "specimen": whole() }, "grains": { "total_mass_g": 1 },
         "stages": [{ "stage": "rest", "duration_s": 0.1 }]
     });
-    let path = write(folder.path(), "begun.json", &scenario);
-    let errors = load_scenario(&path, &[]).expect_err("law: it is refused");
-    let paths: Vec<&str> = errors.faults().iter().map(|fault| fault.path.as_str()).collect();
-    assert_eq!(paths, ["grains.total_mass_g"], "law: one fault, got {errors}");
-    assert_holds(&errors.to_string(), &["leave the field out"]);
+    assert_one(&scenario, "grains.total_mass_g", "leave the field out");
 }
 
 /// Law: a name that several stages have means none of them, unless a key says which; each has its

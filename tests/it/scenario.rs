@@ -161,6 +161,14 @@ pub fn assert_told(found: &[(String, String)], path: &str, words: &str) {
     assert!(is_told, "law: `{path}` is reported with `{words}`, got {found:#?}");
 }
 
+/// A scenario's file has one fault, at a path, with words.
+#[track_caller]
+pub fn assert_one(value: &Value, path: &str, words: &str) {
+    let found = told_of(value);
+    assert_told(&found, path, words);
+    assert_eq!(found.len(), 1, "law: it alone, got {found:#?}");
+}
+
 /// A value with another one at a path such as `stages[1].stage`.
 pub fn changed(mut value: Value, path: &str, to: Value) -> Value {
     *place(&mut value, path) = to;
