@@ -43,6 +43,14 @@ pub fn crossing(points: &[(f64, f64)], wanted: f64) -> Option<f64> {
     })
 }
 
+/// A number is what a law says, but for rounding.
+#[cfg(test)]
+fn near(what: &str, got: f64, expected: f64) {
+    let tolerance = 1e-12 * expected.abs().max(1.0);
+    let off = (got - expected).abs();
+    assert!(off < tolerance, "law: {what}: {expected}, got {got}, tolerance {tolerance:e}");
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -55,14 +55,8 @@ pub fn compression_index(one: (f64, f64), other: (f64, f64)) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::near;
     use super::*;
-
-    fn near(what: &str, got: f64, expected: f64) {
-        assert!(
-            (got - expected).abs() < 1e-12 * expected.abs().max(1.0),
-            "law: {what}: {expected}, got {got}, tolerance 1e-12 of it"
-        );
-    }
 
     /// Grains that have moved by so much, in m, on a spring of 1 MN/m under a force in N.
     fn state(force: f64, moved: f64) -> Compressed {

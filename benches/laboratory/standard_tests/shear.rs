@@ -84,6 +84,7 @@ pub fn inertial_number(rate: f64, size: f64, density: f64, pressure: f64) -> f64
 
 #[cfg(test)]
 mod tests {
+    use super::super::near;
     use super::*;
 
     /// Ratio 100 μ over 100 N at displacements of whole mm, and the height in mm.
@@ -98,13 +99,6 @@ mod tests {
                 height: 1e-3 * height_mm,
             })
             .collect()
-    }
-
-    fn near(what: &str, got: f64, expected: f64) {
-        assert!(
-            (got - expected).abs() < 1e-12,
-            "law: {what}: {expected}, got {got}, tolerance 1e-12"
-        );
     }
 
     #[test]

@@ -73,14 +73,8 @@ pub fn angle_of_ratio(ratio: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::near;
     use super::*;
-
-    fn near(what: &str, got: f64, expected: f64) {
-        assert!(
-            (got - expected).abs() < 1e-12,
-            "law: {what}: {expected}, got {got}, tolerance 1e-12"
-        );
-    }
 
     fn moment(strain: f64, axial: f64, void_ratio: f64) -> Triaxial {
         Triaxial { strain, stress: [90.0, 110.0, axial], void_ratio }
