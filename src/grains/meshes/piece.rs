@@ -59,6 +59,7 @@ pub fn parts_of_piece(file: &Path, scale_to_mm: f64) -> Result<Vec<MeshPart>, Ve
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{after, cuboid_obj, with_corners};
     use super::*;
 
     /// An OBJ file of blocks between two corners, in one object or each in its own.
@@ -68,16 +69,8 @@ mod tests {
             if apart || n == 0 {
                 text += &format!("o part_{n}\n");
             }
-            for corner in 0..8 {
-                let at = |axis: usize| if corner >> axis & 1 == 1 { high[axis] } else { low[axis] };
-                text += &format!("v {} {} {}\n", at(0), at(1), at(2));
-            }
-            for face in
-                [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]]
-            {
-                let [a, b, c, d] = face.map(|corner| corner + 8 * n);
-                text += &format!("f {a} {b} {c} {d}\n");
-            }
+            let sides = [0, 1, 2].map(|axis| high[axis] - low[axis]);
+            text += &after(n, &cuboid_obj(sides, *low));
         }
         text
     }
@@ -112,14 +105,8 @@ mod tests {
     /// it a volume in mm³, too.
     #[test]
     fn volumes_are_given_in_the_unit_of_the_file() {
-        let turned = |line: &str| match line.strip_prefix("f ") {
-            Some(corners) => {
-                format!("f {}\n", corners.split(' ').rev().collect::<Vec<_>>().join(" "))
-            }
-            None => format!("{line}\n"),
-        };
         let cube = obj(&[[[0.0; 3], [1.0; 3]]], false);
-        let inside_out: String = cube.lines().map(turned).collect();
+        let inside_out = with_corners(&cube, <[usize]>::reverse);
         let found = read("cube.obj", &inside_out).expect_err("law: it is inside out");
         let Fault { message, found, .. } = &found[0];
         assert!(message.contains("inside out") && found == "-1000 mm³", "{message}, got {found}");

@@ -37,7 +37,7 @@ fn file(folder: &Path, name: &str, content: impl AsRef<[u8]>) -> String {
 }
 
 /// A box as OBJ, outward faces, at a place.
-fn cuboid_obj(sides: [f64; 3], at: [f64; 3]) -> String {
+pub(super) fn cuboid_obj(sides: [f64; 3], at: [f64; 3]) -> String {
     let mut text = String::new();
     for i in 0..8 {
         let c: Vec<f64> =
@@ -45,6 +45,22 @@ fn cuboid_obj(sides: [f64; 3], at: [f64; 3]) -> String {
         text += &format!("v {} {} {}\n", c[0], c[1], c[2]);
     }
     text + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
+}
+
+/// The same file with the corners of each face changed.
+pub(super) fn with_corners(obj: &str, change: impl Fn(&mut [usize])) -> String {
+    let changed = |line: &str| {
+        let Some(corners) = line.strip_prefix("f ") else { return format!("{line}\n") };
+        let mut corners: Vec<usize> = corners.split(' ').map(|c| c.parse().unwrap()).collect();
+        change(&mut corners);
+        format!("f {}\n", corners.iter().map(usize::to_string).collect::<Vec<_>>().join(" "))
+    };
+    obj.lines().map(changed).collect()
+}
+
+/// A box of eight corners that come after those of other boxes.
+pub(super) fn after(boxes: usize, obj: &str) -> String {
+    with_corners(obj, |corners| corners.iter_mut().for_each(|corner| *corner += 8 * boxes))
 }
 
 #[test]

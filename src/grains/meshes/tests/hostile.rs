@@ -112,15 +112,7 @@ fn surfaces_that_enclose_nothing_sound() {
     let cube = cuboid_obj([10.0; 3], [0.0; 3]);
     let open = cube.replace("f 2 4 8 6\n", "");
     expect("a.obj", open, &["object 1", "open", "4 of 12 edges", "closed surface"]);
-    let inside_out: String = cube
-        .lines()
-        .map(|l| match l.strip_prefix("f ") {
-            Some(corners) => {
-                format!("f {}\n", corners.split(' ').rev().collect::<Vec<_>>().join(" "))
-            }
-            None => format!("{l}\n"),
-        })
-        .collect();
+    let inside_out = with_corners(&cube, <[usize]>::reverse);
     expect("a.obj", inside_out, &["inside out", "-1000 mm³", "flip"]);
     let one_turned = cube.replace("f 2 4 8 6\n", "f 6 8 4 2\n");
     expect("a.obj", one_turned, &["opposite senses", "4 of 12 edges"]);
@@ -285,18 +277,7 @@ proptest::proptest! {
 fn a_wrong_unit_is_one_fault_of_a_file() {
     let grains = |n: usize| -> String {
         let cube = cuboid_obj([0.01; 3], [0.0; 3]);
-        let faces: Vec<&str> = cube.lines().filter(|line| line.starts_with('f')).collect();
-        let vertices: Vec<&str> = cube.lines().filter(|line| line.starts_with('v')).collect();
-        let moved = |k: usize| {
-            let of = |line: &&str| {
-                let corners = line[2..].split(' ').map(|c| c.parse::<usize>().unwrap() + 8 * k);
-                let corners: Vec<String> = corners.map(|c| c.to_string()).collect();
-                format!("f {}", corners.join(" "))
-            };
-            let faces: Vec<String> = faces.iter().map(of).collect();
-            format!("o grain_{k}\n{}\n{}\n", vertices.join("\n"), faces.join("\n"))
-        };
-        (0..n).map(moved).collect()
+        (0..n).map(|k| format!("o grain_{k}\n{}", after(k, &cube))).collect()
     };
     let folder = tempfile::tempdir().unwrap();
     let faults = |n: usize, more: &str| {

@@ -251,22 +251,16 @@ fn the_note_of_simplified_hulls_speaks_of_these_alone() {
 fn objects_and_solids_are_grains_and_surfaces_may_be() {
     let folder = tempfile::tempdir().unwrap();
     let (a, b) = (cuboid_obj([10.0; 3], [0.0; 3]), cuboid_obj([20.0; 3], [50.0, 0.0, 0.0]));
-    let second = b.lines().filter(|l| l.starts_with('f')).map(|l| {
-        let shifted = l[2..].split(' ').map(|w| (w.parse::<usize>().unwrap() + 8).to_string());
-        format!("f {}\n", shifted.collect::<Vec<_>>().join(" "))
-    });
-    let second: String = second.collect();
-    let vertices: String =
-        b.lines().filter(|l| l.starts_with('v')).map(|l| format!("{l}\n")).collect();
+    let second = after(1, &b);
     for key in ["o", "g"] {
-        let text = format!("{key} small\n{a}{key} large\n{vertices}{second}");
+        let text = format!("{key} small\n{a}{key} large\n{second}");
         let path = file(folder.path(), &format!("two-{key}.obj"), text);
         let set = from_meshes(&spec(&[path]), 1).unwrap();
         let names: Vec<&str> = set.meshes.iter().map(|s| s.object.as_str()).collect();
         assert_eq!(names, ["small", "large"], "each `{key}` is a grain");
         near("volume of the second, m³", set.grains[1].volume, 8e-6, 1e-17);
     }
-    let joined = file(folder.path(), "joined.obj", format!("{a}{vertices}{second}"));
+    let joined = file(folder.path(), "joined.obj", format!("{a}{second}"));
     let error = from_meshes(&spec(std::slice::from_ref(&joined)), 1).unwrap_err().to_string();
     for words in ["several surfaces", "2 surfaces", "\"split_surfaces\": true"] {
         assert!(error.contains(words), "`{words}` in: {error}");
