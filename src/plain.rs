@@ -95,6 +95,15 @@ pub fn decimals_at_least(value: f64, decimals: usize) -> String {
     format!("{value:.decimals$}")
 }
 
+/// A text has all of these words.
+#[cfg(test)]
+#[track_caller]
+pub(crate) fn assert_holds(text: &str, words: &[&str]) {
+    for word in words {
+        assert!(text.contains(word), "law: `{word}` is said, got `{text}`");
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -248,6 +248,7 @@ mod tests {
     use std::fs;
 
     use super::*;
+    use crate::plain::assert_holds;
 
     fn said(folder: &Path, command: &str, question: &Value) -> String {
         begin(folder, command, question).err().map(|e| e.to_string()).unwrap_or_default()
@@ -318,10 +319,8 @@ mod tests {
             let kept = begin(out, "density", &first).expect("law: nobody is there");
             fs::write(out.join("density.csv"), "").expect("written");
             assert_eq!(said(out, "density", &first), "", "law: the same joins in");
-            let why = said(out, "density", &second);
-            for words in ["another `pluvia density` has begun there", "a command is at work"] {
-                assert!(why.contains(words), "law: `{words}` is said of {second}, got `{why}`");
-            }
+            let words = ["another `pluvia density` has begun there", "a command is at work"];
+            assert_holds(&said(out, "density", &second), &words);
             drop(kept);
             assert_eq!(said(out, "density", &second), "", "law: nobody is at work any more");
         }

@@ -176,6 +176,7 @@ fn remove(folder: &Path) -> Result<(), FileError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plain::assert_holds;
 
     fn scenario(name: &str, rate_hz: f64) -> Scenario {
         let value = json!({
@@ -217,9 +218,7 @@ mod tests {
         write_json(&out.join(MANIFEST), &typed).expect("written");
         assert_eq!(said(out, &own), "", "law: threads change no result");
         let said = said(out, &scenario("a", 240.0));
-        for words in ["engine.rate_hz", "--force", "another scenario"] {
-            assert!(said.contains(words), "law: `{words}` is said, got `{said}`");
-        }
+        assert_holds(&said, &["engine.rate_hz", "--force", "another scenario"]);
         assert!(out.join("rest_test.csv").exists(), "law: nothing is removed by a refusal");
         begin(out, &scenario("a", 240.0), true).expect("law: --force replaces them");
         assert!(!out.join("rest_test.csv").exists(), "law: nothing of the other run stays");
@@ -254,9 +253,7 @@ mod tests {
         let old = json!({ "name": "a", "engine": { "contact_path": "bullet" } });
         write_json(&folder.path().join(MANIFEST), &json!({ "scenario": old })).expect("written");
         let said = said(folder.path(), &scenario("a", 480.0));
-        for words in ["earlier version", "now called `engine.contact_solver`", "--force"] {
-            assert!(said.contains(words), "law: `{words}` is said, got `{said}`");
-        }
+        assert_holds(&said, &["earlier version", "now called `engine.contact_solver`", "--force"]);
         assert!(!said.contains("differs"), "law: a name is no difference, got `{said}`");
     }
 
@@ -294,9 +291,7 @@ mod tests {
                     assert_eq!(why.exit_code(), 2, "law: the folder is refused, got `{why}`");
                     let why = why.to_string();
                     let folder = out.to_string_lossy();
-                    for words in [words, &folder, "--out"] {
-                        assert!(why.contains(words), "law: `{words}` is said, got `{why}`");
-                    }
+                    assert_holds(&why, &[words, &folder, "--out"]);
                     assert!(!why.contains("--force"), "law: force does not help, got `{why}`");
                     assert_eq!(names(out), before, "law: the folder is as it was");
                 }
@@ -328,13 +323,8 @@ mod tests {
                     let why = refused.expect_err("law: a run stays out");
                     assert_eq!(why.exit_code(), 2, "law: the folder is refused, got `{why}`");
                     let why = why.to_string();
-                    for words in [
-                        "the runs of a study",
-                        "holds the results of `pluvia sweep` (plan.json)",
-                        "--out",
-                    ] {
-                        assert!(why.contains(words), "law: `{words}` is said, got `{why}`");
-                    }
+                    let holds = "holds the results of `pluvia sweep` (plan.json)";
+                    assert_holds(&why, &["the runs of a study", holds, "--out"]);
                 }
             }
         }
@@ -356,9 +346,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let at_work = asked::begin(folder.path(), "density", &asked::ANYTHING).expect("it begins");
         let told = said(folder.path(), &scenario("a", 480.0));
-        for words in ["the results of `pluvia density`", "a command is at work"] {
-            assert!(told.contains(words), "law: `{words}` is said, got `{told}`");
-        }
+        assert_holds(&told, &["the results of `pluvia density`", "a command is at work"]);
         drop(at_work);
         assert_eq!(said(folder.path(), &scenario("a", 480.0)), "", "law: it left nothing");
         let is_asked = folder.path().join(asked::FILE).exists();

@@ -173,6 +173,7 @@ mod tests {
     use indicatif::{InMemoryTerm, ProgressDrawTarget};
 
     use super::*;
+    use crate::plain::assert_holds;
 
     /// Law: a run that takes hours has a speed above nothing.
     #[test]
@@ -225,12 +226,9 @@ mod tests {
         });
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 2, "a stage, and all of them: {text}");
-        for words in ["vibrate: 2.50 of 5.0 s", "× real time", "settlement 3.1 mm", "]  50 %"] {
-            assert!(lines[0].contains(words), "`{words}` is missing in: {}", lines[0]);
-        }
-        for words in ["all stages: 2.5 of about 10.0 s done", "]  25 %", "ETA"] {
-            assert!(lines[1].contains(words), "`{words}` is missing in: {}", lines[1]);
-        }
+        let stage = ["vibrate: 2.50 of 5.0 s", "× real time", "settlement 3.1 mm", "]  50 %"];
+        assert_holds(lines[0], &stage);
+        assert_holds(lines[1], &["all stages: 2.5 of about 10.0 s done", "]  25 %", "ETA"]);
     }
 
     /// Law: the longest stage of a run has one line of a terminal of 40 columns or more, with how far

@@ -212,6 +212,7 @@ fn shown_of_end(run: &Playback, end: At) -> (Vec<(At, Walls, &'static str)>, &'s
 mod tests {
     use super::super::moment::tests::canned;
     use super::*;
+    use crate::plain::assert_holds;
 
     #[test]
     fn a_run_gives_the_pictures_that_its_stages_allow() {
@@ -252,8 +253,6 @@ mod tests {
     #[test]
     fn the_apparatus_says_how_large_it_is() {
         let picture = apparatus(&canned(), "apparatus", "").expect("a picture");
-        for word in ["115 mm wide", "200 mm high", "250 mm above"] {
-            assert!(picture.caption.contains(word), "`{word}` is missing in {}", picture.caption);
-        }
+        assert_holds(&picture.caption, &["115 mm wide", "200 mm high", "250 mm above"]);
     }
 }

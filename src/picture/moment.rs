@@ -85,6 +85,7 @@ pub fn moments(run: &Playback, at: At) -> Moments<'_> {
 pub(super) mod tests {
     use super::*;
     use crate::export::{PlayedStage, testing::laboratory};
+    use crate::plain::assert_holds;
 
     /// A few grains that sink by 1 mm a frame: a stage with frames, one without.
     pub fn canned() -> Playback {
@@ -126,9 +127,7 @@ pub(super) mod tests {
             (refused(None, Some(0.6)), ["0.6 s", "fill_funnel: 0 to 0.24 s"]),
             (refused(Some("pour"), Some(0.1)), ["its end alone", "1 s"]),
         ] {
-            for word in words {
-                assert!(said.contains(word), "law: `{word}` is said, got `{said}`");
-            }
+            assert_holds(&said, &words);
         }
     }
 

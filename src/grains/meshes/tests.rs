@@ -13,6 +13,7 @@ use crate::grains::{
     tests::{few_grains, near},
     write_obj, write_ply, write_stl,
 };
+use crate::plain::assert_holds;
 
 /// Meshes of a folder, in mm, taken once each.
 fn spec(meshes: &[String]) -> MeshGrains {

@@ -14,10 +14,7 @@ fn said(name: &str, content: impl AsRef<[u8]>) -> String {
 }
 
 fn expect(name: &str, content: impl AsRef<[u8]>, words: &[&str]) {
-    let said = said(name, content);
-    for words in words {
-        assert!(said.contains(words), "{name}: `{words}` in: {said}");
-    }
+    assert_holds(&said(name, content), words);
 }
 
 #[test]

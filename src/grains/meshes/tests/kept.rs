@@ -154,12 +154,9 @@ fn a_dent_is_filled_only_when_asked_or_small() {
     // The dent is a pyramid: a third of its height times the face.
     let deep = file(folder.path(), "deep.obj", dented(12.0));
     let error = from_meshes(&spec(std::slice::from_ref(&deep)), 1).unwrap_err();
-    let said = error.to_string();
-    for words in
-        ["deep.obj", "dented", "not convex", "25 % more volume", "80 %", "99 %", "\"hull\": true"]
-    {
-        assert!(said.contains(words), "`{words}` in: {said}");
-    }
+    let words =
+        ["deep.obj", "dented", "not convex", "25 % more volume", "80 %", "99 %", "\"hull\": true"];
+    assert_holds(&error.to_string(), &words);
     let asked = MeshGrains { hull: true, ..spec(&[deep]) };
     let set = from_meshes(&asked, 1).unwrap();
     let record = &set.meshes[0];
@@ -262,9 +259,7 @@ fn objects_and_solids_are_grains_and_surfaces_may_be() {
     }
     let joined = file(folder.path(), "joined.obj", format!("{a}{second}"));
     let error = from_meshes(&spec(std::slice::from_ref(&joined)), 1).unwrap_err().to_string();
-    for words in ["several surfaces", "2 surfaces", "\"split_surfaces\": true"] {
-        assert!(error.contains(words), "`{words}` in: {error}");
-    }
+    assert_holds(&error, &["several surfaces", "2 surfaces", "\"split_surfaces\": true"]);
     let set = from_meshes(&MeshGrains { split_surfaces: true, ..spec(&[joined]) }, 1).unwrap();
     assert_eq!(set.grains.len(), 2, "both surfaces are grains");
     assert_eq!(set.meshes[1].object, "object 1, surface 2");
