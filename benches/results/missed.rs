@@ -1,5 +1,6 @@
 //! The table of analytical cases that some engine misses.
 
+use pluvia::plain::without_zeros;
 use serde_json::Value;
 
 use super::tables::{head, row};
@@ -48,14 +49,5 @@ fn short(value: &Value) -> String {
     let Some(number) = value.as_f64() else { return String::new() };
     let digits = if number == 0.0 { 0.0 } else { number.abs().log10().floor() };
     let decimals = (2.0 - digits).clamp(0.0, 4.0) as usize;
-    let text = format!("{number:.decimals$}");
-    let text = match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    };
-    match text.strip_prefix('-') {
-        Some("0") => "0".to_owned(),
-        Some(bare) => format!("−{bare}"),
-        None => text,
-    }
+    without_zeros(&format!("{number:.decimals$}")).replace('-', "−")
 }
