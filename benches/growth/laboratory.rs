@@ -12,12 +12,12 @@ use std::{
 
 use clap::ValueEnum;
 use pluvia::{
-    apparatus::{Funnel, Piece},
+    apparatus::Funnel,
     geometry::{Pose, Vector},
     motion::TableMotion,
-    protocol::Setup,
+    protocol::{Setup, free_grain, remembered, wall_piece},
     specimen::{Fate, Other, Party, Specimen},
-    world::{self, Body, BodyId, BodyState, Material, Motion, RememberedContact, World},
+    world::{self, Body, BodyId, Motion, World},
 };
 
 use super::{
@@ -113,48 +113,28 @@ impl Laboratory {
         let gravity = Vector::new(0.0, 0.0, -setup.gravity);
         let mut world = world::create(&setup.engine, gravity, &setup.pairs).expect("a world");
         let mut ids = HashMap::new();
-        let wall = |piece: &Piece, motion| Body {
-            shape: piece.shape.clone(),
-            motion,
-            material: Material::Wall,
-            state: BodyState::at_rest(piece.pose),
-        };
         let mut walls = Vec::new();
         for (n, piece) in setup.cylinder.pieces.iter().enumerate() {
-            let id = world.add(&wall(piece, Motion::Kinematic)).expect("a wall");
+            let id = world.add(&wall_piece(piece, Motion::Kinematic)).expect("a wall");
             ids.insert(Party::Other(Other::Cylinder(n)), id);
             walls.push((id, piece.pose));
         }
         if let Some(funnel) = specimen.state.funnel {
             let funnel = Funnel::new(&setup.funnel, funnel.opening_height, 0.0).expect("a funnel");
             for (n, piece) in funnel.pieces.iter().enumerate() {
-                let id = world.add(&wall(piece, Motion::Static)).expect("a piece of the funnel");
+                let wall = wall_piece(piece, Motion::Static);
+                let id = world.add(&wall).expect("a piece of the funnel");
                 ids.insert(Party::Other(Other::Funnel(n)), id);
             }
         }
         let grains = specimen.grains.grains.iter().zip(&specimen.state.bodies).enumerate();
         for (n, (grain, state)) in grains.filter(|(_, (_, s))| s.fate == Fate::Present) {
-            let body = Body {
-                // Of its own, as in a specimen that was poured.
-                shape: Arc::new((*grain.shape).clone()),
-                motion: Motion::Free { mass: grain.mass, inertia: grain.inertia },
-                material: Material::Grain,
-                state: state.body,
-            };
+            // Of its own, as in a specimen that was poured.
+            let shape = Arc::new((*grain.shape).clone());
+            let body = Body { shape, ..free_grain(grain, state.body) };
             ids.insert(Party::Grain(n), world.add(&body).expect("a grain"));
         }
-        let remembered = specimen.state.contacts.iter().filter_map(|c| {
-            Some(RememberedContact {
-                a: *ids.get(&c.between[0])?,
-                b: *ids.get(&c.between[1])?,
-                point: c.point_m,
-                normal: c.normal,
-                force: c.force_n,
-                warm_start: c.warm_start,
-                feature: c.feature,
-            })
-        });
-        world.recall(&remembered.collect::<Vec<_>>()).expect("contacts");
+        world.recall(&remembered(&specimen.state.contacts, &ids)).expect("contacts");
         Self { world, walls, time: 0.0 }
     }
 

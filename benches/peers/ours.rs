@@ -8,6 +8,7 @@ use pluvia::{
     motion::TableMotion,
     record::{read_json, write_json},
     scenario::{Backend, EngineSettings},
+    study::peak_memory_mib,
     world::{
         Body, BodyId, BodyState, Material, Motion, PairCoefficients, PairTable, Snapshot, World,
         create, info,
@@ -170,12 +171,4 @@ impl Stage {
         let z_m = self.states().iter().map(|s| pose_numbers(s)[2]).collect();
         Sample { time_s, z_m }
     }
-}
-
-/// Peak memory of this process in MiB; 0 where the system does not tell.
-fn peak_memory_mib() -> f64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    line.and_then(|rest| rest.split_whitespace().next()?.parse::<f64>().ok())
-        .map_or(0.0, |kib| kib / 1024.0)
 }

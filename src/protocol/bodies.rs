@@ -4,7 +4,7 @@ use super::*;
 use crate::world::RememberedContact;
 
 /// Saved contacts in terms of a new world's bodies, without those of what is not in it.
-pub(super) fn remembered(
+pub fn remembered(
     contacts: &[SavedContact],
     parties: &HashMap<Party, BodyId>,
 ) -> Vec<RememberedContact> {
@@ -47,7 +47,8 @@ pub fn free_grain(grain: &Grain, state: BodyState) -> Body {
     }
 }
 
-pub(super) fn wall_piece(piece: &Piece, motion: Motion) -> Body {
+/// A piece of walls as a body.
+pub fn wall_piece(piece: &Piece, motion: Motion) -> Body {
     Body {
         shape: piece.shape.clone(),
         motion,

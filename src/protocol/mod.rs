@@ -47,7 +47,7 @@ mod watched;
 mod whereabouts;
 
 pub use base::{base_pieces, friction_between};
-pub use bodies::{free_grain, spring_energy};
+pub use bodies::{free_grain, remembered, spring_energy, wall_piece};
 pub use ending::{Judged, UntilFound, opening};
 pub use mean_stress::{KeptStress, region};
 pub use plausible::plausible;

@@ -51,6 +51,7 @@ pub use run::{ReadyRun, grain_files, make_grains};
 pub use sensitivity::{Parameter, ParameterDesign, SensitivityDesign, sensitivity};
 pub use slurm::{SlurmJob, SlurmRequest, quoted, submit as submit_to_slurm, this_program};
 pub use stage_key::FORMAT as STAGE_FORMAT;
+pub use summarise::peak_memory_mib;
 pub use sweep::{
     Design, Factor, PLAN_FILE, PlannedPoint, Point, SCENARIO_FILE, SNAKEFILE, SampledRange,
     SweepOptions, SweepPlan, SweepStage, SweepStatus, SweepStudy, SweepTasks, write_snakefile,

@@ -376,7 +376,7 @@ fn grains_summary(
 }
 
 /// Peak memory of this process in MiB; 0 where the system does not tell.
-fn peak_memory_mib() -> f64 {
+pub fn peak_memory_mib() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     status
         .lines()
