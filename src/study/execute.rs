@@ -111,7 +111,27 @@ impl<'a> Shop<'a> {
             }
             work();
         });
-        board.into_inner().unwrap_or_else(PoisonError::into_inner).executed
+        let executed = board.into_inner().unwrap_or_else(PoisonError::into_inner).executed;
+        self.tell_of_stages_before(plan, &executed);
+        executed
+    }
+
+    /// Says what a reader must know of the stages before one that failed: no summary will.
+    fn tell_of_stages_before(&self, plan: &Plan, executed: &Executed) {
+        let mut before = BTreeSet::new();
+        for (failed, _) in &executed.failed {
+            let mut parent = plan.nodes[*failed].parent;
+            while let Some(node) = parent {
+                before.insert(node);
+                parent = plan.nodes[node].parent;
+            }
+        }
+        for node in before {
+            let label = &plan.nodes[node].label;
+            for warning in executed.done[node].iter().flat_map(|stage| &stage.record.warnings) {
+                self.progress.message(&format!("{label}: warning: {warning}"));
+            }
+        }
     }
 
     /// Takes one stage after the other until none is left.
@@ -366,7 +386,41 @@ fn sieved_mm(corners: &[Option<HeldShape>]) -> Vec<Option<f64>> {
 
 #[cfg(test)]
 mod tests {
-    use super::threads_of;
+    use std::sync::atomic::AtomicU32;
+
+    use super::*;
+    use crate::study::tests::{Heard, planned, scenario, shop};
+    use crate::world::{BodyState, World, WorldError, scripted::ScriptedWorld};
+
+    /// Law: where a stage fails, the warnings of those before it are said, each once.
+    #[test]
+    fn warnings_of_finished_stages_are_said_where_a_later_one_fails() {
+        let plan = Plan::new(&[planned(scenario(0.0))]).expect("a plan");
+        let folder = tempfile::tempdir().expect("a folder");
+        let store = StageStore::open(folder.path()).expect("a store");
+        let worlds = AtomicU32::new(0);
+        // The grains of the first stage move to its end; the second has no world.
+        let failing = |_: &EngineSettings, _, _: &_| {
+            if worlds.fetch_add(1, Ordering::Relaxed) > 0 {
+                return Err(WorldError::Engine("refused".into()));
+            }
+            let script = |_, state: &BodyState, _, _| BodyState {
+                linear_velocity: Vector::new(0.5, 0.0, 0.0),
+                ..*state
+            };
+            Ok(Box::new(ScriptedWorld::new(1.0 / 240.0, Box::new(script))) as Box<dyn World + Send>)
+        };
+        let heard = Heard::default();
+        let executed = shop(&store, 1, &failing, &heard).execute_each(&plan);
+        let failed: Vec<usize> = executed.failed.iter().map(|(node, _)| *node).collect();
+        assert_eq!(failed, [plan.runs[0].stages[1]], "law: the pour fails");
+        let told = heard.told();
+        let of_filling = |text: &&String| {
+            text.starts_with("configuration 1, fill the funnel: warning: ")
+                && text.contains("had not settled")
+        };
+        assert_eq!(told.iter().filter(of_filling).count(), 1, "law: said once, got {told:?}");
+    }
 
     #[test]
     fn threads_stop_at_the_cores() {
