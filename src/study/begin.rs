@@ -56,6 +56,36 @@ impl Begun {
         end_of(gravity, &specimen).is(&recorded).map_err(unfit)?;
         Ok(Arc::new(Self { key, record, state: specimen.state }))
     }
+
+    /// Refuses a seed or a configuration of a scenario that is not the specimen's and draws nothing:
+    /// the run would be called another realisation than it is.
+    pub(super) fn refuse_other_name(&self, scenario: &Scenario) -> Result<(), StudyError> {
+        if scenario.has_realisations() {
+            return Ok(());
+        }
+        let made = self.record.identity.as_ref().map(|identity| &identity.determined_by);
+        let of_scenario =
+            [("seed", scenario.seed), ("configuration", u64::from(scenario.configuration))];
+        let others = of_scenario.into_iter().filter_map(|(field, typed)| {
+            let own = made?[field].as_u64()?;
+            (own != typed).then(|| {
+                format!(
+                    "{field}: it is not that of the specimen (found {typed}; allowed: {own}, or the \
+                     field left out)"
+                )
+            })
+        });
+        let others: Vec<String> = others.collect();
+        if others.is_empty() {
+            return Ok(());
+        }
+        refused(format!(
+            "`{}` begins with one specimen, and none of its own stages draws anything at random, so \
+             that it is of the realisation that its specimen is of: {}",
+            scenario.name,
+            others.join("; ")
+        ))
+    }
 }
 
 /// The grains of the run that a scenario begins with. `own` is the file of grains that the scenario

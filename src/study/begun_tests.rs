@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use crate::geometry::Pose;
 use crate::protocol::{Settling, Setup};
-use crate::record::{StageChecks, StageRecord, StoredStage, Summary};
-use crate::scenario::{BeginSpec, StageSpec};
+use crate::record::{StageChecks, StageIdentity, StageRecord, StoredStage, Summary};
+use crate::scenario::{BeginSpec, Scenario, StageSpec};
 use crate::specimen::{Fate, SpecimenState};
 use crate::study::{
     begin::Begun,
@@ -17,10 +17,10 @@ use crate::study::{
 /// A pour that ended at its limit.
 const MOVING: Settling = Settling { time_s: 4.0, limit_s: 4.0, settled: false };
 
-/// The summary of a run that begins with a poured specimen, changed, and rests.
-fn rested(change: impl Fn(&mut SpecimenState)) -> Summary {
+/// A stage that a poured specimen is begun with for.
+fn begins(stage: StageSpec) -> Scenario {
     let mut scenario = scenario(50.0);
-    scenario.stages = vec![StageSpec::Rest { duration_s: 0.1 }];
+    scenario.stages = vec![stage];
     scenario.begin = Some(BeginSpec {
         specimen: "run".to_owned(),
         stage: None,
@@ -29,7 +29,12 @@ fn rested(change: impl Fn(&mut SpecimenState)) -> Summary {
         specimen_sha256: None,
         taken_over: Vec::new(),
     });
-    let run = planned(scenario);
+    scenario
+}
+
+/// The summary of a run that begins with a poured specimen, changed, and rests.
+fn rested(change: impl Fn(&mut SpecimenState)) -> Summary {
+    let run = planned(begins(StageSpec::Rest { duration_s: 0.1 }));
     let setup = Setup::new(&run.scenario).expect("a laboratory");
     let mut state = SpecimenState::before_everything(run.grains.grains.len());
     state.cylinder = true;
@@ -88,4 +93,33 @@ fn a_begun_specimen_with_a_grain_gone_through_a_wall_is_not_valid() {
     assert_eq!(summary.begun_settling, Some(MOVING), "law: how its pour settled is kept");
     let told = summary.warnings.iter().any(|w| w.contains("before the run began"));
     assert!(told, "law: with a warning, got {:?}", summary.warnings);
+}
+
+/// Law: a run that draws nothing is of the realisation that its specimen is of: another seed or
+/// configuration is refused, with the specimen's; where a stage draws, it says what is drawn.
+#[test]
+fn a_begun_specimen_is_not_called_another_realisation() {
+    let made = serde_json::json!({ "seed": 4, "configuration": 2 });
+    let identity = Some(StageIdentity::new("pour", (0, ""), None, &made));
+    let record = StageRecord { identity, ..StageRecord::default() };
+    let begun = Begun { key: String::new(), record, state: SpecimenState::before_everything(0) };
+    let refusal = |stage: &StageSpec, seed: u64, configuration: u32| {
+        let scenario = Scenario { seed, configuration, ..begins(stage.clone()) };
+        let refused = begun.refuse_other_name(&scenario).err();
+        refused.map_or(String::new(), |error| error.to_string())
+    };
+    let rest = StageSpec::Rest { duration_s: 0.1 };
+    assert_eq!(refusal(&rest, 4, 2), "", "law: its own");
+    let said = refusal(&rest, 4, 3);
+    assert!(
+        said.contains("configuration: ") && said.contains("found 3; allowed: 2"),
+        "law: {said}"
+    );
+    let said = refusal(&rest, 1, 1);
+    for words in ["seed: ", "found 1; allowed: 4", "configuration: ", "found 1; allowed: 2"] {
+        assert!(said.contains(words), "law: both at once, `{words}` in {said}");
+    }
+    let placed = serde_json::json!({ "stage": "place_top_plate", "placement": 1 });
+    let placed: StageSpec = serde_json::from_value(placed).expect("a stage");
+    assert_eq!(refusal(&placed, 1, 3), "", "law: the plate is laid by them");
 }

@@ -138,6 +138,7 @@ impl Plan {
             let begin = scenario.begin.as_ref();
             let begun = begin.map(|spec| Begun::read(spec, grains, grains_hash, by(0)));
             let begun = begun.transpose()?;
+            begun.iter().try_for_each(|begun| begun.refuse_other_name(scenario))?;
             let has_rest_test = scenario.rest_test_s > 0.0;
             let rest = StageSpec::Rest { duration_s: scenario.rest_test_s };
             let rest_test = has_rest_test.then_some(&rest);

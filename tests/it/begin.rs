@@ -350,6 +350,30 @@ fn one_specimen_is_not_taken_for_several_realisations() {
     }
 }
 
+/// Law: a specimen that a run only rests is not called another realisation than it is: a seed and a
+/// configuration that are not its own are refused, both at once, before anything is written.
+#[test]
+fn a_specimen_is_not_called_another_realisation() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let begin = json!({ "specimen": text(whole()), "stage": "pour" });
+    let rest = json!({ "stage": "rest", "duration_s": 0.1 });
+    let scenario = json!({ "name": "rests", "begin": begin, "stages": [rest], "rest_test_s": 0 });
+    let rests = write(folder.path(), "rests.json", &scenario);
+    let out = folder.path().join("out");
+    let args = |sets: [&'static str; 2]| {
+        let [one, two] = sets;
+        ["run", text(&rests), "--out", text(&out), "--no-figures", "--set", one, "--set", two]
+    };
+    let words = [
+        "`rests` begins with one specimen",
+        "seed: it is not that of the specimen (found 7; allowed: 1",
+        "configuration: it is not that of the specimen (found 3; allowed: 1",
+    ];
+    refused(&args(["seed=7", "configuration=3"]), 2, &words);
+    assert!(!out.exists(), "law: nothing was written");
+    done(&args(["seed=1", "configuration=1"]));
+}
+
 /// Law: grains of a file are those of the run, or the file is refused.
 #[test]
 fn a_file_of_other_grains_is_refused() {
