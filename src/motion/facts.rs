@@ -1,9 +1,11 @@
 //! What a motion asks of a specimen: peaks and jumps, for manifests, summaries and people.
 
+use std::{f64::consts::PI, sync::Arc};
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Start, TableMotion, Waveform};
+use super::{Path, PieceMotion, Start, TableMotion, Waveform};
 use crate::units::to_mm;
 
 /// Standard gravity in m/s², by which accelerations are given in g (CGPM 1901).
@@ -62,6 +64,58 @@ impl MotionFacts {
             peak_acceleration_g: acceleration / STANDARD_GRAVITY,
             largest_position_jump_mm: to_mm(position),
             largest_velocity_jump_m_per_s: velocity,
+            found_by,
+        }
+    }
+
+    /// Of a motion of pieces, none of which has a point farther (m) from the axis of a rotation. Where
+    /// a condition ends it, its end is another.
+    pub fn of_pieces(motion: &PieceMotion, farthest: f64) -> Self {
+        let PieceMotion { ref path, duration, ramp } = *motion;
+        let table = match path {
+            Path::Velocity(velocity) => {
+                return Self::of_constant("constant velocity", velocity.norm(), 0.0, ramp);
+            }
+            Path::Rotation { speed, .. } => {
+                let (name, speed) = ("rotation, at the farthest point", speed.abs());
+                return Self::of_constant(name, speed * farthest, speed, ramp);
+            }
+            Path::Sine { amplitude, frequency } => {
+                TableMotion { ramp, ..TableMotion::sine(amplitude.norm(), *frequency, duration) }
+            }
+            Path::Recorded { rows, .. } => TableMotion {
+                waveform: Waveform::Recorded(Arc::clone(rows)),
+                ..TableMotion::sine(0.0, 0.0, rows.duration())
+            },
+        };
+        // They stay where they end. Without frames no step counts.
+        Self { largest_position_jump_mm: 0.0, ..Self::of(&table, 1.0) }
+    }
+
+    /// Of a speed in m/s that grows and dies away within a ramp in s, along half a cosine, about an
+    /// axis at an angular speed in rad/s, or along a line at none.
+    fn of_constant(name: &str, speed: f64, turning: f64, ramp: f64) -> Self {
+        let has_ramp = ramp > 0.0;
+        let at = |n: u32| {
+            let (sin, cos) = (PI * f64::from(n) / POINTS_A_CYCLE).sin_cos();
+            let share = 0.5 * (1.0 - cos);
+            let growth = if has_ramp { 0.5 * PI / ramp * sin } else { 0.0 };
+            speed * growth.hypot(turning * share * share)
+        };
+        let acceleration = (0..=POINTS_A_CYCLE as u32).map(at).fold(0.0, f64::max);
+        let ramps = if has_ramp { format!(", ramps of {ramp} s") } else { String::new() };
+        let found_by = if has_ramp && turning > 0.0 {
+            format!("speed by formula, acceleration at {POINTS_A_CYCLE} points of a ramp")
+        } else {
+            "formula".to_owned()
+        };
+        Self {
+            waveform: format!("{name}{ramps}"),
+            peak_speed_m_per_s: speed,
+            peak_acceleration_m_per_s2: acceleration,
+            peak_acceleration_g: acceleration / STANDARD_GRAVITY,
+            largest_position_jump_mm: 0.0,
+            largest_velocity_jump_m_per_s: if has_ramp { 0.0 } else { speed },
             found_by,
         }
     }

@@ -228,6 +228,58 @@ fn peaks_and_jumps_are_those_by_hand() {
     assert!(!line.contains("position jumps"), "{line}");
 }
 
+/// Law: pieces have v, v π/(2r) in a ramp r; ω r and ω² r; ωA and ω²A; and of rows what a table has
+/// of them, but stay where they end.
+#[test]
+fn peaks_and_jumps_of_pieces_are_those_by_hand() {
+    let velocity = Path::Velocity(Vector::new(0.03, 0.0, -0.04));
+    let axis = nalgebra::Unit::new_normalize(Vector::new(0.0, 2.0, 0.0));
+    let rotation = Path::Rotation { axis, about: crate::geometry::Point::origin(), speed: -3.0 };
+    let sine = Path::Sine { amplitude: Vector::new(0.0, 0.003, 0.004), frequency: 4.0 };
+    let rows = [[0.0; 4], [1.0, 1.0, 0.0, 0.0], [2.0, 3.0, 0.0, 0.0]];
+    let of_rows = |how: Interpolation| Path::Recorded {
+        rows: Arc::new(RecordedMotion::of_piece(&rows, how).expect("a motion")),
+        slows_from: None,
+    };
+    let omega = TAU * 4.0;
+    // The spline through 0, 1, 3 mm with h = 1 s: M₁ = 6 (2 − 1)/4 mm/s², at its end 2 + M₁/6 mm/s.
+    for (name, path, ramp, speed, acceleration, jump) in [
+        ("velocity", velocity.clone(), 0.0, 0.05, 0.0, 0.05),
+        ("velocity, ramped", velocity, 0.1, 0.05, 0.05 * PI / 0.2, 0.0),
+        ("rotation", rotation, 0.0, 1.5, 4.5, 1.5),
+        ("sine", sine, 0.0, 0.005 * omega, 0.005 * omega * omega, 0.005 * omega),
+        ("rows", of_rows(Interpolation::Cubic), 0.0, 2.25e-3, 1.5e-3, 2.25e-3),
+        ("straight rows", of_rows(Interpolation::Linear), 0.0, 2e-3, 0.0, 2e-3),
+    ] {
+        let motion = PieceMotion { path, duration: 2.0, ramp };
+        let facts = MotionFacts::of_pieces(&motion, 0.5);
+        near(&format!("speed, {name}"), facts.peak_speed_m_per_s, speed, 1e-12);
+        near(
+            &format!("acceleration, {name}"),
+            facts.peak_acceleration_m_per_s2,
+            acceleration,
+            1e-9,
+        );
+        near(&format!("jump, {name}"), facts.largest_velocity_jump_m_per_s, jump, 1e-12);
+        assert_eq!(facts.largest_position_jump_mm, 0.0, "law: they stay where they end, {name}");
+    }
+    // Half of the ramp gives the growth, its end the centripetal acceleration.
+    let path = Path::Rotation { axis, about: crate::geometry::Point::origin(), speed: 2.0 };
+    let motion = PieceMotion { path, duration: 2.0, ramp: 0.01 };
+    let facts = MotionFacts::of_pieces(&motion, 0.5);
+    let (growth, centripetal) = (PI / 0.02, 2.0 * 0.25);
+    near("ramped rotation", facts.peak_acceleration_m_per_s2, growth.hypot(centripetal), 1e-2);
+    let line = MotionFacts::of_pieces(&motion, 0.5).line();
+    assert!(line.starts_with("rotation, at the farthest point, ramps of 0.01 s; peak"), "{line}");
+    let path = Path::Velocity(Vector::new(0.1, 0.0, 0.0));
+    let shift = PieceMotion { path, duration: 1.0, ramp: 0.0 };
+    let line = MotionFacts::of_pieces(&shift, 0.0).line();
+    assert!(
+        line.contains("peak speed 0.100 m/s") && line.contains("jumps by up to 0.100"),
+        "{line}"
+    );
+}
+
 #[test]
 fn the_largest_acceleration_of_a_crank_is_at_its_outer_dead_centre() {
     for ratio in [0.01, 0.1, 0.25, 0.3, 0.4, LARGEST_CRANK] {

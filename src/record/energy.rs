@@ -1,6 +1,7 @@
 //! Energy balance of a run, beside the rows of its series.
 
 use super::*;
+use crate::motion::MotionFacts;
 
 /// One moment, in J. Work and loss are counted from the beginning of the stage.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -50,6 +51,10 @@ pub struct StageSummary {
     /// that was not recorded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settling: Option<Settling>,
+    /// Peaks and jumps of the motion of pieces, of a rotation those of their farthest point where
+    /// they are put up; none of a stage that moves none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motion: Option<MotionFacts>,
 }
 
 /// Energy balance of a stage in J: what is put in, and what grains bring that are let go, is

@@ -201,6 +201,7 @@ mod tests {
             rotation: None,
             until: None,
             settling: settled.map(|settled| Settling { time_s: 1.0, limit_s: 0.5, settled }),
+            motion: None,
         };
         of.iter().map(stage).collect()
     }

@@ -168,9 +168,13 @@ pub(super) fn energy_rows(stages: &[&StoredStage]) -> Vec<Option<EnergyRow>> {
 }
 
 /// What each stage was given and what became of it.
-pub(super) fn stage_summaries(stages: &[&StoredStage]) -> Vec<StageSummary> {
+pub(super) fn stage_summaries(
+    specs: &[StageSpec],
+    stages: &[&StoredStage],
+    setup: &Setup,
+) -> Vec<StageSummary> {
     let before = std::iter::once(None).chain(stages.iter().map(|stage| Some(&stage.state)));
-    let of = |(stage, before): (&&StoredStage, Option<&SpecimenState>)| {
+    let of = |((spec, stage), before): ((&StageSpec, &&StoredStage), Option<&SpecimenState>)| {
         let energy = stage.record.energy.last().zip(stage.series.last());
         let turned = before.map(|before| rotations(before, &stage.state)).unwrap_or_default();
         StageSummary {
@@ -185,9 +189,10 @@ pub(super) fn stage_summaries(stages: &[&StoredStage]) -> Vec<StageSummary> {
             rotation: RotationSummary::of(turned.into_iter().flatten()),
             until: stage.record.until.clone(),
             settling: stage.record.settling,
+            motion: motions::of_pieces(spec, setup),
         }
     };
-    stages.iter().zip(before).map(of).collect()
+    specs.iter().zip(stages).zip(before).map(of).collect()
 }
 
 /// By which angle in rad each grain turned in the last of the stages; nothing where there is none

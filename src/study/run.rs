@@ -4,6 +4,7 @@ use super::*;
 use super::{
     begin::{GRAINS_FILE, grains_of, read_grains},
     execute::Executed,
+    motions::motions,
     summarise::{Summarised, summarise},
 };
 use crate::record::{
@@ -39,8 +40,9 @@ impl ReadyRun {
         for warning in of_grains(scenario, grains) {
             options.progress.message(&format!("warning: {warning}"));
         }
-        for (n, facts) in vibrations(scenario) {
-            options.progress.message(&format!("stage {n}, vibrate: {}", facts.line()));
+        let setup = self.plan.nodes.first().map(|node| &node.setup);
+        for (n, name, facts) in setup.into_iter().flat_map(|setup| motions(scenario, setup)) {
+            options.progress.message(&format!("stage {n}, {name}: {}", facts.line()));
         }
         let runs = std::slice::from_ref(&self.run);
         let (mut records, _) = carry_out(&self.plan, runs, options, |_| options.out.clone())?;
@@ -310,13 +312,6 @@ pub(super) fn write_run(
     })
 }
 
-/// Peaks and jumps of each vibration of a scenario, with the number of its stage.
-fn vibrations(scenario: &Scenario) -> impl Iterator<Item = (usize, MotionFacts)> {
-    let step = 1.0 / scenario.engine.rate_hz;
-    let stages = scenario.stages.iter().enumerate();
-    stages.filter_map(move |(n, stage)| Some((n, MotionFacts::of(&stage.motion()?, step))))
-}
-
 /// What made a run: scenario, versions, settings as the engine held them,
 /// stages by name and hash, and the hashes of files that are read again.
 fn manifest(
@@ -340,9 +335,13 @@ fn manifest(
             "warnings": record.warnings,
         })
     };
-    let vibrations = vibrations(&run.scenario);
-    let vibrations = vibrations.map(|(n, facts)| json!({ "stage": n, "motion": facts }));
-    let effective = nodes.stages.last().map(|&n| &done[n].record.effective);
+    let last = nodes.stages.last().copied();
+    let motions_of = |stage: &str| -> Vec<serde_json::Value> {
+        let all = last.into_iter().flat_map(|n| motions(&run.scenario, &plan.nodes[n].setup));
+        let of = all.filter(|(_, name, _)| *name == stage);
+        of.map(|(n, _, facts)| json!({ "stage": n, "motion": facts })).collect()
+    };
+    let effective = last.map(|n| &done[n].record.effective);
     json!({
         "pluvia": env!("CARGO_PKG_VERSION"),
         "backend": crate::world::info(run.scenario.engine.backend),
@@ -357,7 +356,8 @@ fn manifest(
         })),
         "scale": scale::read_back(&run.grains.scale(run.scenario.gravity_m_per_s2)),
         "engine_settings_read_back": effective,
-        "vibrations": vibrations.collect::<Vec<_>>(),
+        "vibrations": motions_of("vibrate"),
+        "moves": motions_of("move"),
         "stages": nodes.stages.iter().map(stage).collect::<Vec<_>>(),
         "rest_test": nodes.rest_test.as_ref().map(stage),
         "files_sha256": written,

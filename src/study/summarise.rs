@@ -203,7 +203,7 @@ pub fn summarise(
         coordination_number: coordination.mean.unwrap_or(f64::NAN),
         coordination_distribution: coordination.distribution,
         contacts: at_rest.summary(setup),
-        stages: inside::stage_summaries(&stages),
+        stages: inside::stage_summaries(&scenario.stages, &stages, setup),
         begun_settling: begun.and_then(|begun| begun.record.settling),
         creep_um_per_s: creep,
         rest_test: rest_test_figures,
@@ -282,7 +282,7 @@ fn vibrations(
         Some(VibrationSummary {
             stage: n as u32,
             periods_s: periods(spec, stage),
-            motion: MotionFacts::of(&spec.motion()?, 1.0 / setup.engine.rate_hz),
+            motion: motions::of_table(spec, setup)?,
             settling: stage.record.settling,
         })
     });
