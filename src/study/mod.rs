@@ -16,6 +16,7 @@ mod engine_key;
 mod execute;
 mod inside;
 mod laboratory;
+mod lids;
 mod motions;
 mod plan;
 mod presets;

@@ -93,6 +93,7 @@ pub fn summarise(
     let mut warnings: Vec<String> =
         all.clone().flat_map(|s| s.record.warnings.iter().cloned()).collect();
     warnings.extend(scenario::warnings(scenario));
+    warnings.extend(lids::too_wide(scenario));
     warnings.extend(of_grains(scenario, &run.grains));
     warnings.extend(MeshRecord::notes(&run.grains.meshes));
     let angle_of_repose = angle_of_repose(&specimen)?.transpose().unwrap_or_else(|why| {

@@ -9,7 +9,8 @@ pub fn tell_warnings<'a>(
     scenarios: impl IntoIterator<Item = &'a Scenario>,
     progress: &dyn Progress,
 ) {
-    let told = scenarios.into_iter().flat_map(warnings).map(|said| format!("warning: {said}"));
+    let of = |scenario: &'a Scenario| [warnings(scenario), lids::too_wide(scenario)].concat();
+    let told = scenarios.into_iter().flat_map(of).map(|said| format!("warning: {said}"));
     each_once(told).iter().for_each(|text| progress.message(text));
 }
 
