@@ -146,7 +146,7 @@ impl Run {
             read_json(&self.folder.join("summary.json")).map_err(|e| e.to_string())?;
         let found = summary.checks.as_ref().filter(|checks| checks.passed == Some(false));
         let found = found.map(|checks| format!("checks {}", checks.line()));
-        Ok(found.or_else(|| summary.grains.too_few_in_place()))
+        Ok(found.or_else(|| summary.grains.too_few_in_place(summary.laboratory.is_some())))
     }
 
     /// Columns of `series.csv` by their names.

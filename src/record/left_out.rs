@@ -8,7 +8,7 @@ use super::*;
 
 /// Largest share of the grains that may be missing at the end of a run that counts in means:
 /// left in the funnel or the spout, spilled or escaped; of a pile what rolled off its base
-/// is not missing.
+/// is not missing. In a laboratory of pieces, of those deposited, that fell beside its container.
 ///
 /// Ours. A specimen stands lower by the share of its grains that it lacks. Pours of a few
 /// hundred grains differ by up to 4 % of their height from one realisation to the next
@@ -26,7 +26,8 @@ impl Summary {
             None if !self.valid => Some("it does not say that it is valid".to_owned()),
             why => why,
         };
-        not_valid.into_iter().chain(self.grains.too_few_in_place()).collect()
+        let too_few = self.grains.too_few_in_place(self.laboratory.is_some());
+        not_valid.into_iter().chain(too_few).collect()
     }
 
     /// Whether the run counts in means.
@@ -84,9 +85,20 @@ impl Summary {
 }
 
 impl GrainsSummary {
-    /// That too many grains are missing in a specimen, for a reader.
-    pub fn too_few_in_place(&self) -> Option<String> {
+    /// That too many grains are missing in a specimen, or beside the container of a laboratory, for a
+    /// reader.
+    pub fn too_few_in_place(&self, of_laboratory: bool) -> Option<String> {
         let missing = self.missing?;
+        if of_laboratory {
+            let deposited = self.count.saturating_sub(self.left_in_funnel);
+            return (missing as f64 > MOST_MISSING * deposited as f64).then(|| {
+                format!(
+                    "of {deposited} grains that were deposited {missing} fell out beside the \
+                     container, which was not full: at most {:.0} % may",
+                    100.0 * MOST_MISSING
+                )
+            });
+        }
         (missing as f64 > MOST_MISSING * self.count as f64).then(|| {
             format!(
                 "{missing} of {} grains are missing in the specimen, of which {:.0} % may be: {} left \
@@ -341,6 +353,25 @@ mod tests {
         assert!(!soft.judged().valid, "law: beyond the standard while they were there");
         let built_in = Summary { laboratory: None, ..emptied(10, 0.1, None) };
         assert!(!built_in.judged().valid, "law: what is poured into a cylinder stays there");
+    }
+
+    /// Law: more than 5 % of the grains that a laboratory's deposits let go, not of all there are,
+    /// leave a run out that is valid.
+    #[test]
+    fn grains_that_missed_the_container_leave_a_laboratory_out() {
+        for (count, left, missing, counts) in
+            [(100, 0, Some(5), true), (100, 0, Some(6), false), (200, 160, Some(3), false)]
+        {
+            let of = emptied(9, 0.1, Some(0.1));
+            let grains = GrainsSummary { count, left_in_funnel: left, missing, ..of.grains };
+            let got = Summary { grains, ..of }.judged();
+            let case = format!("{missing:?} of {count} grains, {left} not let go");
+            assert!(got.valid, "law: `valid` knows the standard and the checks alone, {case}");
+            assert_eq!(got.counts_in_means(), counts, "law: {case}");
+            let said = got.left_out_of_means.join("; ");
+            let expected = if counts { "" } else { "beside the container" };
+            assert!(said.contains(expected) && said.is_empty() == counts, "law: {case}: {said}");
+        }
     }
 
     /// Law: a mean is that of the runs that count, with the number left out beside it; overlap

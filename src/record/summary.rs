@@ -211,8 +211,9 @@ pub struct GrainsSummary {
     /// Grains left in the funnel, or never fed.
     pub left_in_funnel: usize,
     /// Grains that were to lie in the specimen at the end and do not: left in the funnel or
-    /// the spout, spilled or escaped. What rolled off a pile's base is not missing. Null where
-    /// nothing was poured.
+    /// the spout, spilled or escaped. What rolled off a pile's base is not missing. In a laboratory
+    /// of pieces, grains that deposits let fall beside its container, which was not full. Null where
+    /// nothing was poured, or grains may fall out by design.
     pub missing: Option<usize>,
 }
 

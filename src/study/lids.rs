@@ -78,7 +78,7 @@ fn too_narrow<'a>(pieces: &'a [PieceSpec], lid: &PieceSpec) -> Option<&'a PieceS
 
 /// Height in mm of the rim of a container that stands upright and is open above; none of another
 /// piece.
-fn rim_mm(piece: &PieceSpec) -> Option<f64> {
+pub(super) fn rim_mm(piece: &PieceSpec) -> Option<f64> {
     let height = match &piece.shape {
         ShapeSpec { r#box: Some(b), .. } if b.open.contains(&BoxSide::Top) => b.inner_mm[2],
         ShapeSpec { cylinder: Some(c), .. } if c.open_top => c.height_mm,

@@ -14,6 +14,7 @@ mod described;
 mod design;
 mod engine_key;
 mod execute;
+mod fallen;
 mod inside;
 mod laboratory;
 mod lids;

@@ -172,7 +172,10 @@ pub fn summarise(
     }
     let fates = fates_of(&specimen, &container, setup);
     let grains = grains_summary(&run.grains, &specimen, &container, &fates);
-    warnings.extend(grains.too_few_in_place());
+    let beside = || fallen::beside_container(scenario, &run.grains, &stages);
+    let grains = GrainsSummary { missing: grains.missing.or_else(beside), ..grains };
+    warnings.extend(grains.too_few_in_place(laboratory.is_some()));
+    warnings.extend(fallen::unexplained(scenario, nodes.begun.as_deref(), &stages, rest_test));
     for Withheld { field, reason } in &withheld {
         warnings.push(format!("{field} is withheld: {reason}"));
     }

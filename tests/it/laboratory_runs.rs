@@ -104,6 +104,9 @@ fn a_deposit_that_misses_its_box_is_no_specimen() {
     let fallen = &summary["grains"]["spilled"];
     let told = warned(&summary, &format!("{fallen} of 30 grains fell out"));
     assert_eq!(told.len(), 1, "law: those that missed it are counted: {}", summary["warnings"]);
+    assert_eq!(summary["grains"]["missing"], *fallen, "law: the box is not full");
+    let why = summary["left_out_of_means"].to_string();
+    assert!(why.contains("fell out beside the container"), "law: left out of means, got {why}");
 }
 
 /// Law: grains that no deposit took are counted, and a mass that is not there is lacking.
