@@ -28,7 +28,7 @@ mod tests {
     use super::super::testing::{DENSITY, assert_near, cube, specimen_of};
     use super::*;
     use crate::geometry::{Pose, Vector};
-    use crate::specimen::{Opening, centroids};
+    use crate::specimen::{Fate, Opening, centroids};
 
     const MOUTH: Opening = Opening {
         middle: Vector::new(0.1, 0.0, 0.5),
@@ -66,6 +66,20 @@ mod tests {
         let got = MOUTH.mass_passed(&centroids(&before), &after);
         assert_near("8 cm³ of grains", 8e-6 * DENSITY, got, 1e-15);
         assert_eq!(MOUTH.mass_passed(&[], &after), 0.0, "law: who was not there did not pass");
+    }
+
+    /// Law: a grain that was taken away after it passed has passed, once.
+    #[test]
+    fn a_grain_that_was_taken_away_counts_by_where_it_was_last_seen() {
+        let at = |z: f64| Pose::translation(0.1, 0.0, z);
+        let before = specimen_of(vec![(cube(0.01), at(0.6)), (cube(0.01), at(0.7))]);
+        let mut after = specimen_of(vec![(cube(0.01), at(0.3)), (cube(0.01), at(0.65))]);
+        for grain in &mut after.state.bodies {
+            grain.fate = Fate::Spilled;
+        }
+        let got = MOUTH.mass_passed(&centroids(&before), &after);
+        assert_near("1 cm³ of grains", 1e-6 * DENSITY, got, 1e-15);
+        assert_eq!(MOUTH.mass_passed(&centroids(&after), &after), 0.0, "law: no second time");
     }
 
     #[test]

@@ -29,13 +29,14 @@ impl Opening {
     }
 
     /// Mass in kg that went through between two looks, by the centroids of the grains;
-    /// `before` has their places at the first, of those that were there.
+    /// `before` has their places at the first, of those that were there. One that was taken away
+    /// since then counts by where it was last seen.
     pub fn mass_passed(&self, before: &[Option<Vector>], specimen: &Specimen) -> f64 {
-        let passed = |i: usize| {
-            let before = before.get(i).copied().flatten()?;
-            Some(self.passed(&before, &specimen.centroid(i)) * specimen.grains.grains[i].mass)
+        let there = before.iter().enumerate().filter_map(|(i, place)| Some((i, (*place)?)));
+        let passed = |(i, before): (usize, Vector)| {
+            self.passed(&before, &specimen.centroid(i)) * specimen.grains.grains[i].mass
         };
-        specimen.present().filter_map(passed).sum()
+        there.map(passed).sum()
     }
 }
 
