@@ -1,6 +1,7 @@
 //! What a reader should know of scenarios before they are run.
 
 use super::*;
+use crate::apparatus::RigidPiece;
 use crate::grains::Grain;
 
 /// Reports what is typed in scenarios and does not suit their grains: each distinct warning once,
@@ -15,8 +16,37 @@ pub fn tell_warnings<'a>(
 }
 
 /// What a reader should know of a scenario once its grains are there: openings that are shorter
-/// than the longest of them.
+/// than the longest of them, and such as none passes.
 pub(super) fn of_grains(scenario: &Scenario, grains: &GrainSet) -> Vec<String> {
+    [narrow_openings(scenario, grains), low_openings(scenario, grains)].concat()
+}
+
+/// Openings of a laboratory that lie where grains that fall have been taken away, while no stage
+/// moves its pieces or lets them go.
+fn low_openings(scenario: &Scenario, grains: &GrainSet) -> Vec<String> {
+    let moves = |stage: &StageSpec| matches!(stage, StageSpec::Move(_) | StageSpec::Release(_));
+    if scenario.begin.is_some() || scenario.stages.iter().any(moves) {
+        return Vec::new();
+    }
+    let pieces = scenario.pieces.iter().filter_map(|piece| RigidPiece::new(piece).ok());
+    let lowest = pieces.map(|piece| piece.at.translation.z - piece.radius);
+    let Some(lowest) = lowest.min_by(f64::total_cmp) else { return Vec::new() };
+    let followed = to_mm(lowest - grains.of_size(&scale::FALL_BELOW));
+    let openings = scenario.measures.openings.iter().enumerate();
+    let low = openings.filter_map(|(k, opening)| {
+        let across = crate::protocol::opening(opening).direction.xy().norm();
+        let highest = opening.at_mm[2] + across * opening.diameter_mm / 2.0;
+        let message = "grains that fall are taken away before they pass the opening";
+        let allowed = format!("a place above {followed:.0} mm");
+        let found = format!("{:?}", opening.at_mm);
+        let fault = Fault::new(message, found, allowed).at(format!("measures.openings[{k}].at_mm"));
+        (highest < followed).then(|| fault.to_string())
+    });
+    low.collect()
+}
+
+/// Openings of the funnel and the cylinder that are shorter than the longest grain.
+fn narrow_openings(scenario: &Scenario, grains: &GrainSet) -> Vec<String> {
     if !scenario.stages.iter().any(|s| s.name() == "pour") {
         return Vec::new();
     }
@@ -92,5 +122,36 @@ mod tests {
             told.len() == 1 && told[0].contains("funnel.opening_diameter_mm: 10 mm"),
             "law: it is reported with its field, got {told:?}"
         );
+    }
+
+    /// Law: an opening below the place at which fallen grains are taken away is reported, where pieces
+    /// stay where they are.
+    #[test]
+    fn openings_that_no_grain_comes_to_are_told() {
+        let mut hopper = scenario(serde_json::json!({}), 0.5);
+        // Within 100 mm of z = 100 mm, and grains of up to 16 mm are followed 50 mm farther down.
+        let plate = serde_json::json!([{ "name": "plate", "at_mm": [0, 0, 100],
+            "shape": { "plate": { "size_mm": [160, 120, 0.01] } } }]);
+        hopper.pieces = serde_json::from_value(plate).expect("pieces");
+        let at = |z: f64| {
+            serde_json::json!({ "name": format!("z{z}"), "at_mm": [0, 0, z],
+            "diameter_mm": 20 })
+        };
+        let upright = serde_json::json!({ "name": "upright", "at_mm": [0, 0, -55],
+            "diameter_mm": 20, "direction": [1, 0, 0] });
+        let openings = serde_json::json!({ "openings": [at(-45.0), at(-55.0), upright] });
+        hopper.measures = serde_json::from_value(openings).expect("openings");
+        let crate::scenario::GrainsSpec::Sieved(sieved) = &hopper.grains else { panic!("sieved") };
+        let grains = crate::grains::generate(sieved, 1).expect("grains");
+        let told = of_grains(&hopper, &grains);
+        let sound = told.len() == 1
+            && told[0].starts_with("measures.openings[1].at_mm: ")
+            && told[0].contains("above -50 mm");
+        assert!(sound, "law: the one below −50 mm, got {told:?}");
+        hopper.stages = serde_json::from_value(serde_json::json!([
+            { "stage": "move", "velocity_mm_per_s": [0, 0, -10], "travel_mm": 90 }
+        ]))
+        .expect("stages");
+        assert!(of_grains(&hopper, &grains).is_empty(), "law: the plate goes down");
     }
 }
