@@ -137,6 +137,15 @@ impl PieceMotion {
         }
     }
 
+    /// Angle in rad that a rotation has turned by at a time in s, whole turns included; none of another
+    /// motion.
+    pub fn turned(&self, time: f64) -> Option<f64> {
+        match &self.path {
+            Path::Rotation { speed, .. } => Some((speed * self.elapsed(time)).abs()),
+            _ => None,
+        }
+    }
+
     /// Largest speed in m/s of a point that is so far (m) from the axis of a rotation.
     pub fn peak_speed(&self, from_axis: f64) -> f64 {
         match &self.path {
@@ -237,6 +246,11 @@ mod tests {
         let got = place * (about + Vector::z());
         assert!((got - (about + Vector::x())).norm() < 1e-15, "law: right-handed, got {got}");
         assert_eq!(motion.from_axis(&(about + Vector::x() * 0.5)), 0.5);
+        let path = Path::Rotation { axis, about, speed: -2.0 * PI };
+        let turns = PieceMotion { path, duration: 3.0, ramp: 0.5 };
+        near("ω (t − r/2)", turns.turned(2.0).expect("an angle"), 3.5 * PI, 1e-12);
+        let shift = PieceMotion { path: VELOCITY, duration: 1.0, ramp: 0.0 };
+        assert_eq!(shift.turned(1.0), None, "law: nothing turns");
         assert!((motion.peak_speed(0.5) - PI / 4.0).abs() < 1e-15, "law: ω r");
     }
 

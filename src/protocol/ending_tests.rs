@@ -136,6 +136,22 @@ fn a_motion_ends_by_its_way_and_dies_away() {
     assert!(told, "law: it is said, got {:?}", outcome.warnings);
 }
 
+/// Law: half a turn is reached by a rotation that no look meets there, at the first look after it.
+#[test]
+fn half_a_turn_ends_a_motion_though_no_look_meets_it() {
+    let turn = json!({ "stage": "move", "pieces": ["box", "lid"], "time_limit_s": 3,
+        "rotation": { "axis": [0, 0, 1], "deg_per_s": -100 },
+        "until": { "piece": "box", "turned_deg": 180 } });
+    let outcome = sinking(laid_out(), 0.0, turn);
+    let found = outcome.until.expect("a condition");
+    let at = (1.8 / every()).ceil() * every();
+    assert!((at - 1.8).abs() > 1e-3, "the check sees a look after it");
+    let held = found.at_s.unwrap_or(f64::NAN);
+    assert!((held - at).abs() < 1e-9, "law: the first look after 1.8 s, got {found:?}");
+    let turned = found.found.turned_deg.expect("an angle");
+    assert!((turned - 100.0 * at).abs() < 1e-6, "law: ω t, got {turned} degrees");
+}
+
 /// Law: grains that sink at v pass the opening at (z − z₀)/v, and a flow over a window of n looks
 /// has fallen below next to nothing at the n-th look without one.
 #[test]

@@ -1,6 +1,8 @@
 //! Pieces of a laboratory in a world: where they are, how they are moved, what the grains do
 //! to them.
 
+use std::f64::consts::PI;
+
 use super::*;
 use crate::motion::PieceMotion;
 use crate::world::{Contact, World};
@@ -144,15 +146,21 @@ impl Pieces {
         pieces.iter().map(way).sum::<Vector>() / pieces.len().max(1) as f64
     }
 
-    /// Angle in rad by which some pieces have turned since the stage began, in the mean: of one
-    /// that a moment turns, about its axis.
-    pub(super) fn turned(&self, pieces: &[usize], state: &SpecimenState) -> f64 {
+    /// Angle in rad by which some pieces have turned since the stage began, a time in s ago, in the
+    /// mean: of one that a moment turns, about its axis.
+    pub(super) fn turned(&self, pieces: &[usize], state: &SpecimenState, time: f64) -> f64 {
         let about = |piece: &PieceState| piece.press?.turns.map(|turns| turns.turned_rad);
+        // Orientations show half a turn at most.
+        let prescribed = |n: usize| {
+            let drive = self.drive.as_ref().filter(|_| self.is_moved(n))?;
+            drive.motion.turned(time).filter(|angle| *angle > PI)
+        };
         let angle = |n: &usize| {
             let (began, now) = (&self.began[*n], &state.pieces[*n]);
             match (about(began), about(now)) {
                 (Some(before), Some(after)) => (after - before).abs(),
-                _ => (now.pose.rotation * began.pose.rotation.inverse()).angle(),
+                _ => prescribed(*n)
+                    .unwrap_or_else(|| (now.pose.rotation * began.pose.rotation.inverse()).angle()),
             }
         };
         pieces.iter().map(angle).sum::<f64>() / pieces.len().max(1) as f64

@@ -21,7 +21,7 @@ impl Stand<'_> {
                 let by = pieces.moved(which, &specimen.state);
                 along.map_or(by.norm(), |along| by.dot(&along))
             }
-            Subject::Turn(which) => pieces.turned(which, &specimen.state),
+            Subject::Turn(which) => pieces.turned(which, &specimen.state, time),
             Subject::Flow(opening) => Opening::mass_passed(opening, places, specimen),
         });
         let found: Vec<f64> = found.collect();
