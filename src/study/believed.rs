@@ -108,7 +108,10 @@ pub(super) fn held(plan: &Plan, store: &StageStore) -> Vec<bool> {
     // Parents come before children.
     for (n, node) in plan.nodes.iter().enumerate() {
         let before = match node.parent {
-            None => Some((SpecimenState::before_everything(node.grains.grains.len()), None)),
+            None => Some(match &node.begun {
+                Some(begun) => (begun.state.clone(), Some(begun.record.specimen_sha256.clone())),
+                None => (SpecimenState::before_everything(node.grains.grains.len()), None),
+            }),
             Some(parent) => {
                 let end = &mut ends[parent];
                 let end = if last_child[parent] == n { end.take() } else { end.clone() };

@@ -13,8 +13,10 @@ use crate::record::{
     StageRecord, StageStore, StoredStage, hash_bytes, hash_json, read_json, to_csv, write_file,
     write_json,
 };
+use crate::scenario::StageSpec;
 use crate::specimen::{Base, Fate, FixedGrain};
 use crate::study::{
+    begin::Begun,
     believed::held,
     plan::Plan,
     tests::{Heard, planned, scenario, shop},
@@ -116,4 +118,22 @@ fn what_is_held_is_what_would_be_used() {
     fs::remove_dir_all(place(fill)).expect("removed");
     let found = held();
     assert!(!found[fill] && !found[pour], "law: nothing without what it goes on from, {found:?}");
+}
+
+/// Law: of a run that begins with the specimen of another its stored stages are held, too.
+#[test]
+fn stages_of_a_begun_run_are_held() {
+    let poured = Plan::new(&[planned(scenario(50.0))]).expect("a plan");
+    let folder = tempfile::tempdir().expect("a folder");
+    let (done, _) = run(&poured, folder.path());
+    let pour = done[poured.runs[0].stages[1]].as_ref().clone();
+    let mut rests = scenario(50.0);
+    rests.stages = vec![StageSpec::Rest { duration_s: 0.1 }];
+    let mut plan = Plan::new(&[planned(rests)]).expect("a plan");
+    let begun = Begun { key: String::new(), record: pour.record, state: pour.state };
+    plan.nodes[0].begun = Some(Arc::new(begun));
+    let held = || held(&plan, &StageStore::open(folder.path()).expect("a store"));
+    assert_eq!(held(), [false, false], "law: nothing is stored yet");
+    run(&plan, folder.path());
+    assert_eq!(held(), [true, true], "law: the rest and the rest test are");
 }
