@@ -154,8 +154,8 @@ mod tests {
         serde_json::from_value(scenario).expect("a scenario")
     }
 
-    /// The ends of stages after each of which so many grains have fallen out; the others lie with
-    /// their centroids at a height in m.
+    /// The ends of stages, by the number of grains that have fallen out until then; the others lie
+    /// with their centroids at a height in m.
     fn ends(count: usize, fallen: &[usize], height: f64) -> Vec<StoredStage> {
         let end = |fallen: &usize| {
             let mut state = SpecimenState::before_everything(count);

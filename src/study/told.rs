@@ -127,7 +127,7 @@ mod tests {
     /// Law: an opening below the place at which fallen grains are taken away is reported, where pieces
     /// stay where they are.
     #[test]
-    fn openings_that_no_grain_comes_to_are_told() {
+    fn openings_that_no_grain_comes_to_are_warned_of() {
         let mut hopper = scenario(serde_json::json!({}), 0.5);
         // Within 100 mm of z = 100 mm, and grains of up to 16 mm are followed 50 mm farther down.
         let plate = serde_json::json!([{ "name": "plate", "at_mm": [0, 0, 100],
