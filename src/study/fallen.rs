@@ -91,7 +91,7 @@ pub(super) fn unexplained(
     }
     let mut done = scenario.begin.iter().flat_map(|begin| &begin.after);
     // How a piece was moved before, its run knows.
-    let mut has_way_out = done.any(|stage| ["move", "release", "remove"].contains(&&stage[..]));
+    let mut has_way_out = done.any(|stage| matches!(stage.as_str(), "move" | "release" | "remove"));
     let mut before = begun.map(|begun| &begun.state);
     let mut found = Vec::new();
     let specs = scenario.stages.iter().map(Some).chain([None]);
