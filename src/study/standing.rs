@@ -85,6 +85,16 @@ pub(super) fn withheld_figures(end: &Standing, poured: Option<&Standing>) -> Vec
     fields.into_iter().filter_map(of).collect()
 }
 
+/// What is not given, in sentences: a reason that several figures have stands once.
+pub(super) fn withheld_in_words(withheld: &[Withheld]) -> Vec<String> {
+    let by_reason = grouped(withheld.iter().map(|of| (of.reason.as_str(), of.field.as_str())));
+    let said = |(reason, fields): (&str, Vec<&str>)| {
+        let are = if fields.len() == 1 { "is" } else { "are" };
+        format!("{} {are} withheld: {reason}", fields.join(", "))
+    };
+    by_reason.into_iter().map(said).collect()
+}
+
 /// Share of the grains that must lie in the cylinder for a height to be that of the specimen.
 /// Ours: of fewer a height tells how many came, not how they lie. Far below the share that a run
 /// needs to count in means ([`crate::record::MOST_MISSING`]).
@@ -274,6 +284,27 @@ mod tests {
         let why = no_voids(0.012, 0.01).expect("law: withheld");
         let said = "the mean surface stands 12.0 mm high, below 3 median grains of 10.0 mm";
         assert!(why.starts_with(said), "law: with height and limit, got {why}");
+    }
+
+    /// Law: a reason is said once, with all figures that are withheld for it.
+    #[test]
+    fn a_reason_that_several_figures_have_is_said_once() {
+        let withheld = |field: &str, reason: &str| Withheld {
+            field: field.to_owned(),
+            reason: reason.to_owned(),
+        };
+        assert_eq!(withheld_in_words(&[]), [""; 0], "law: nothing of nothing");
+        let all = [
+            withheld("void_ratio", "a low layer"),
+            withheld("laboratory.regions.core.relative_density", "empty above"),
+            withheld("porosity", "a low layer"),
+            withheld("poured_void_ratio", "a low layer"),
+        ];
+        let expected = [
+            "void_ratio, porosity, poured_void_ratio are withheld: a low layer",
+            "laboratory.regions.core.relative_density is withheld: empty above",
+        ];
+        assert_eq!(withheld_in_words(&all), expected);
     }
 
     /// Law: 5 of 230 grains are no specimen; half of them are.

@@ -7,7 +7,7 @@ use super::{
     laboratory::laboratory_summary,
     standing::{
         Standing, angle_of_repose, empty_above, height_unless, passed_before, pressed_through,
-        wall, withheld_figures,
+        wall, withheld_figures, withheld_in_words,
     },
 };
 use crate::grains::MeshRecord;
@@ -176,9 +176,7 @@ pub fn summarise(
     let grains = GrainsSummary { missing: grains.missing.or_else(beside), ..grains };
     warnings.extend(grains.too_few_in_place(laboratory.is_some()));
     warnings.extend(fallen::unexplained(scenario, nodes.begun.as_deref(), &stages, rest_test));
-    for Withheld { field, reason } in &withheld {
-        warnings.push(format!("{field} is withheld: {reason}"));
-    }
+    warnings.extend(withheld_in_words(&withheld));
     let summary = Summary {
         scenario: scenario.name.clone(),
         backend: crate::world::info(scenario.engine.backend),
