@@ -284,9 +284,9 @@ fn ladder_table(rows: &[&ConvergenceRow], of: &Convergence) -> Table {
         "surface" => length(v, v.surface_settlement_mm),
         "%" => deviation(&from.surface, v, v.surface_settlement_mm, row.finest_of_ladder),
         "overlap mean / p99, %" => [v.overlap_mean_percent, v.overlap_p99_percent]
-            .map(|e| Cell::fixed(mean(e), 2).text)
+            .map(rounded)
             .join(" / "),
-        "numerical creep, µm/s" => Cell::fixed(mean(v.creep_um_per_s), 2),
+        "numerical creep, µm/s" => Cell::number(rounded(v.creep_um_per_s)),
         "s per simulated s" => Cell::compact(mean(v.wall_s_per_simulated_s)),
         "standard" => verdict(row),
     })
@@ -348,13 +348,14 @@ fn mean(estimate: Option<Estimate>) -> Option<f64> {
     estimate.map(|e| e.mean)
 }
 
-/// A mean with its standard error.
-fn estimate(of: Estimate, decimals: usize) -> String {
-    plus_minus(of.mean, of.standard_error, |v| number(v, decimals))
+/// A mean without its standard error, to the second digit of that.
+fn rounded(of: Option<Estimate>) -> String {
+    of.map_or_else(dash, |e| scattered(e.mean, e.standard_error.unwrap_or_default()))
 }
 
 fn length(of: &VariationRow, mean: Option<Estimate>) -> String {
-    mean.map_or_else(|| missing(of.has_no_valid_run()), |e| estimate(e, 1))
+    let shown = |e: Estimate| mean_within(e.mean, e.standard_error);
+    mean.map_or_else(|| missing(of.has_no_valid_run()), shown)
 }
 
 /// A deviation, bold beyond its limit, marked where scatter explains it or leaves it open.
@@ -369,7 +370,51 @@ fn deviation(d: &Deviation, of: &VariationRow, own: Option<Estimate>, reference:
             let bold = if d.within == Some(false) { "**" } else { "" };
             let scatter = if d.inside_scatter == Some(true) { " ~" } else { "" };
             let open = if d.open == Some(true) { " ?" } else { "" };
-            format!("{bold}{}{bold}{scatter}{open}", estimate(percent, 1))
+            let shown = mean_within(percent.mean, percent.standard_error);
+            format!("{bold}{shown}{bold}{scatter}{open}")
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::RunRow;
+
+    /// Law: means and deviations have the second digit of their standard error, as those of sand,
+    /// which differ by hundredths of a millimetre; of one run, four digits.
+    #[test]
+    fn digits_follow_from_the_scatter() {
+        let of = |mean, standard_error| Estimate { mean, standard_error, count: 3 };
+        let run = RunRow {
+            poured_height_mm: Some(3.5),
+            meets_standard: Some(true),
+            valid: Some(true),
+            ..RunRow::default()
+        };
+        let v = VariationRow::of(&[run]).remove(0);
+        for (mean, error, expected) in [
+            (3.53, Some(0.0104), "3.530 ± 0.010"),
+            (162.38, Some(0.74), "162.38 ± 0.74"),
+            (162.38, None, "162.4"),
+        ] {
+            let got = length(&v, Some(of(mean, error)));
+            assert_eq!(got, expected, "law: {mean} within {error:?}");
+        }
+        for (mean, error, expected) in [
+            (-0.0234, Some(0.0112), "\u{2212}0.023 ± 0.011 ~"),
+            (2.0, Some(0.0112), "**2.000 ± 0.011**"),
+            (0.02341, None, "0.02341"),
+        ] {
+            let d = Deviation::judged(Some(of(mean, error)), 1.0);
+            let got = deviation(&d, &v, v.poured_height_mm, false);
+            assert_eq!(got, expected, "law: a deviation of {mean} % within {error:?}");
+        }
+        for (error, expected) in [(Some(0.03), "0.214"), (Some(0.0021), "0.2136"), (None, "0.2136")]
+        {
+            let got = rounded(Some(of(0.213_58, error)));
+            assert_eq!(got, expected, "law: an overlap within {error:?}");
+        }
+        assert_eq!(rounded(None), "–", "law: what was not measured has no digits");
     }
 }

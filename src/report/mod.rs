@@ -55,7 +55,10 @@ use {
     style::{Dash, Marker},
     sweep::shown,
     sweep_outcomes::in_words,
-    table::{Cell, Record, Table, besides, dash, from_to, missing, plus_minus, row, table},
+    table::{
+        Cell, Record, Table, besides, dash, from_to, mean_within, missing, plus_minus, row,
+        scattered, table,
+    },
     text::{capital, compact, number},
 };
 

@@ -2,7 +2,6 @@
 //! settlement, as tables and a ranked figure.
 
 use super::convergence::specimen;
-use super::table::{mean_within, scattered};
 use super::*;
 use crate::{grains::table_csv, record::write_csv};
 

@@ -1,7 +1,7 @@
 //! The files of a sweep: tables, and the page as Markdown and as HTML.
 
+use super::sweep_outcomes::all_outcomes;
 use super::*;
-use super::{sweep_outcomes::all_outcomes, table::mean_within};
 
 /// The one result that is another each time, and has a table of its own.
 const WALL_TIME: &str = "wall_s";

@@ -1,7 +1,6 @@
 //! Which values of the factors of sweeps meet several targets together: what was found, and its
 //! files.
 
-use super::table::{mean_within, scattered};
 use super::*;
 use crate::measure::{inference::wilson_interval, regression::LinearFit};
 
