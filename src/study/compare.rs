@@ -6,7 +6,7 @@
 //! told apart.
 
 use super::{plan::Prepared, *};
-use crate::record::left_out_with_reasons;
+use crate::record::{RegionSummary, left_out_with_reasons};
 use crate::report::ComparedQuantity;
 use crate::scenario::{StockSettings, check};
 
@@ -196,13 +196,47 @@ fn quantities(runs: &[CompareRun]) -> Vec<ComparedQuantity> {
                 within_band: within,
             }
         })
+        .chain(of_regions(runs))
         .collect()
+}
+
+/// What is measured of a region of a laboratory: its name, its unit, and its value.
+type OfRegion = (&'static str, &'static str, fn(&RegionSummary) -> Option<f64>);
+
+const OF_REGIONS: [OfRegion; 4] = [
+    ("void ratio", "", |region| region.void_ratio),
+    ("relative density", "", |region| region.relative_density),
+    ("mean stress", "kPa", |region| Some(region.stress.as_ref()?.mean_kpa)),
+    ("deviatoric stress", "kPa", |region| Some(region.stress.as_ref()?.deviatoric_kpa)),
+];
+
+/// Of every measured region what any run has of it.
+fn of_regions(runs: &[CompareRun]) -> Vec<ComparedQuantity> {
+    let named = runs.first().map_or(&[][..], regions).iter().enumerate();
+    let all = named.flat_map(|of| OF_REGIONS.iter().map(move |what| (of, what)));
+    all.filter_map(|((n, region), (what, unit, value))| {
+        let of_run = |run: &CompareRun| regions(run).get(n).and_then(value);
+        let values: Vec<Option<f64>> = runs.iter().map(of_run).collect();
+        values.iter().any(Option::is_some).then(|| ComparedQuantity {
+            quantity: format!("{what}, {}", region.name),
+            unit: (*unit).to_owned(),
+            values,
+            band: None,
+            within_band: None,
+        })
+    })
+    .collect()
+}
+
+/// The regions of a run; none without a laboratory.
+fn regions(of: &CompareRun) -> &[RegionSummary] {
+    of.summary.laboratory.as_ref().map_or(&[][..], |laboratory| &laboratory.regions)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::canned;
+    use crate::record::{Balance, LaboratorySummary, canned};
 
     /// Two engines' own runs, and one from the first's specimen.
     fn three() -> Vec<CompareRun> {
@@ -220,6 +254,52 @@ mod tests {
 
     fn verdicts(runs: &[CompareRun]) -> Vec<bool> {
         quantities(runs).iter().filter_map(|q| q.within_band).collect()
+    }
+
+    /// Law: what runs measure of regions is compared by their names, of each what any run has.
+    #[test]
+    fn regions_are_compared_by_their_names() {
+        let mut runs = three();
+        let rows = |runs: &[CompareRun]| quantities(runs).split_off(QUANTITIES.len());
+        assert!(rows(&runs).is_empty(), "law: without a laboratory there is no region");
+        let stress = |mean_kpa| StressSummary {
+            tensor_kpa: [[0.0; 3]; 3],
+            mean_kpa,
+            deviatoric_kpa: 2.0 * mean_kpa,
+            asymmetry_percent: 0.0,
+        };
+        let region = |name: &str, void_ratio, stress| RegionSummary {
+            name: name.to_owned(),
+            void_ratio,
+            stress,
+            fabric: None,
+            relative_density: None,
+        };
+        for (run, e) in runs.iter_mut().zip([0.8, 0.7, 0.6]) {
+            let regions = vec![
+                region("low", Some(e), Some(stress(10.0 * e)).filter(|_| e > 0.65)),
+                region("top", None, None),
+            ];
+            let balance = Balance {
+                weight_n: 0.0,
+                carried_n: 0.0,
+                sideways_n: 0.0,
+                difference_percent: None,
+            };
+            let (pieces, groups, openings) = Default::default();
+            let laboratory = LaboratorySummary { pieces, groups, balance, openings, regions };
+            run.summary.laboratory = Some(laboratory);
+        }
+        let found = rows(&runs);
+        let told: Vec<(&str, &str, &[Option<f64>])> =
+            found.iter().map(|q| (q.quantity.as_str(), q.unit.as_str(), &q.values[..])).collect();
+        let expected: [(&str, &str, &[Option<f64>]); 3] = [
+            ("void ratio, low", "", &[Some(0.8), Some(0.7), Some(0.6)]),
+            ("mean stress, low", "kPa", &[Some(8.0), Some(7.0), None]),
+            ("deviatoric stress, low", "kPa", &[Some(16.0), Some(14.0), None]),
+        ];
+        assert_eq!(told, expected, "law: nothing of a region that no run has");
+        assert!(found.iter().all(|q| q.band.is_none()), "law: shown only, as the end is");
     }
 
     /// Law: what one of the engines cannot do is refused before any of them runs, with its place;
