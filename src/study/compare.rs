@@ -6,7 +6,7 @@
 //! told apart.
 
 use super::{plan::Prepared, *};
-use crate::record::{RegionSummary, left_out_with_reasons};
+use crate::record::{OpeningSummary, RegionSummary, left_out_with_reasons};
 use crate::report::ComparedQuantity;
 use crate::scenario::{StockSettings, check};
 
@@ -125,7 +125,7 @@ fn planned(each: &[Scenario], grains: &Arc<GrainSet>, handed_on: usize) -> Vec<P
 type Compared =
     (&'static str, &'static str, fn(&CompareRun) -> Option<f64>, fn(Option<f64>) -> Option<f64>);
 
-const QUANTITIES: [Compared; 13] = [
+const QUANTITIES: [Compared; 14] = [
     (
         "standing height after pouring, mean surface",
         "mm",
@@ -157,6 +157,7 @@ const QUANTITIES: [Compared; 13] = [
         |r| Some(r.summary.surface_settlement_mm.as_ref()?.final_mm),
         |_| None,
     ),
+    ("angle of repose", "°", |r| Some(r.summary.angle_of_repose.as_ref()?.degrees), |_| None),
     ("overlap, mean", "%", |r| Some(r.summary.overlap.mean_percent), |_| None),
     ("overlap, 99th percentile", "%", |r| Some(r.summary.overlap.p99_percent), |_| None),
     ("numerical creep at rest", "µm/s", |r| r.summary.creep_um_per_s, |_| None),
@@ -196,29 +197,39 @@ fn quantities(runs: &[CompareRun]) -> Vec<ComparedQuantity> {
                 within_band: within,
             }
         })
-        .chain(of_regions(runs))
+        .chain(of_parts(runs, openings, &OF_OPENINGS))
+        .chain(of_parts(runs, regions, &OF_REGIONS))
         .collect()
 }
 
-/// What is measured of a region of a laboratory: its name, its unit, and its value.
-type OfRegion = (&'static str, &'static str, fn(&RegionSummary) -> Option<f64>);
+/// What is measured of a part of a laboratory: its name, its unit, and its value.
+type OfPart<P> = (&'static str, &'static str, fn(&P) -> Option<f64>);
 
-const OF_REGIONS: [OfRegion; 4] = [
+const OF_OPENINGS: [OfPart<OpeningSummary>; 2] = [
+    ("mass passed", "g", |opening| Some(opening.passed_g)),
+    ("rate", "g/s", |opening| opening.rate_g_per_s),
+];
+
+const OF_REGIONS: [OfPart<RegionSummary>; 4] = [
     ("void ratio", "", |region| region.void_ratio),
     ("relative density", "", |region| region.relative_density),
     ("mean stress", "kPa", |region| Some(region.stress.as_ref()?.mean_kpa)),
     ("deviatoric stress", "kPa", |region| Some(region.stress.as_ref()?.deviatoric_kpa)),
 ];
 
-/// Of every measured region what any run has of it.
-fn of_regions(runs: &[CompareRun]) -> Vec<ComparedQuantity> {
-    let named = runs.first().map_or(&[][..], regions).iter().enumerate();
-    let all = named.flat_map(|of| OF_REGIONS.iter().map(move |what| (of, what)));
-    all.filter_map(|((n, region), (what, unit, value))| {
-        let of_run = |run: &CompareRun| regions(run).get(n).and_then(value);
+/// Of every part of the runs' laboratories, each with its name, what any run has of it.
+fn of_parts<P>(
+    runs: &[CompareRun],
+    parts: fn(&CompareRun) -> Vec<(&String, &P)>,
+    measured: &[OfPart<P>],
+) -> Vec<ComparedQuantity> {
+    let named = runs.first().map_or_else(Vec::new, parts).into_iter().enumerate();
+    let all = named.flat_map(|(n, (name, _))| measured.iter().map(move |what| (n, name, what)));
+    all.filter_map(|(n, name, (what, unit, value))| {
+        let of_run = |run: &CompareRun| parts(run).get(n).and_then(|(_, part)| value(part));
         let values: Vec<Option<f64>> = runs.iter().map(of_run).collect();
         values.iter().any(Option::is_some).then(|| ComparedQuantity {
-            quantity: format!("{what}, {}", region.name),
+            quantity: format!("{what}, {name}"),
             unit: (*unit).to_owned(),
             values,
             band: None,
@@ -228,9 +239,16 @@ fn of_regions(runs: &[CompareRun]) -> Vec<ComparedQuantity> {
     .collect()
 }
 
-/// The regions of a run; none without a laboratory.
-fn regions(of: &CompareRun) -> &[RegionSummary] {
-    of.summary.laboratory.as_ref().map_or(&[][..], |laboratory| &laboratory.regions)
+/// The openings of a run; none without a laboratory.
+fn openings(of: &CompareRun) -> Vec<(&String, &OpeningSummary)> {
+    let all = of.summary.laboratory.iter().flat_map(|laboratory| &laboratory.openings);
+    all.map(|opening| (&opening.name, opening)).collect()
+}
+
+/// Its regions, likewise.
+fn regions(of: &CompareRun) -> Vec<(&String, &RegionSummary)> {
+    let all = of.summary.laboratory.iter().flat_map(|laboratory| &laboratory.regions);
+    all.map(|region| (&region.name, region)).collect()
 }
 
 #[cfg(test)]
@@ -256,9 +274,20 @@ mod tests {
         quantities(runs).iter().filter_map(|q| q.within_band).collect()
     }
 
-    /// Law: what runs measure of regions is compared by their names, of each what any run has.
+    /// Law: piles are compared by their angles of repose.
     #[test]
-    fn regions_are_compared_by_their_names() {
+    fn piles_are_compared_by_their_angles() {
+        let mut runs = three();
+        runs[1].summary = canned::pile(1, Some(38.4)).summary;
+        let found = quantities(&runs);
+        let angle = found.iter().find(|q| q.quantity == "angle of repose").expect("a row");
+        assert_eq!(angle.values, [None, Some(38.4), None], "law: of the run with a pile");
+    }
+
+    /// Law: what runs measure of openings and regions is compared by their names, of each what any
+    /// run has.
+    #[test]
+    fn openings_and_regions_are_compared_by_their_names() {
         let mut runs = three();
         let rows = |runs: &[CompareRun]| quantities(runs).split_off(QUANTITIES.len());
         assert!(rows(&runs).is_empty(), "law: without a laboratory there is no region");
@@ -286,14 +315,22 @@ mod tests {
                 sideways_n: 0.0,
                 difference_percent: None,
             };
-            let (pieces, groups, openings) = Default::default();
+            let mouth = |rate_g_per_s| OpeningSummary {
+                name: "mouth".to_owned(),
+                passed_g: 100.0 * e,
+                rate_g_per_s,
+            };
+            let openings = vec![mouth(Some(50.0).filter(|_| e < 0.75))];
+            let (pieces, groups) = Default::default();
             let laboratory = LaboratorySummary { pieces, groups, balance, openings, regions };
             run.summary.laboratory = Some(laboratory);
         }
         let found = rows(&runs);
         let told: Vec<(&str, &str, &[Option<f64>])> =
             found.iter().map(|q| (q.quantity.as_str(), q.unit.as_str(), &q.values[..])).collect();
-        let expected: [(&str, &str, &[Option<f64>]); 3] = [
+        let expected: [(&str, &str, &[Option<f64>]); 5] = [
+            ("mass passed, mouth", "g", &[Some(80.0), Some(70.0), Some(60.0)]),
+            ("rate, mouth", "g/s", &[None, Some(50.0), Some(50.0)]),
             ("void ratio, low", "", &[Some(0.8), Some(0.7), Some(0.6)]),
             ("mean stress, low", "kPa", &[Some(8.0), Some(7.0), None]),
             ("deviatoric stress, low", "kPa", &[Some(16.0), Some(14.0), None]),
