@@ -158,10 +158,15 @@ const QUANTITIES: [Compared; 14] = [
         |_| None,
     ),
     ("angle of repose", "°", |r| Some(r.summary.angle_of_repose.as_ref()?.degrees), |_| None),
-    ("overlap, mean", "%", |r| Some(r.summary.overlap.mean_percent), |_| None),
-    ("overlap, 99th percentile", "%", |r| Some(r.summary.overlap.p99_percent), |_| None),
+    ("overlap, mean", "%", |r| Some(r.summary.overlap.known()?.mean_percent), |_| None),
+    ("overlap, 99th percentile", "%", |r| Some(r.summary.overlap.known()?.p99_percent), |_| None),
     ("numerical creep at rest", "µm/s", |r| r.summary.creep_um_per_s, |_| None),
-    ("coordination number", "", |r| Some(r.summary.coordination_number), |_| None),
+    (
+        "coordination number",
+        "",
+        |r| Some(r.summary.coordination_number).filter(|number| number.is_finite()),
+        |_| None,
+    ),
     ("grains in the cylinder", "", |r| Some(r.summary.grains.in_cylinder as f64), |_| None),
     ("grains through a wall", "", |r| Some(r.summary.grains.escaped as f64), |_| None),
     ("wall time per simulated second", "s", |r| Some(r.wall_s_per_simulated_s), |_| None),
@@ -181,14 +186,15 @@ fn quantities(runs: &[CompareRun]) -> Vec<ComparedQuantity> {
         .iter()
         .map(|(quantity, unit, value, band)| {
             let values: Vec<Option<f64>> = runs.iter().map(value).collect();
-            // A band holds between engines that made their own specimen.
+            // A band holds between engines that made their own specimen, where each has a value.
             let own = runs.iter().zip(&values).filter(|(r, _)| r.specimen_by.is_none());
-            let own: Vec<f64> = own.filter_map(|(_, v)| *v).collect();
-            let band = band(own.first().copied());
-            let within =
-                band.filter(|_| judged).zip(own.split_first()).map(|(band, (first, others))| {
-                    others.iter().all(|other| (other - first).abs() <= band)
-                });
+            let own: Vec<Option<f64>> = own.map(|(_, v)| *v).collect();
+            let band = band(own.first().copied().flatten());
+            let all: Option<Vec<f64>> = own.into_iter().collect();
+            let first = all.as_ref().and_then(|all| all.first());
+            let within = band.filter(|_| judged).zip(first).map(|(band, first)| {
+                all.iter().flatten().all(|other| (other - first).abs() <= band)
+            });
             ComparedQuantity {
                 quantity: (*quantity).to_owned(),
                 unit: (*unit).to_owned(),
@@ -272,6 +278,29 @@ mod tests {
 
     fn verdicts(runs: &[CompareRun]) -> Vec<bool> {
         quantities(runs).iter().filter_map(|q| q.within_band).collect()
+    }
+
+    /// Law: no band is judged by a single value, as where the other one's is withheld, and what no
+    /// grain has is no number.
+    #[test]
+    fn a_band_is_judged_where_every_engine_has_a_value() {
+        for lacks in 0..2 {
+            let mut runs = three();
+            let summary = &mut runs[lacks].summary;
+            (summary.poured_void_ratio, summary.void_ratio) = (None, None);
+            (summary.overlap, summary.coordination_number) = (Overlap::of_none(), f64::NAN);
+            let found = quantities(&runs);
+            let of = |name: &str| found.iter().find(|q| q.quantity == name).expect("a row");
+            let voids = of("void ratio after pouring");
+            assert_eq!(voids.within_band, None, "law: run {lacks} has none: {voids:?}");
+            let height = of("standing height after pouring, mean surface");
+            assert_eq!(height.within_band, Some(true), "law: both have a height: {height:?}");
+            for name in ["overlap, mean", "overlap, 99th percentile", "coordination number"] {
+                let lacking = of(name).values.iter().map(Option::is_none);
+                let expected = (0..3).map(|n| n == lacks);
+                assert!(lacking.eq(expected), "law: {name} of run {lacks}: {:?}", of(name));
+            }
+        }
     }
 
     /// Law: piles are compared by their angles of repose.
