@@ -18,15 +18,18 @@ pub struct BeginSpec {
     /// or `rest_test`; left out, the last one of the scenario.
     pub stage: Option<String>, skip "Option::is_none", schemars(length(min = 1));
     /// Stages that the specimen has been through, in order. Filled in when the scenario is loaded.
-    pub after: Vec<String>, skip "Vec::is_empty", schemars(length(max = 200));
+    pub after: Vec<String>, skip "Vec::is_empty",
+        schemars(length(max = 200), extend("x-filled-in" = true));
     /// Key of the last of them in the run's store. Filled in when the scenario is loaded; where it
     /// is given, no other stage is taken.
-    pub key: Option<String>, skip "Option::is_none";
+    pub key: Option<String>, skip "Option::is_none", schemars(extend("x-filled-in" = true));
     /// SHA-256 of the specimen, likewise.
-    pub specimen_sha256: Option<String>, skip "Option::is_none";
+    pub specimen_sha256: Option<String>, skip "Option::is_none",
+        schemars(extend("x-filled-in" = true));
     /// Paths of contact settings that are as in the run, or, where they were automatic there,
     /// larger if the scenario's own loads ask for that. Filled in when the scenario is loaded.
-    pub taken_over: Vec<String>, skip "Vec::is_empty", schemars(length(max = 10));
+    pub taken_over: Vec<String>, skip "Vec::is_empty",
+        schemars(length(max = 10), extend("x-filled-in" = true));
 }
 }
 

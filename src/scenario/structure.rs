@@ -325,8 +325,11 @@ fn in_words(kind: &ValidationErrorKind) -> Option<&'static str> {
     })
 }
 
+/// The fields of an object that people type: without those that are filled in when a scenario is
+/// loaded.
 fn fields(schema: &Value) -> Vec<&str> {
-    schema["properties"].as_object().into_iter().flatten().map(|(name, _)| name.as_str()).collect()
+    let all = schema["properties"].as_object().into_iter().flatten();
+    all.filter(|(_, of)| of["x-filled-in"] != true).map(|(name, _)| name.as_str()).collect()
 }
 
 fn listed(names: &[&str]) -> String {
@@ -383,6 +386,30 @@ fn describe(schema: &Value) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Law: what is allowed are fields that people type; those that are filled in are known all the
+    /// same, as a scenario that was loaded has them.
+    #[test]
+    fn faults_of_a_beginning_name_the_fields_that_people_type() {
+        let faults = |begin: Value| {
+            let stages = json!([{ "stage": "rest", "duration_s": 1 }]);
+            let grains = json!({ "file": "grains.json" });
+            let value = json!({ "name": "a", "grains": grains, "begin": begin, "stages": stages });
+            check(&value).faults
+        };
+        let both = "the fields `specimen` and `stage`";
+        let found = faults(json!({ "specimen": "run", "keyy": "a" }));
+        let said: Vec<(&str, &str)> =
+            found.iter().map(|fault| (fault.path.as_str(), fault.allowed.as_str())).collect();
+        assert_eq!(said, [("begin.keyy", both)], "law: those that are typed, got {found:?}");
+        let found = faults(json!("run"));
+        assert_eq!(found[0].allowed, format!("an object with {both}"), "law: as an object, too");
+        let loaded = json!({
+            "specimen": "run", "after": ["pour"], "key": "a", "specimen_sha256": "b",
+            "taken_over": ["engine.rate_hz"]
+        });
+        assert!(faults(loaded).is_empty(), "law: a scenario that was loaded before has more");
+    }
 
     #[test]
     fn every_leaf_of_a_scenario_can_be_described() {
