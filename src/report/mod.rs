@@ -53,7 +53,7 @@ use {
     page::{Block, Page},
     plot::{stacked, with_one_legend},
     style::{Dash, Marker},
-    sweep::shown,
+    sweep::{NO_UNIT, shown},
     sweep_outcomes::in_words,
     table::{
         Cell, Record, Table, besides, dash, from_to, mean_within, missing, plus_minus, row,

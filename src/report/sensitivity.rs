@@ -3,7 +3,7 @@
 
 use super::convergence::specimen;
 use super::*;
-use crate::{grains::table_csv, record::write_csv};
+use crate::{grains::table_csv, record::write_csv, scenario::Scenario};
 
 /// How far a parameter moves a length, in mm. Differences are paired by
 /// configuration.
@@ -15,7 +15,8 @@ pub struct Effect {
     pub high_mm: Option<Estimate>,
     /// At the high end less at the low end.
     pub range_mm: Option<Estimate>,
-    /// That over the range, for one unit of the parameter.
+    /// That over the range, for one unit of the parameter; `None` where its numbers only name
+    /// realisations.
     pub per_unit_mm: Option<Estimate>,
     /// Half of its 95 % confidence interval by Student's t; `None` of a single configuration.
     pub per_unit_half_width_95_mm: Option<f64>,
@@ -154,7 +155,8 @@ fn page(of: &Sensitivity, figure: Figure) -> Page {
     let intro = format!(
         "{}, {}. Each parameter is varied by itself, all others at their defaults. \
          Differences in mm ± standard error, paired by configuration: runs of a pair have the same \
-         grains in the same order. A packing is chaotic, so that pairs scatter; \"~\" marks an \
+         grains in the same order; other seeds and realisations make no such pairs, and scatter as \
+         single runs do. A packing is chaotic, so that pairs scatter; \"~\" marks an \
          effect that lies inside that scatter: the 95 % confidence interval (Student's t) of its \
          largest difference contains zero. Grains outside are those that do not lie in the \
          cylinder at the end: a jam in the funnel lowers the specimen by what is stuck there. Runs \
@@ -215,13 +217,18 @@ fn effects(of: &Sensitivity, effect: fn(&ParameterRow) -> Effect) -> Table {
         None => dash(),
     };
     let shown = |e: Estimate| mean_within(e.mean, e.standard_error);
+    let for_one_unit =
+        |row: &ParameterRow, e: Option<Estimate>| match Scenario::names_realisations(&row.path) {
+            true => NO_UNIT.to_owned(),
+            false => change(row, e, shown),
+        };
     table!(rows, |(row, e)| {
         "parameter" => &row.title,
         "range" => with_unit(&from_to(row.low, row.high), &row.unit),
         "at the low end" => Cell::number(change(row, e.low_mm, shown)),
         "at the high end" => Cell::number(change(row, e.high_mm, shown)),
         "over the range" => Cell::number(change(row, e.range_mm, shown)),
-        "for one unit" => Cell::number(change(row, e.per_unit_mm, shown)),
+        "for one unit" => Cell::number(for_one_unit(row, e.per_unit_mm)),
         "remarks" => remarks(row, &e),
     })
 }
@@ -290,6 +297,11 @@ mod tests {
         }
     }
 
+    /// The page of a study.
+    fn page_of(study: &Sensitivity) -> String {
+        page(study, figures::of_sensitivity(study).expect("a figure")).markdown()
+    }
+
     #[test]
     fn the_largest_effect_comes_first_whatever_its_sign() {
         let rows = [
@@ -341,6 +353,25 @@ mod tests {
         let page = std::fs::read_to_string(folder.path().join("sensitivity.md")).expect("a page");
         let expected = "| −0.023 ± 0.011 | 0.0312 ± 0.0087 | 0.0546 ± 0.0049 |";
         assert!(page.contains(expected), "law: {expected}, got {page}");
+    }
+
+    /// Law: a number that only names a realisation has no unit.
+    #[test]
+    fn a_realisation_has_no_change_for_one_unit() {
+        let row = row("chance", Some(-0.5), Some(0.5));
+        let of = |path: &str| {
+            let row = ParameterRow { path: path.to_owned(), ..row.clone() };
+            page_of(&study(vec![row]))
+        };
+        let changes = "| −0.50 ± 0.40 | 0.50 ± 0.40 | 1.00 ± 0.40 | ";
+        for path in ["seed", "configuration"] {
+            let page = of(path);
+            let expected = format!("{changes}none: its numbers only name realisations |");
+            assert!(page.contains(&expected), "law: `{expected}`, got {page}");
+        }
+        let page = of("contact.restitution");
+        let expected = format!("{changes}1.00 ± 0.40 |");
+        assert!(page.contains(&expected), "law: `{expected}`, got {page}");
     }
 
     #[test]

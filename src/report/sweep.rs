@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::measure::{bootstrap_interval, inference::MeanTest};
+use crate::scenario::Scenario;
 
 /// What is varied.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -23,6 +24,12 @@ impl SweepFactor {
     pub fn number(&self, value: &Value) -> f64 {
         let place = || self.values.iter().position(|v| v == value).map_or(0, |n| n + 1);
         if self.numeric { value.as_f64().unwrap_or(f64::NAN) } else { place() as f64 }
+    }
+
+    /// Whether a result can rise or fall along its values: not along words, nor along numbers that
+    /// only name realisations.
+    pub fn has_slope(&self) -> bool {
+        self.numeric && !Scenario::names_realisations(&self.path)
     }
 }
 
@@ -126,7 +133,8 @@ pub struct SweepEffect {
     /// The mean at each value; empty where values were drawn.
     pub means: Vec<(Value, SweepEstimate)>,
     /// Change of the result for one unit of the factor: the mean over
-    /// configurations of each one's own slope. None where values are no numbers.
+    /// configurations of each one's own slope. None where values are no numbers, or only name
+    /// realisations.
     pub slope: Option<f64>,
     /// Half of its 95 % confidence interval by Student's t; none of one configuration.
     pub slope_half_width: Option<f64>,
@@ -176,6 +184,9 @@ impl Sweep {
         self.runs.iter().filter(|r| r.failure.is_some())
     }
 }
+
+/// What stands in the place of a change for one unit of a number that only names realisations.
+pub(super) const NO_UNIT: &str = "none: its numbers only name realisations";
 
 /// A value without the quotes of a text.
 pub(super) fn shown(value: &Value) -> String {

@@ -2,6 +2,7 @@
 
 use super::sweep_outcomes::all_outcomes;
 use super::*;
+use crate::scenario::Scenario;
 
 /// The one result that is another each time, and has a table of its own.
 const WALL_TIME: &str = "wall_s";
@@ -51,7 +52,8 @@ const HOW_TO_READ: &str = "Every point is run in the same configurations, each a
      configurations, by Student's t; sweep.json has those of the bootstrap as well. A change for \
      one unit is the slope of a line through each configuration's own results, its mean and \
      interval over configurations; where values were drawn from ranges, it is the coefficient in a \
-     linear model of all of them. The test by ranks (Page 1963) asks whether results rise or fall \
+     linear model of all of them. Numbers of `seed` and `configuration` only name realisations: \
+     nothing changes for one unit of them, and their points differ by chance. The test by ranks (Page 1963) asks whether results rise or fall \
      from value to value without assuming a line. A run is valid if it meets the accuracy standard, \
      no run-time check found anything, and grains had settled where heights are read. Means and \
      effects leave out runs that are not valid, \
@@ -129,6 +131,7 @@ fn slope(of: &SweepEffect) -> String {
     match of.slope.map(|slope| mean_within(slope, of.slope_half_width)) {
         Some(shown) if of.left_out > 0 => format!("{shown} (left out: {})", of.left_out),
         Some(shown) => shown,
+        None if Scenario::names_realisations(&of.factor) => NO_UNIT.to_owned(),
         None if of.left_out > 0 && of.runs > 0 => "too few valid runs".to_owned(),
         None => missing(of.left_out > 0),
     }
@@ -280,8 +283,8 @@ mod tests {
         for run in &mut of.runs {
             run.outcomes.insert("void_ratio".into(), 0.9);
         }
-        let effect = |slope: Option<f64>, runs, left_out| SweepEffect {
-            factor: "seed".into(),
+        let effect = |factor: &str, slope: Option<f64>, runs, left_out| SweepEffect {
+            factor: factor.into(),
             outcome: "void_ratio".into(),
             runs,
             left_out,
@@ -301,10 +304,14 @@ mod tests {
             (None, 1, 2, "| too few valid runs |"),
             (None, 1, 0, "| – |"),
         ] {
-            of.effects = vec![effect(slope, runs, left_out)];
-            let got = line(&of, "| seed |");
+            of.effects = vec![effect("contact.restitution", slope, runs, left_out)];
+            let got = line(&of, "| contact.restitution |");
             assert!(got.contains(said), "law: `{said}`, got `{got}`");
         }
+        of.effects = vec![effect("seed", None, 6, 0)];
+        let got = line(&of, "| seed |");
+        let said = "| none: its numbers only name realisations |";
+        assert!(got.contains(said), "law: no dash without a reason, got `{got}`");
         let got = line(&of, "| point-0001 |");
         assert!(
             got.ends_with("| 3, 1 failed | 0 | 3 | no valid run |"),

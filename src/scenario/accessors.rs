@@ -249,6 +249,11 @@ impl Scenario {
         self.begin.is_none() || self.stages.iter().any(StageSpec::draws)
     }
 
+    /// Whether the numbers of a field only name realisations: between two of them nothing rises.
+    pub fn names_realisations(path: &str) -> bool {
+        matches!(path, "seed" | "configuration")
+    }
+
     /// Falling height of the pour in mm, where grains are poured.
     pub fn falling_height_mm(&self) -> Option<f64> {
         self.stages.iter().find_map(|stage| match stage {

@@ -3,9 +3,6 @@
 
 use super::*;
 
-/// Fields that tell realisations apart.
-const OF_CHANCE: [&str; 2] = ["seed", "configuration"];
-
 /// How a study is asked for several realisations.
 #[derive(Clone, Copy)]
 pub(super) struct Asked {
@@ -40,7 +37,7 @@ pub(super) fn refuse_repeats(
 ) -> Result<(), StudyError> {
     for (variation, scenario) in varied.all.iter().filter(|(_, s)| !s.has_realisations()) {
         let mut changed = variation.changes.iter().map(Override::path);
-        let of_chance = changed.find(|path| OF_CHANCE.contains(path));
+        let of_chance = changed.find(|path| Scenario::names_realisations(path));
         let most = variation.configurations.map_or(count, |most| most.min(count));
         let asked = match of_chance {
             Some(path) => format!("`{path}` cannot be varied"),

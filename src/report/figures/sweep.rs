@@ -46,9 +46,9 @@ fn axis(factor: &SweepFactor) -> Axis {
     Axis::divided(format!("{}: {}", factor.path, names.join(", ")), scale)
 }
 
-/// Means, joined where values are numbers.
+/// Means, joined where a result can rise or fall from one to the next.
 fn means(n: usize, factor: &SweepFactor, marker: Marker) -> Look {
-    Look { line: factor.numeric.then_some(style::SOLID), ..Look::line(n).marker(marker) }
+    Look { line: factor.has_slope().then_some(style::SOLID), ..Look::line(n).marker(marker) }
 }
 
 /// What a factor moves: of every result all runs, and their means.

@@ -129,7 +129,7 @@ impl FromStr for Interval {
 /// is none, it is no number, or it names samples.
 pub(super) fn takes_whole(field: &str, scenario: &Scenario) -> Result<bool, StudyError> {
     let fault = |why: &str| refused(format!("--unknown {field}: {why}"));
-    if matches!(field, "seed" | "configuration") {
+    if Scenario::names_realisations(field) {
         return fault("it tells samples apart, of which --realisations takes several");
     }
     let Ok(place) = format!("{field}=0").parse::<Override>() else {

@@ -24,9 +24,10 @@ pub(super) fn rows(
                     rows.iter().filter_map(|r| r.grains_outside.map(|g| g as f64)).collect();
                 Estimate::of(&counts).map(|e| e.mean)
             };
+            let range = (!Scenario::names_realisations(&p.path)).then_some(p.high - p.low);
             let effect = |value: fn(&RunRow) -> Option<f64>| {
                 let paired = |rows: &[&RunRow]| RunRow::paired(rows, value);
-                effect(&paired(&low), &paired(&default), &paired(&high), p.high - p.low)
+                effect(&paired(&low), &paired(&default), &paired(&high), range)
             };
             ParameterRow {
                 parameter: p.name.clone(),
@@ -50,8 +51,13 @@ pub(super) fn rows(
 }
 
 /// Differences of the ends, in mm, each over the configurations that both of
-/// its sides have; `range` is high less low in the parameter's unit.
-fn effect(low: &[(u32, f64)], default: &[(u32, f64)], high: &[(u32, f64)], range: f64) -> Effect {
+/// its sides have; `range` is high less low in the parameter's unit, where it has one.
+fn effect(
+    low: &[(u32, f64)],
+    default: &[(u32, f64)],
+    high: &[(u32, f64)],
+    range: Option<f64>,
+) -> Effect {
     let low_mm = paired_difference(low, default);
     let high_mm = paired_difference(high, default);
     let range_mm = paired_difference(high, low);
@@ -60,7 +66,7 @@ fn effect(low: &[(u32, f64)], default: &[(u32, f64)], high: &[(u32, f64)], range
         .into_iter()
         .flatten()
         .reduce(|best, other| if size(&other) > size(&best) { other } else { best });
-    let per_unit_mm = change_for_one_unit(low, high, range);
+    let per_unit_mm = range.and_then(|range| change_for_one_unit(low, high, range));
     Effect {
         low_mm,
         high_mm,
@@ -86,7 +92,7 @@ mod tests {
         let default = values([100.0, 110.0, 120.0]);
         let low = values([99.0, 109.0, 119.0]);
         let high = values([102.0, 112.0, 122.0]);
-        let e = effect(&low, &default, &high, 0.5);
+        let e = effect(&low, &default, &high, Some(0.5));
         let mean = |e: Option<Estimate>| e.expect("three pairs").mean;
         assert_eq!(mean(e.low_mm), -1.0, "law: low less default");
         assert_eq!(mean(e.high_mm), 2.0, "law: high less default");
@@ -97,7 +103,7 @@ mod tests {
         assert!(error.abs() < 1e-12, "law: what pairs share is no scatter, got {error}");
         assert_eq!(e.inside_scatter, Some(false));
         // The other way round: the same size, the other sign.
-        let turned = effect(&high, &default, &low, 0.5);
+        let turned = effect(&high, &default, &low, Some(0.5));
         assert_eq!((mean(turned.range_mm), mean(turned.largest_mm)), (-3.0, -3.0));
     }
 
@@ -105,7 +111,7 @@ mod tests {
     fn ends_that_move_the_same_way_do_not_hide_each_other() {
         let default = values([100.0, 100.0, 100.0]);
         let both = values([104.0, 105.0, 106.0]);
-        let e = effect(&both, &default, &both, 1.0);
+        let e = effect(&both, &default, &both, Some(1.0));
         assert_eq!(e.range_mm.expect("pairs").mean, 0.0, "nothing over the range");
         assert_eq!(e.largest_mm.expect("pairs").mean, 5.0, "law: the largest of the three");
     }
@@ -160,11 +166,11 @@ mod tests {
     fn scatter_is_told_from_effect() {
         let default = values([100.0, 100.0, 100.0]);
         let noise = values([101.0, 98.0, 101.5]);
-        let e = effect(&default, &default, &noise, 1.0);
+        let e = effect(&default, &default, &noise, Some(1.0));
         assert_eq!(e.inside_scatter, Some(true), "law: 0.2 ± 1.1 mm is nothing: {e:?}");
-        let alone = effect(&default[..1], &default[..1], &noise[..1], 1.0);
+        let alone = effect(&default[..1], &default[..1], &noise[..1], Some(1.0));
         assert_eq!(alone.inside_scatter, None, "law: one pair tells nothing of scatter");
-        let none = effect(&[], &default, &[], 1.0);
+        let none = effect(&[], &default, &[], Some(1.0));
         assert_eq!((none.low_mm, none.largest_mm), (None, None), "what failed has no effect");
     }
 }

@@ -70,8 +70,13 @@ pub(super) fn effects(
                 .collect();
             let runs: Vec<&SweepRun> = counting(&all).collect();
             let found_here = match design {
-                Design::LatinHypercube(_) => drawn(factors, n, outcome, &runs),
-                Design::Grid => listed(factor, n, outcome, &own, &runs),
+                Design::LatinHypercube(_) if factor.has_slope() => {
+                    drawn(factors, n, outcome, &runs)
+                }
+                Design::LatinHypercube(_) if factor.sampled => {
+                    effect(factor, outcome, Vec::new(), &[], None)
+                }
+                Design::Grid | Design::LatinHypercube(_) => listed(factor, n, outcome, &own, &runs),
                 Design::OneAtATime => {
                     let listed = listed(factor, n, outcome, &own, &runs);
                     between_the_ends(factor, n, outcome, &runs, listed)
@@ -123,7 +128,7 @@ fn listed(
     });
     let means: Vec<_> = means.collect();
     let numbers: Vec<f64> = values.iter().map(|v| factor.number(v)).collect();
-    let slopes: Vec<f64> = if factor.numeric {
+    let slopes: Vec<f64> = if factor.has_slope() {
         let line = |row: &Vec<f64>| {
             let points: Vec<(f64, f64)> =
                 numbers.iter().copied().zip(row.iter().copied()).collect();
@@ -136,7 +141,7 @@ fn listed(
     let falls = mean(&slopes).is_some_and(|s| s < 0.0);
     let along: Vec<Vec<f64>> =
         rows.iter().map(|row| row.iter().map(|v| if falls { -v } else { *v }).collect()).collect();
-    let page_p = if factor.numeric { page_test(&along).map(|t| t.p) } else { None };
+    let page_p = if factor.has_slope() { page_test(&along).map(|t| t.p) } else { None };
     effect(factor, outcome, means, &slopes, page_p)
 }
 
@@ -153,7 +158,7 @@ fn between_the_ends(
     let numbers = || factor.values.iter().map(|v| factor.number(v));
     let (low, high) =
         (numbers().fold(f64::INFINITY, f64::min), numbers().fold(f64::NEG_INFINITY, f64::max));
-    if !factor.numeric || low >= high {
+    if !factor.has_slope() || low >= high {
         return listed;
     }
     let at = |end: f64| -> Vec<(u32, f64)> {
@@ -416,16 +421,48 @@ mod tests {
         assert_slope(&found[1], -0.001);
     }
 
-    /// Law: words have means and no slope.
+    /// Law: words have means and no slope, also beside values that are drawn.
     #[test]
     fn words_have_means_and_no_slope() {
-        let over = ["engine.backend=bullet,rapier".parse().expect("a factor")];
-        let all = points(Design::Grid, &over, &[], &[], &base()).expect("points");
-        let factors = [factor("engine.backend", &[json!("bullet"), json!("rapier")], false)];
-        let runs = runs(&all, &factors, |x, _| x[0]);
-        let found = effects(Design::Grid, &factors, &all, &runs);
-        assert_eq!(found[0].slope, None);
-        let means: Vec<f64> = found[0].means.iter().map(|(_, e)| e.mean).collect();
-        assert_eq!(means, [1.0, 2.0], "law: in the order in which they were given");
+        let over: [Factor; 1] = ["engine.backend=bullet,rapier".parse().expect("a factor")];
+        let words = factor("engine.backend", &[json!("bullet"), json!("rapier")], false);
+        let range: SampledRange = "contact.restitution=0..1".parse().expect("a range");
+        let drawn = factor("contact.restitution", &[json!(0.0), json!(1.0)], true);
+        for (design, ranges, factors) in [
+            (Design::Grid, vec![], vec![words.clone()]),
+            (Design::LatinHypercube(5), vec![range], vec![words, drawn]),
+        ] {
+            let all = points(design, &over, &[], &ranges, &base()).expect("points");
+            let runs = runs(&all, &factors, |x, _| x[0]);
+            let found = effects(design, &factors, &all, &runs);
+            assert_eq!(found[0].slope, None, "law: {design:?}");
+            let means: Vec<f64> = found[0].means.iter().map(|(_, e)| e.mean).collect();
+            assert_eq!(means, [1.0, 2.0], "law: {design:?}, in the order in which they were given");
+        }
+    }
+
+    /// Law: numbers that only name realisations have means and no slope, of no design.
+    #[test]
+    fn realisations_have_means_and_no_slope() {
+        let over: [Factor; 1] = ["seed=1,2,3".parse().expect("a factor")];
+        let seeds = factor("seed", &[json!(1), json!(2), json!(3)], false);
+        let range: SampledRange = "seed=1..1000".parse().expect("a range");
+        let drawn = factor("seed", &[json!(1), json!(1000)], true);
+        for (design, over, ranges, factors, expected) in [
+            (Design::Grid, &over[..], vec![], [seeds.clone()], 3),
+            (Design::OneAtATime, &over[..], vec![], [seeds], 3),
+            (Design::LatinHypercube(5), &over[..0], vec![range], [drawn], 0),
+        ] {
+            let all = points(design, over, &[], &ranges, &base()).expect("points");
+            let runs = runs(&all, &factors, |x, c| x[0] * f64::from(c));
+            let found = effects(design, &factors, &all, &runs).remove(0);
+            let told = (found.slope, found.slope_p, found.page_p, found.configurations_needed);
+            assert_eq!(told, (None, None, None, None), "law: {design:?}");
+            assert_eq!(
+                found.means.len(),
+                expected,
+                "law: {design:?}, a mean at each that is listed"
+            );
+        }
     }
 }
