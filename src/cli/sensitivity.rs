@@ -31,6 +31,6 @@ pub(super) fn run(args: &SensitivityArgs, context: &Context) -> Result<ExitStatu
         let page = page_until(&args.out.join("sensitivity.md"), &["\n## Ranges"])?;
         let lines = page.lines().filter(|line| !line.starts_with("!["));
         let text: String = lines.map(|line| format!("{line}\n")).collect();
-        context.done(&(text + &last_line::of_study(found.left_out())), found)
+        context.done(&(text + &last_line::of_study((found.left_out, found.with_result))), found)
     })
 }

@@ -88,20 +88,14 @@ pub struct Sensitivity {
     pub grains: Option<usize>,
     /// Number of configurations.
     pub configurations: u32,
+    /// Runs that have a result.
+    pub with_result: usize,
+    /// How many of them are left out of the differences.
+    pub left_out: usize,
     /// The scenario without a change.
     pub default: Option<VariationRow>,
     /// The parameters, in the order of the design.
     pub parameters: Vec<ParameterRow>,
-}
-
-impl Sensitivity {
-    /// Runs that are left out of the differences, and runs with a result.
-    pub fn left_out(&self) -> (usize, usize) {
-        let default = self.default.as_ref().map_or((0, 0), |d| (d.left_out, d.runs - d.failed));
-        self.parameters
-            .iter()
-            .fold(default, |(out, all), p| (out + p.left_out, all + p.left_out + p.valid))
-    }
 }
 
 /// The parameters, that with the largest effect first; those without one last.
@@ -292,6 +286,8 @@ mod tests {
             quick: false,
             grains: Some(364),
             configurations: 3,
+            with_result: 0,
+            left_out: 0,
             default: None,
             parameters,
         }

@@ -55,6 +55,8 @@ pub(super) fn table(
         quick,
         grains: runs.iter().find_map(|r| r.grains),
         configurations: runs.iter().map(|r| r.configuration).max().unwrap_or(0),
+        with_result: runs.iter().filter(|r| r.failure.is_none()).count(),
+        left_out: runs.iter().filter(|r| r.is_left_out()).count(),
         default: VariationRow::of(runs).into_iter().find(|v| v.variation == default),
         parameters: effects::rows(parameters, variation, runs),
     }
@@ -63,6 +65,27 @@ pub(super) fn table(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Law: a run is counted once, also that of the default at the ends of several parameters.
+    #[test]
+    fn runs_are_counted_once() {
+        let scenario = crate::study::tests::bare_scenario();
+        let row = |variation: &str, valid| RunRow {
+            valid: Some(valid),
+            ..RunRow::of_scenario("r", variation, "g", &scenario)
+        };
+        let failed = RunRow { failure: Some("it broke".to_owned()), ..row("b-high", true) };
+        let runs = [row(design::DEFAULT, false), row("a-high", true), failed];
+        let parameters = ["a", "b"].map(|name| Parameter {
+            name: name.to_owned(),
+            high: 1.0,
+            ..Parameter::default()
+        });
+        let of = Parameter::variation;
+        let found = table(&scenario, false, &parameters, of, design::DEFAULT, &runs);
+        let told = (found.with_result, found.left_out);
+        assert_eq!(told, (2, 1), "law: three runs, of which one failed and one is left out");
+    }
 
     #[test]
     fn the_built_in_design_is_sound() {
