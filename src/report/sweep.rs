@@ -140,8 +140,8 @@ pub struct SweepEffect {
     pub slope_half_width: Option<f64>,
     /// Two-sided p-value of no slope.
     pub slope_p: Option<f64>,
-    /// One-sided p-value of Page's trend test by ranks, in the direction of the
-    /// slope; none of fewer than three values or two configurations.
+    /// Two-sided p-value of Page's trend test by ranks; none of fewer than three values or two
+    /// configurations, or more than eight values.
     pub page_p: Option<f64>,
     /// Configurations that would show a slope of this size among this scatter, at
     /// 95 % confidence with a probability of 80 %; none of fewer than three

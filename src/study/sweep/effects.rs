@@ -138,11 +138,20 @@ fn listed(
     } else {
         Vec::new()
     };
-    let falls = mean(&slopes).is_some_and(|s| s < 0.0);
-    let along: Vec<Vec<f64>> =
-        rows.iter().map(|row| row.iter().map(|v| if falls { -v } else { *v }).collect()).collect();
-    let page_p = if factor.has_slope() { page_test(&along).map(|t| t.p) } else { None };
+    let page_p = if factor.has_slope() { trend(&rows) } else { None };
     effect(factor, outcome, means, &slopes, page_p)
+}
+
+/// Two-sided p-value of Page's test: which way results go was seen in the results themselves, so
+/// that both ways count.
+fn trend(rows: &[Vec<f64>]) -> Option<f64> {
+    let one_way = |sign: f64| {
+        let turned: Vec<Vec<f64>> =
+            rows.iter().map(|row| row.iter().map(|v| sign * v).collect()).collect();
+        page_test(&turned).map(|test| test.p)
+    };
+    let less = one_way(1.0)?.min(one_way(-1.0)?);
+    Some((2.0 * less).min(1.0))
 }
 
 /// Of a factor that was varied by itself the slope is that from its lowest to
@@ -299,7 +308,16 @@ mod tests {
         assert_slope(&found[0], 3.0);
         assert_slope(&found[1], -0.5);
         let p = found[0].page_p.expect("three values in three configurations");
-        assert!(p < 0.01, "law: three perfect orders of three have p = 1/216, got {p}");
+        assert!((p - 2.0 / 216.0).abs() < 1e-12, "law: each order is one of six, got {p}");
+        let falling: Vec<SweepRun> = runs
+            .iter()
+            .map(|run| {
+                let outcomes = run.outcomes.iter().map(|(path, v)| (path.clone(), -v)).collect();
+                SweepRun { outcomes, ..run.clone() }
+            })
+            .collect();
+        let turned = &effects(Design::Grid, &factors, &all, &falling)[0];
+        assert_eq!(turned.page_p, Some(p), "law: falling or rising, the same");
         assert_eq!(found[1].page_p, None, "law: two values make no order");
         let half = found[0].slope_half_width.expect("three configurations");
         assert!(half < 1e-9, "law: slopes that agree leave no doubt, got ± {half}");
