@@ -228,10 +228,10 @@ fn effects(of: &Sensitivity, effect: fn(&ParameterRow) -> Effect) -> Table {
 }
 
 fn remarks(row: &ParameterRow, effect: &Effect) -> String {
-    let scatter = match effect.inside_scatter {
-        Some(true) => Some("~".to_owned()),
-        Some(false) => None,
-        None => Some("scatter unknown".to_owned()),
+    let scatter = match (effect.largest_mm, effect.inside_scatter) {
+        (_, Some(true)) => Some("~".to_owned()),
+        (Some(_), None) => Some("scatter unknown".to_owned()),
+        (_, Some(false)) | (None, None) => None,
     };
     let failed = (row.failed > 0).then(|| format!("{} failed", row.failed));
     let left_out = (row.left_out > 0).then(|| format!("{} left out", row.left_out));
@@ -349,6 +349,20 @@ mod tests {
         let page = std::fs::read_to_string(folder.path().join("sensitivity.md")).expect("a page");
         let expected = "| −0.023 ± 0.011 | 0.0312 ± 0.0087 | 0.0546 ± 0.0049 |";
         assert!(page.contains(expected), "law: {expected}, got {page}");
+    }
+
+    /// Law: the scatter of an effect that was measured once is not known; of none there is nothing to
+    /// be known.
+    #[test]
+    fn what_has_no_effect_has_no_scatter() {
+        let mut once = row("once", Some(-0.5), Some(0.5));
+        once.height.inside_scatter = None;
+        let never = row("never", None, None);
+        let page = page_of(&study(vec![once, never]));
+        let table = page.split("## Height").nth(1).unwrap_or_default();
+        let line = |name: &str| table.lines().find(|l| l.contains(name)).unwrap_or_default();
+        assert!(line("of once").ends_with("| scatter unknown |"), "law: once, got {table}");
+        assert!(line("of never").ends_with("|  |"), "law: never, got {table}");
     }
 
     /// Law: a number that only names a realisation has no unit.
