@@ -105,10 +105,15 @@ impl Designed {
         let mut faults = Faults::of(file);
         let chosen = faults.chosen(&design.full, design.quick.as_ref(), quick);
         let mut names = Vec::new();
-        let (mut ladders, mut variations) = (Vec::new(), Vec::new());
+        let (mut ladders, mut variations) = (Vec::new(), Vec::<Variation>::new());
         for (l, ladder) in design.ladders.iter().enumerate() {
             let at = format!("ladders[{l}]");
             faults.name(&format!("{at}.name"), &ladder.name, &mut names);
+            let before = &design.ladders[..l];
+            if before.iter().any(|other| other.title == ladder.title) {
+                let found = format!("\"{}\"", ladder.title);
+                faults.add(&format!("{at}.title"), &found, "", "the title is given twice");
+            }
             let common = faults.changes(&format!("{at}.changes"), &ladder.changes);
             let mut known = Vec::new();
             let mut rungs = Vec::new();
@@ -120,6 +125,15 @@ impl Designed {
                     continue;
                 }
                 let name = format!("{}-{}", ladder.name, rung.name);
+                // Names that are given twice have their faults.
+                let is_new = before.iter().all(|other| other.name != ladder.name)
+                    && ladder.rungs[..r].iter().all(|other| other.name != rung.name);
+                if is_new && variations.iter().any(|known| known.name == name) {
+                    let found = format!("\"{}\"", rung.name);
+                    let allowed =
+                        format!("another name: runs of another ladder are called `{name}`");
+                    faults.add(&format!("{at}.name"), &found, &allowed, "two runs have one name");
+                }
                 rungs.push((name.clone(), rung.title.clone()));
                 variations.push(Variation {
                     name,

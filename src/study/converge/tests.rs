@@ -283,6 +283,36 @@ fn single_precision_is_held_against_double() {
     assert!(alone[1].finest_of_ladder);
 }
 
+/// Law: ladders are told apart by their titles on the page, their runs by both names together.
+#[test]
+fn ladders_and_runs_are_told_apart() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("design.json");
+    let faults = |ladders: serde_json::Value| -> Vec<(String, String)> {
+        let design = serde_json::json!({
+            "full": { "scenario": "none.json", "configurations": 2 },
+            "limits": { "height_percent": 1, "settlement_percent": 5 },
+            "reference": "a", "ladders": ladders
+        });
+        std::fs::write(&file, design.to_string()).expect("a design");
+        let errors = Designed::of_file(&file, false).expect_err("law: no scenario is there");
+        let found = errors.faults().iter();
+        found.map(|fault| (fault.path.clone(), fault.message.clone())).collect()
+    };
+    let ladder = |name: &str, title: &str, rungs: [&str; 2]| {
+        let rungs = rungs.map(|name| serde_json::json!({ "name": name, "title": name }));
+        serde_json::json!({ "name": name, "title": title, "rungs": rungs })
+    };
+    let one = ladder("a", "One", ["b-c", "d"]);
+    let told = |path: &str, said: &str| (path.to_owned(), said.to_owned());
+    let found = faults(serde_json::json!([one, ladder("a-b", "Two", ["c", "d"])]));
+    assert_eq!(found, [told("ladders[1].rungs[0].name", "two runs have one name")], "law: a-b-c");
+    let found = faults(serde_json::json!([one, ladder("b", "One", ["b-c", "d"])]));
+    assert_eq!(found, [told("ladders[1].title", "the title is given twice")]);
+    let found = faults(serde_json::json!([one, ladder("a", "Two", ["b-c", "d"])]));
+    assert_eq!(found, [told("ladders[1].name", "the name is given twice")], "law: no more");
+}
+
 #[test]
 fn the_built_in_design_is_sound() {
     for quick in [false, true] {
