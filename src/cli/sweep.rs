@@ -68,10 +68,10 @@ pub(super) struct SweepArgs {
     #[arg(long, conflicts_with_all = ["status", "collect"])]
     snakemake: bool,
     /// Print the progress of the sweep in DIR
-    #[arg(long, conflicts_with_all = ["scenario", "over", "design", "plan_only", "collect"])]
+    #[arg(long, conflicts_with_all = OF_A_PLAN, conflicts_with = "collect")]
     status: bool,
     /// Collect the stored results of the sweep in DIR without running anything
-    #[arg(long, conflicts_with_all = ["scenario", "over", "design", "plan_only"])]
+    #[arg(long, conflicts_with_all = OF_A_PLAN)]
     collect: bool,
     #[command(flatten)]
     slurm: SlurmArgs,
@@ -83,6 +83,22 @@ pub(super) struct SweepArgs {
     #[arg(long, value_name = "DIR", default_value = "out/sweep")]
     out: PathBuf,
 }
+
+/// Options that say what is planned: of a sweep that is there the plan says it.
+const OF_A_PLAN: [&str; 12] = [
+    "scenario",
+    "over",
+    "one_at_a_time",
+    "samples",
+    "range",
+    "design",
+    "quick",
+    "configurations",
+    "plan_only",
+    "backend",
+    "seed",
+    "set",
+];
 
 /// What jobs ask of a cluster.
 #[derive(Debug, Args)]

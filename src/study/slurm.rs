@@ -12,20 +12,23 @@ use super::*;
 /// (`MaxArraySize`, slurm.conf) is 1001.
 const MOST_TASKS: usize = 1000;
 
+/// Options with which no job is submitted.
+const NO_JOBS: [&str; 4] = ["plan_only", "snakemake", "status", "collect"];
+
 /// What jobs ask of the cluster; what is left out is the cluster's default.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, clap::Args)]
 pub struct SlurmRequest {
     /// Partition for the jobs
-    #[arg(long, value_name = "NAME", requires = "slurm")]
+    #[arg(long, value_name = "NAME", requires = "slurm", conflicts_with_all = NO_JOBS)]
     pub partition: Option<String>,
     /// Time limit of a stage, as sbatch takes it
-    #[arg(long, value_name = "HH:MM:SS", requires = "slurm")]
+    #[arg(long, value_name = "HH:MM:SS", requires = "slurm", conflicts_with_all = NO_JOBS)]
     pub time: Option<String>,
     /// Memory of a stage, as sbatch takes it
-    #[arg(long = "mem", value_name = "SIZE", requires = "slurm")]
+    #[arg(long = "mem", value_name = "SIZE", requires = "slurm", conflicts_with_all = NO_JOBS)]
     pub memory: Option<String>,
     /// Account to charge for the jobs
-    #[arg(long, value_name = "NAME", requires = "slurm")]
+    #[arg(long, value_name = "NAME", requires = "slurm", conflicts_with_all = NO_JOBS)]
     pub account: Option<String>,
 }
 

@@ -157,6 +157,35 @@ fn where_no_run_is_valid_there_is_no_mean() {
     assert!(last.contains("NOT VALID") && last.contains("2 of 2"), "law: got `{last}`");
 }
 
+/// Law: options that would do nothing are refused: what is planned is said by the plan that is there,
+/// and what jobs ask for is asked where jobs are submitted.
+#[test]
+fn options_that_would_do_nothing_are_refused() {
+    let folder = folder();
+    let (scenario, out) = (folder.out("small.json"), folder.out("out"));
+    for of_a_plan in [
+        &["--configurations", "3"][..],
+        &["--set", "seed=4"],
+        &["--seed", "4"],
+        &["--backend", "rapier"],
+        &["--one-at-a-time"],
+        &["--samples", "latin-hypercube:3", "--range", "seed=1..9"],
+        &["--partition", "long"],
+        &["--mem", "1G"],
+    ] {
+        for of_what_is_there in ["--status", "--collect"] {
+            let args = [&["sweep", of_what_is_there, "--out", &out][..], of_a_plan].concat();
+            program::refused(&args, 2, &["cannot be used with", of_a_plan[0]]);
+        }
+    }
+    for instead in ["--plan-only", "--snakemake"] {
+        let over = ["sweep", &scenario, "--over", "seed=1,2", "--out", &out];
+        let args = [&over[..], &[instead, "--time", "00:10:00"]].concat();
+        program::refused(&args, 2, &["cannot be used with", "--time"]);
+        assert!(!folder.path("out").exists(), "law: nothing is written");
+    }
+}
+
 #[test]
 fn values_can_be_drawn_and_varied_one_at_a_time() {
     let folder = folder();
