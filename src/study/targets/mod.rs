@@ -100,7 +100,9 @@ impl Runs {
 
     /// With what varies among all of them as factors, where it is not chance.
     fn with_factors(mut self, name: &str, chance: &[String]) -> Result<Self, StudyError> {
-        for column in self.columns.iter().filter(|column| !chance.contains(column)) {
+        let is_chance =
+            |column: &&String| chance.contains(column) || Scenario::names_realisations(column);
+        for column in self.columns.iter().filter(|column| !is_chance(column)) {
             let cells: BTreeSet<&String> =
                 self.planned.iter().filter_map(|run| run.get(column)).collect();
             let numbers: Option<Vec<f64>> = cells.iter().map(|cell| finite(cell)).collect();

@@ -108,6 +108,21 @@ fn a_factor_that_stands_for_chance_is_scatter() {
     assert!(scatter > 1.3, "law: 0 to 4 of b are scatter of 1.4 degrees, got {scatter}");
 }
 
+/// Law: numbers that only name realisations are chance, asked for or not.
+#[test]
+fn a_seed_is_scatter() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = table(folder.path(), "sweep.csv", 0.5);
+    let csv = std::fs::read_to_string(&path).expect("a table");
+    std::fs::write(&path, csv.replacen(",a,b,", ",a,seed,", 1)).expect("a table");
+    let of = [runs("t", path)];
+    let angle = [target("t:angle_of_repose.degrees=32.6..33.4")];
+    for chance in [&[][..], &["seed".to_owned()]] {
+        let found = meet_targets(&of, &angle, chance).expect("an answer");
+        assert_eq!(found.factors.keys().collect::<Vec<_>>(), ["a"], "law: with {chance:?}");
+    }
+}
+
 #[test]
 fn shares_are_in_percent_and_tables_of_a_name_go_together() {
     let folder = tempfile::tempdir().expect("a folder");
