@@ -58,7 +58,7 @@ pub fn found(of: &Calibration) -> Vec<(String, String)> {
         let none = || "none: the slope does not differ significantly from zero".to_owned();
         let interval = s.interval_95.map_or_else(none, |i| from_to(i.low, i.high));
         row("its 95 % confidence interval", interval);
-        let known_to = |mean, off| with_unit(&plus_minus(mean, Some(off), compact), &of.unit);
+        let known_to = |mean, off| with_unit(&mean_within(mean, Some(off)), &of.unit);
         let there = known_to(of.wanted, s.result_half_width_95);
         row(&format!("{target} there"), there);
         let per_unit = known_to(s.slope, s.slope_half_width_95);
@@ -110,10 +110,9 @@ fn identity_rows(of: &Calibration, of_it: &FrictionIdentity, row: &mut impl FnMu
         row(
             &format!("angle of repose at {}", compact(of_it.tried)),
             format!(
-                "{}°, less its angle of friction {} ± {}° ({p}): {verdict}",
-                number(there, 1),
-                number(difference, 1),
-                number(half, 1)
+                "{}°, less its angle of friction {}° ({p}): {verdict}",
+                scattered(there, half),
+                mean_within(difference, Some(half))
             ),
         );
     }
@@ -124,9 +123,16 @@ fn identity_rows(of: &Calibration, of_it: &FrictionIdentity, row: &mut impl FnMu
 }
 
 fn values(of: &Calibration) -> Table {
-    let shown = |value: Option<f64>| value.map(|v| with_unit(&compact(v), &of.unit));
-    let or_dash = |value| Cell::number(shown(value).unwrap_or_else(dash));
     let has_no_valid_run = |v: &CalibrationValue| v.left_out > 0 && v.left_out + v.failed == v.runs;
+    // To the second digit of how far it may be off, where that is known.
+    let shown = |value: Option<f64>, off: Option<f64>| {
+        value.map(|v| with_unit(&scattered(v, off.unwrap_or_default()), &of.unit))
+    };
+    let or_dash = |value| Cell::number(shown(value, value).unwrap_or_else(dash));
+    let mean = |v: &CalibrationValue| {
+        let mean = shown(v.mean, v.half_width_95);
+        mean.unwrap_or_else(|| missing(has_no_valid_run(v)))
+    };
     let runs = |v: &CalibrationValue| {
         let (failed, left_out) =
             (besides(v.failed, "without result"), besides(v.left_out, "left out"));
@@ -135,9 +141,55 @@ fn values(of: &Calibration) -> Table {
     table!(&of.values, |v| {
         "Value" => v.value,
         "Runs" => runs(v),
-        "Mean" => Cell::number(shown(v.mean).unwrap_or_else(|| missing(has_no_valid_run(v)))),
+        "Mean" => Cell::number(mean(v)),
         "± 95 %" => or_dash(v.half_width_95),
         "Standard deviation" => or_dash(v.standard_deviation),
         "In the line" => if v.in_fit { "yes" } else { "" },
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Law: what was measured has the digits that its interval leaves.
+    #[test]
+    fn digits_follow_from_the_interval() {
+        let value = |mean, half_width_95| CalibrationValue {
+            value: 0.5,
+            runs: 3,
+            failed: 0,
+            left_out: 0,
+            mean: Some(mean),
+            standard_deviation: half_width_95,
+            half_width_95,
+            in_fit: true,
+        };
+        let of = Calibration {
+            scenario: "s".to_owned(),
+            target: "angle_of_repose.degrees".to_owned(),
+            unit: "°".to_owned(),
+            wanted: 38.4,
+            unknown: "contact.grain_grain_friction".to_owned(),
+            between: Interval::new(0.2, 1.0),
+            ending: CalibrationEnding::Flat,
+            statement: String::new(),
+            solution: None,
+            tolerance: None,
+            tolerance_given: false,
+            scatter: None,
+            replicates: 3,
+            most_runs: 48,
+            notes: Vec::new(),
+            identity: None,
+            values: vec![value(38.4567, Some(0.5123)), value(38.4567, None)],
+            runs: Vec::new(),
+        };
+        let table = values(&of).markdown();
+        for row in
+            ["| 0.5 | 3 | 38.46° | 0.51° | 0.51° | yes |", "| 0.5 | 3 | 38.46° | – | – | yes |"]
+        {
+            assert!(table.contains(row), "law: {row}, got\n{table}");
+        }
+    }
 }

@@ -56,8 +56,7 @@ use {
     sweep::{NO_UNIT, shown},
     sweep_outcomes::in_words,
     table::{
-        Cell, Record, Table, besides, dash, from_to, mean_within, missing, plus_minus, row,
-        scattered, table,
+        Cell, Record, Table, besides, dash, from_to, mean_within, missing, row, scattered, table,
     },
     text::{capital, compact, number},
 };

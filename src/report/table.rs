@@ -63,7 +63,7 @@ pub(crate) fn missing(no_run_is_valid: bool) -> String {
 }
 
 /// A mean and, where it is known, how far it may be off.
-pub(crate) fn plus_minus(mean: f64, off: Option<f64>, shown: impl Fn(f64) -> String) -> String {
+fn plus_minus(mean: f64, off: Option<f64>, shown: impl Fn(f64) -> String) -> String {
     match off {
         Some(off) => format!("{} ± {}", shown(mean), shown(off)),
         None => shown(mean),

@@ -4,7 +4,7 @@ use super::search::Answer;
 use super::*;
 use crate::record::left_out_in_words;
 use crate::report::{
-    CalibrationSolution, FrictionIdentity, PUBLISHED_FRICTION, target_in_words, text,
+    CalibrationSolution, FrictionIdentity, PUBLISHED_FRICTION, table::mean_within, target_in_words,
     unknown_in_words, with_unit,
 };
 
@@ -59,17 +59,6 @@ pub(super) fn conclude(
     found
 }
 
-/// A mean with half its interval and unit: `20.1 ± 0.5°`.
-fn with_half_width(mean: f64, half: Option<f64>, unit: &str) -> String {
-    let decimals =
-        half.filter(|h| *h > 0.0).map_or(2, |h| (1.0 - h.log10().floor()).clamp(0.0, 6.0) as usize);
-    let number = |v: f64| text::number(v, decimals);
-    match half {
-        Some(half) => with_unit(&format!("{} ± {}", number(mean), number(half)), unit),
-        None => with_unit(&compact(mean), unit),
-    }
-}
-
 /// `an angle of repose of 60°`, `settlement_mm.final = 9 mm`.
 fn wanted_in_words(of: &Calibration) -> String {
     let wanted = with_unit(&compact(of.wanted), &of.unit);
@@ -82,7 +71,7 @@ fn wanted_in_words(of: &Calibration) -> String {
 fn at(value: &CalibrationValue, unit: &str) -> String {
     let mean = value.mean.map_or_else(
         || "without results".to_owned(),
-        |mean| with_half_width(mean, value.half_width_95, unit),
+        |mean| with_unit(&mean_within(mean, value.half_width_95), unit),
     );
     format!("at {} it is {mean}", compact(value.value))
 }
@@ -440,18 +429,5 @@ mod tests {
         let identity = of.identity.expect("an angle of repose by friction");
         assert!(identity.p.is_some_and(|p| p > 0.5), "0.05 ± 1.2 may be chance: {identity:?}");
         assert_eq!(identity.inside_interval, Some(true), "{:?}", of.solution);
-    }
-
-    #[test]
-    fn means_have_as_many_digits_as_their_interval() {
-        for (mean, half, expected) in [
-            (20.123, Some(0.512), "20.12 ± 0.51°"),
-            (20.123, Some(5.12), "20.1 ± 5.1°"),
-            (20.123, Some(51.2), "20 ± 51°"),
-            (20.123, None, "20.12°"),
-            (20.123, Some(0.0), "20.12 ± 0.00°"),
-        ] {
-            assert_eq!(with_half_width(mean, half, "°"), expected, "{mean} and {half:?}");
-        }
     }
 }
