@@ -374,6 +374,37 @@ fn a_specimen_is_not_called_another_realisation() {
     done(&args(["seed=1", "configuration=1"]));
 }
 
+/// Law: what is stored of a sweep that begins with a specimen is found again, by those who ask how far
+/// it is, collect it, or run its stages one by one.
+#[test]
+fn a_sweep_from_a_specimen_is_collected() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = json!({
+        "name": "rests", "begin": { "specimen": text(whole()), "stage": "pour" },
+        "stages": [{ "stage": "rest", "duration_s": 0.05 }], "rest_test_s": 0.05
+    });
+    let scenario = write(folder.path(), "rests.json", &scenario);
+    let out = folder.path().join("out");
+    let to = ["--out", text(&out), "--quiet", "--json"];
+    let over = ["sweep", text(&scenario), "--over", "contact.restitution=0.2,0.3", "--plan-only"];
+    done(&[&over[..], &to].concat());
+    // A stage of each level, in the order of the levels.
+    for level in ["0", "1"] {
+        done(&["stage", text(&out), "--level", level, "--task", "0", "--quiet"]);
+    }
+    let printed = |args: &[&str]| -> Value {
+        let printed = done(&[args, &to].concat());
+        serde_json::from_str(&printed).expect("JSON on the standard output")
+    };
+    let status = printed(&["sweep", "--status"]);
+    assert_eq!(status["stored"], 2, "law: two of four stages, got {status}");
+    done(&[&over[..4], &to].concat());
+    let collected = printed(&["sweep", "--collect"]);
+    let failures: Vec<&Value> =
+        collected["runs"].as_array().expect("runs").iter().map(|run| &run["failure"]).collect();
+    assert_eq!(failures, [&Value::Null; 2], "law: both runs are there, got {collected}");
+}
+
 /// Law: grains of a file are those of the run, or the file is refused.
 #[test]
 fn a_file_of_other_grains_is_refused() {
