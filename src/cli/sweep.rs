@@ -1,10 +1,11 @@
 //! `pluvia sweep` runs a scenario at many values of its fields and puts the results into one table.
 
 use super::*;
+use crate::plain::in_shell;
 use crate::report::Sweep;
 use crate::study::{
     Design, Factor, SNAKEFILE, SampledRange, SlurmJob, SlurmRequest, SweepOptions, SweepStudy,
-    quoted, submit_to_slurm, this_program, write_snakefile,
+    submit_to_slurm, this_program, write_snakefile,
 };
 
 /// Run a scenario at many values of its fields and put the results into one table
@@ -140,8 +141,8 @@ pub(super) fn run(args: &SweepArgs, context: &Context) -> Result<ExitStatus, Cli
     let mut text = format!("{runs} {word} planned in {}\n", plain_path(&args.out));
     if args.snakemake {
         write_snakefile(&SweepTasks::read(run)?, &this_program()?)?;
-        let file = args.out.join(SNAKEFILE);
-        text += &format!("snakemake --cores 2 --snakefile {}\n", quoted(&file));
+        let file = args.out.join(SNAKEFILE).display().to_string();
+        text += &format!("snakemake --cores 2 --snakefile {}\n", in_shell(&file));
     }
     context.done(&text, &json!({ "runs": plan.runs.len() }))
 }

@@ -52,7 +52,7 @@ pub use presets::preset;
 pub use recorder::container;
 pub use run::{ReadyRun, grain_files, make_grains};
 pub use sensitivity::{Parameter, ParameterDesign, SensitivityDesign, sensitivity};
-pub use slurm::{SlurmJob, SlurmRequest, quoted, submit as submit_to_slurm, this_program};
+pub use slurm::{SlurmJob, SlurmRequest, submit as submit_to_slurm, this_program};
 pub use stage_key::FORMAT as STAGE_FORMAT;
 pub use summarise::peak_memory_mib;
 pub use sweep::{

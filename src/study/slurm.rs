@@ -7,6 +7,7 @@
 use std::process::Command;
 
 use super::*;
+use crate::plain::in_shell;
 
 /// Largest number of tasks of an array; Slurm's own default limit
 /// (`MaxArraySize`, slurm.conf) is 1001.
@@ -55,6 +56,8 @@ pub fn submit(
 ) -> Result<Vec<SlurmJob>, StudyError> {
     let folder = tasks.folder().join("slurm");
     create_folder(&folder)?;
+    let typed = |path: &Path| in_shell(&path.display().to_string()).into_owned();
+    let (program, sweep) = (typed(program), typed(tasks.folder()));
     let mut jobs: Vec<SlurmJob> = Vec::new();
     let submitted = |file: String, name: &str, of: Tasks<'_>, after: &[String], command: &str| {
         let script = folder.join(file);
@@ -68,9 +71,7 @@ pub fn submit(
         let mut ids = Vec::new();
         for (part, numbers) in missing.chunks(MOST_TASKS).enumerate() {
             let command = format!(
-                "{} stage {} --level {level} --task \"$SLURM_ARRAY_TASK_ID\" --quiet",
-                quoted(program),
-                quoted(tasks.folder())
+                "{program} stage {sweep} --level {level} --task \"$SLURM_ARRAY_TASK_ID\" --quiet"
             );
             let (file, name) = (format!("level-{level}-{part}.sh"), format!("pluvia-{level}"));
             let of = Tasks { numbers: Some(numbers), cores: tasks.cores(level) };
@@ -82,18 +83,12 @@ pub fn submit(
             before = ids;
         }
     }
-    let command =
-        format!("{} sweep --collect --out {} --quiet", quoted(program), quoted(tasks.folder()));
+    let command = format!("{program} sweep --collect --out {sweep} --quiet");
     let once = Tasks { numbers: None, cores: 1 };
     let id = submitted("collect.sh".to_owned(), "pluvia-collect", once, &before, &command)?;
     jobs.push(SlurmJob { id, level: None, tasks: 1 });
     write_json(&folder.join("jobs.json"), &jobs)?;
     Ok(jobs)
-}
-
-/// A path for the shell, within single quotes.
-pub fn quoted(path: &Path) -> String {
-    format!("'{}'", path.display().to_string().replace('\'', "'\\''"))
 }
 
 /// Numbers in ascending order as Slurm's lists have them: `0-3,7`.
@@ -223,8 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn paths_survive_the_shell() {
-        assert_eq!(quoted(Path::new("a b/it's")), "'a b/it'\\''s'");
+    fn paths_survive_sbatch() {
         let pattern = log_pattern(Path::new("a b/100% \"x\" it's"), "%j.log");
         assert_eq!(pattern, r#""a b/100%% \"x\" it's/%j.log""#);
     }
