@@ -2,7 +2,9 @@
 
 use super::sweep_outcomes::all_outcomes;
 use super::*;
-use crate::scenario::Scenario;
+
+/// What stands in the place of a change for one unit of values that are no numbers.
+const NO_NUMBERS: &str = "none: its values are no numbers";
 
 /// The one result that is another each time, and has a table of its own.
 const WALL_TIME: &str = "wall_s";
@@ -117,7 +119,7 @@ fn effects(of: &Sweep) -> Table {
     table!(&of.effects, |e| {
         "factor" => &e.factor,
         "result" => in_words(&e.outcome, &of.names),
-        "change for one unit" => Cell::number(slope(e)),
+        "change for one unit" => Cell::number(slope(e, &of.factors)),
         "p" => probability(e.slope_p),
         "p by ranks" => probability(e.page_p),
         "configurations needed" => match e.configurations_needed {
@@ -127,11 +129,13 @@ fn effects(of: &Sweep) -> Table {
     })
 }
 
-fn slope(of: &SweepEffect) -> String {
+fn slope(of: &SweepEffect, factors: &[SweepFactor]) -> String {
+    let factor = factors.iter().find(|factor| factor.path == of.factor);
     match of.slope.map(|slope| mean_within(slope, of.slope_half_width)) {
         Some(shown) if of.left_out > 0 => format!("{shown} (left out: {})", of.left_out),
         Some(shown) => shown,
-        None if Scenario::names_realisations(&of.factor) => NO_UNIT.to_owned(),
+        None if factor.is_some_and(|factor| !factor.numeric) => NO_NUMBERS.to_owned(),
+        None if factor.is_some_and(|factor| !factor.has_slope()) => NO_UNIT.to_owned(),
         None if of.left_out > 0 && of.runs > 0 => "too few valid runs".to_owned(),
         None => missing(of.left_out > 0),
     }
@@ -312,6 +316,12 @@ mod tests {
         let got = line(&of, "| seed |");
         let said = "| none: its numbers only name realisations |";
         assert!(got.contains(said), "law: no dash without a reason, got `{got}`");
+        (of.factors[0].path, of.factors[0].numeric) = ("engine.backend".to_owned(), false);
+        of.effects = vec![effect("engine.backend", None, 1, 2)];
+        let got = line(&of, "| engine.backend |");
+        let said = "| none: its values are no numbers |";
+        assert!(got.contains(said), "law: more valid runs would give none, got `{got}`");
+        of.factors[0].path = "seed".to_owned();
         let got = line(&of, "| point-0001 |");
         assert!(
             got.ends_with("| 3, 1 failed | 0 | 3 | no valid run |"),
