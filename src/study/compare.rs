@@ -224,7 +224,7 @@ const OF_REGIONS: [OfPart<RegionSummary>; 4] = [
 ];
 
 /// Of every part of the runs' laboratories, each with its name, what any run has of it.
-fn of_parts<P>(
+fn of_parts<P: 'static>(
     runs: &[CompareRun],
     parts: fn(&CompareRun) -> Vec<(&String, &P)>,
     measured: &[OfPart<P>],
