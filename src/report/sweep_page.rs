@@ -54,9 +54,10 @@ const HOW_TO_READ: &str = "Every point is run in the same configurations, each a
      configurations, by Student's t; sweep.json has those of the bootstrap as well. A change for \
      one unit is the slope of a line through each configuration's own results, its mean and \
      interval over configurations; where values were drawn from ranges, it is the coefficient in a \
-     linear model of all of them. Numbers of `seed` and `configuration` only name realisations: \
-     nothing changes for one unit of them, and their points differ by chance. The test by ranks (Page 1963) asks whether results rise or fall \
-     from value to value without assuming a line. A run is valid if it meets the accuracy standard, \
+     linear model of all of them. Numbers of seed and configuration only name realisations: nothing \
+     changes for one unit of them, and their points differ by chance. The test by ranks (Page 1963) \
+     asks whether results rise or fall from value to value without assuming a line, either of them \
+     (two-sided). A run is valid if it meets the accuracy standard, \
      no run-time check found anything, and grains had settled where heights are read. Means and \
      effects leave out runs that are not valid, \
      and runs of which too many grains are missing (docs/accuracy.md); each point says how many. \
