@@ -211,6 +211,10 @@ fn effects(of: &Sensitivity, effect: fn(&ParameterRow) -> Effect) -> Table {
         None => dash(),
     };
     let shown = |e: Estimate| mean_within(e.mean, e.standard_error);
+    // What is compared with itself is no result.
+    let at_end = |row: &ParameterRow, value: f64, e: Option<Estimate>| {
+        if value == row.default { "default".to_owned() } else { change(row, e, shown) }
+    };
     let for_one_unit =
         |row: &ParameterRow, e: Option<Estimate>| match Scenario::names_realisations(&row.path) {
             true => NO_UNIT.to_owned(),
@@ -219,8 +223,8 @@ fn effects(of: &Sensitivity, effect: fn(&ParameterRow) -> Effect) -> Table {
     table!(rows, |(row, e)| {
         "parameter" => &row.title,
         "range" => with_unit(&from_to(row.low, row.high), &row.unit),
-        "at the low end" => Cell::number(change(row, e.low_mm, shown)),
-        "at the high end" => Cell::number(change(row, e.high_mm, shown)),
+        "at the low end" => Cell::number(at_end(row, row.low, e.low_mm)),
+        "at the high end" => Cell::number(at_end(row, row.high, e.high_mm)),
         "over the range" => Cell::number(change(row, e.range_mm, shown)),
         "for one unit" => Cell::number(for_one_unit(row, e.per_unit_mm)),
         "remarks" => remarks(row, &e),
@@ -363,6 +367,18 @@ mod tests {
         let line = |name: &str| table.lines().find(|l| l.contains(name)).unwrap_or_default();
         assert!(line("of once").ends_with("| scatter unknown |"), "law: once, got {table}");
         assert!(line("of never").ends_with("|  |"), "law: never, got {table}");
+    }
+
+    /// Law: an end that is the default is not compared with itself.
+    #[test]
+    fn an_end_that_is_the_default_says_so() {
+        let low = ParameterRow { low: 2.0, ..row("low", Some(0.0), Some(1.0)) };
+        let high = ParameterRow { high: 2.0, ..row("high", Some(-1.0), Some(0.0)) };
+        let page = page_of(&study(vec![low, high]));
+        for expected in ["| 2 to 3 mm | default | 1.00 ± 0.40 |", "| −1.00 ± 0.40 | default |"]
+        {
+            assert!(page.contains(expected), "law: `{expected}`, got {page}");
+        }
     }
 
     /// Law: a number that only names a realisation has no unit.
