@@ -14,7 +14,7 @@ pub(super) const MOVES_SETTLEMENT: &str = "At full size a gradual start and stop
      wide scatter (docs/studies.md).";
 
 /// What moves the settlement of the smaller specimen, as its page says.
-pub(super) const MOVES_QUICK_SETTLEMENT: &str = "On the quick specimen amplitude and the plate's diameter move the settlement \
+pub(super) const MOVES_QUICK_SETTLEMENT: &str = "On the quick specimen the amplitude alone moves the settlement beyond scatter \
      (docs/results/sensitivity-quick.md).";
 
 /// Why piles are steeper than the friction of their grains' surfaces: numbers of `calibrate.json`
