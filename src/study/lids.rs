@@ -5,9 +5,6 @@ use super::*;
 use crate::apparatus::{RigidPiece, overlaps};
 use crate::scenario::{BoxSide, PieceSpec, ShapeSpec};
 
-/// How far in mm below the rim a piece is tried at most.
-const BELOW_RIM: f64 = 1.0;
-
 /// Heights in mm that differ by less are the same.
 const ROUNDING: f64 = 1e-6;
 
@@ -70,9 +67,9 @@ fn too_narrow<'a>(pieces: &'a [PieceSpec], lid: &PieceSpec) -> Option<&'a PieceS
     if low.z < rim - ROUNDING {
         return None;
     }
-    let least = (high.z - low.z).min(rim - container.at_mm[2]) / 2.0;
+    let half_in = (high.z - low.z).min(rim - container.at_mm[2]) / 2.0;
     let mut sunk = lid.clone();
-    sunk.at_mm[2] -= low.z - rim + least.min(BELOW_RIM);
+    sunk.at_mm[2] -= low.z - rim + half_in;
     (!overlaps(&[container.clone(), sunk]).is_empty()).then_some(container)
 }
 
