@@ -45,14 +45,14 @@ pub(super) struct CalibrateArgs {
     /// Number of realisations per value, each a new random arrangement of the same grains; the same
     /// at every value
     #[arg(long, value_name = "N", default_value_t = 5,
-          value_parser = whole(2_u32, 1000))]
+          value_parser = whole(2_u32, 1000), allow_negative_numbers = true)]
     realisations: u32,
     /// Stop when half the 95 % interval is at most this, in the result's unit [default: the
     /// standard deviation of a single run]
-    #[arg(long, value_name = "WIDTH", value_parser = positive)]
+    #[arg(long, value_name = "WIDTH", value_parser = positive, allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Maximum number of runs [default: 16 per realisation]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole(1, usize::MAX), allow_negative_numbers = true)]
     most_runs: Option<usize>,
     #[command(flatten)]
     changes: Changes,

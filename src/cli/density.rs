@@ -26,19 +26,23 @@ pub(super) struct DensityArgs {
     scenario: PathBuf,
     /// Number of realisations, each a new random arrangement of the same grains
     #[arg(long, value_name = "N", default_value_t = 3,
-          value_parser = whole(1_u32, 1000))]
+          value_parser = whole(1_u32, 1000), allow_negative_numbers = true)]
     configurations: u32,
     /// Stress of a plate on the vibrated grains in kPa; 0 for no plate
-    #[arg(long, value_name = "KPA", default_value_t = 0.0, value_parser = between(0.0, 1000.0))]
+    #[arg(long, value_name = "KPA", default_value_t = 0.0, value_parser = between(0.0, 1000.0),
+          allow_negative_numbers = true)]
     surcharge_kpa: f64,
     /// Frequency of the vibration in Hz
-    #[arg(long, value_name = "HZ", default_value_t = 12.0, value_parser = between(1.0, 200.0))]
+    #[arg(long, value_name = "HZ", default_value_t = 12.0, value_parser = between(1.0, 200.0),
+          allow_negative_numbers = true)]
     frequency_hz: f64,
     /// Double amplitude (end to end) of the vibration in mm
-    #[arg(long, value_name = "MM", default_value_t = 8.0, value_parser = between(0.001, 100.0))]
+    #[arg(long, value_name = "MM", default_value_t = 8.0, value_parser = between(0.001, 100.0),
+          allow_negative_numbers = true)]
     double_amplitude_mm: f64,
     /// Duration of the vibration in s: a whole number of cycles
-    #[arg(long, value_name = "S", default_value_t = 8.0, value_parser = between(1.0, 3600.0))]
+    #[arg(long, value_name = "S", default_value_t = 8.0, value_parser = between(1.0, 3600.0),
+          allow_negative_numbers = true)]
     seconds: f64,
     #[command(flatten)]
     changes: Changes,

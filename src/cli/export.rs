@@ -40,7 +40,7 @@ pub(super) struct ExportArgs {
     stage: Option<String>,
     /// Least time between two frames in simulated seconds, for vtk and --animate [default: 0.4 for
     /// vtk, every frame for --animate; frames are kept every 0.08 s]
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     every: Option<f64>,
     /// With glb: how everything moved, as an animation
     #[arg(long)]

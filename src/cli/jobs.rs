@@ -9,7 +9,7 @@ use super::*;
 pub(super) struct Jobs {
     /// Number of cores: that many stages run in parallel; when fewer are left, each uses several
     /// threads. Limited to the available cores; results do not depend on it [default: all cores]
-    #[arg(long, value_name = "N", value_parser = whole(1_u16, 1024))]
+    #[arg(long, value_name = "N", value_parser = whole(1_u16, 1024), allow_negative_numbers = true)]
     jobs: Option<u16>,
 }
 

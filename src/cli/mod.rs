@@ -205,6 +205,28 @@ mod tests {
         Cli::command().debug_assert();
     }
 
+    /// Law: a number below what is allowed is refused with what is, not as an option that is not
+    /// there.
+    #[test]
+    fn every_option_of_a_number_takes_a_minus_sign() {
+        const NUMBERS: [&str; 10] =
+            ["N", "S", "PX", "MB", "DEG", "DEGREES", "KPA", "HZ", "MM", "WIDTH"];
+        let mut count = 0;
+        for command in Cli::command().get_subcommands() {
+            for option in command.get_opts() {
+                let name = option.get_long().unwrap_or_default();
+                let values = option.get_value_names().unwrap_or_default();
+                if name != "port" && !values.iter().any(|value| NUMBERS.contains(&value.as_str())) {
+                    continue;
+                }
+                let command = command.get_name();
+                assert!(option.is_allow_negative_numbers_set(), "law: `{command} --{name} -1`");
+                count += 1;
+            }
+        }
+        assert!(count >= 30, "expected the options of numbers, found {count}");
+    }
+
     #[test]
     fn every_subcommand_shows_an_example() {
         let cli = Cli::command();

@@ -4,8 +4,8 @@ use super::*;
 use crate::export::{FramesRead, Playback, read_playback, stage_at_rest};
 use crate::grains;
 use crate::picture::{
-    Animation, Background, ColourBy, LOOSE_VIEW, Shot, View, Walls, animate, at, loose_grains,
-    picture,
+    Animation, Background, ColourBy, LOOSE_VIEW, SIDES, Shot, View, Walls, animate, at,
+    loose_grains, picture,
 };
 
 /// Make a picture or an animation of a run, or a picture of grains alone
@@ -58,11 +58,13 @@ pub(super) struct PictureArgs {
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     elevation: Option<f64>,
     /// Width in pixels [default: 1600; animated 640]
-    #[arg(long, value_name = "PX")]
+    #[arg(long, value_name = "PX", value_parser = whole(*SIDES.start(), *SIDES.end()),
+          allow_negative_numbers = true)]
     width: Option<u32>,
     /// Height in pixels [default: three quarters of the width; five eighths for grains alone;
     /// animated as the width]
-    #[arg(long, value_name = "PX")]
+    #[arg(long, value_name = "PX", value_parser = whole(*SIDES.start(), *SIDES.end()),
+          allow_negative_numbers = true)]
     height: Option<u32>,
     /// Background
     #[arg(long, value_enum, default_value_t = Background::White)]
@@ -71,13 +73,26 @@ pub(super) struct PictureArgs {
     #[arg(long)]
     no_key: bool,
     /// Simulated time between two frames of an animation; frames are kept every 0.08 s
-    #[arg(long, value_name = "S", default_value_t = 0.08, conflicts_with = "out")]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 0.08,
+        conflicts_with = "out",
+        allow_negative_numbers = true
+    )]
     every: f64,
     /// Frames per second of an animation
-    #[arg(long, value_name = "N", default_value_t = 12, conflicts_with = "out")]
+    #[arg(long, value_name = "N", default_value_t = 12, conflicts_with = "out",
+          value_parser = whole(1_u16, 60), allow_negative_numbers = true)]
     frames_per_second: u16,
     /// Largest size of an animation; checked before it is made
-    #[arg(long, value_name = "MB", default_value_t = 25.0, conflicts_with = "out")]
+    #[arg(
+        long,
+        value_name = "MB",
+        default_value_t = 25.0,
+        conflicts_with = "out",
+        allow_negative_numbers = true
+    )]
     limit_mb: f64,
 }
 

@@ -23,11 +23,12 @@ pub(super) struct ReproduceArgs {
     quick: bool,
     /// Number of initial configurations, each a new random arrangement of the same grains
     /// [default: 3, with --quick 1]
-    #[arg(long, value_name = "N", value_parser = whole(1_u32, 1000))]
+    #[arg(long, value_name = "N", value_parser = whole(1_u32, 1000), allow_negative_numbers = true)]
     configurations: Option<u32>,
     /// How often the plate is laid on each specimen; with more than 1, that many random offsets
     /// and rotations are shaken, which separates the scatter of placements from that of specimens
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(1_u32, 1000))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(1_u32, 1000),
+          allow_negative_numbers = true)]
     placements: u32,
     #[command(flatten)]
     jobs: Jobs,

@@ -22,10 +22,12 @@ pub(super) struct StageArgs {
     #[arg(long, value_name = "KEY", conflicts_with_all = ["level", "task", "list"])]
     key: Option<String>,
     /// Level of the stage, from 0
-    #[arg(long, value_name = "N", requires = "task", required_unless_present_any = ["list", "key"])]
+    #[arg(long, value_name = "N", requires = "task", required_unless_present_any = ["list", "key"],
+          value_parser = whole(0, usize::MAX), allow_negative_numbers = true)]
     level: Option<usize>,
     /// Number of the stage within its level, from 0
-    #[arg(long, value_name = "N", requires = "level")]
+    #[arg(long, value_name = "N", requires = "level", value_parser = whole(0, usize::MAX),
+          allow_negative_numbers = true)]
     task: Option<usize>,
     /// Print how many stages each level has, and how many are not stored
     #[arg(long, conflicts_with = "level")]

@@ -25,7 +25,7 @@ pub(super) struct DesignedArgs {
     quick: bool,
     /// Number of configurations, each a new random arrangement of the same grains
     /// [default: the design's]
-    #[arg(long, value_name = "N", value_parser = whole(1_u32, 1000))]
+    #[arg(long, value_name = "N", value_parser = whole(1_u32, 1000), allow_negative_numbers = true)]
     configurations: Option<u32>,
     #[command(flatten)]
     pub(super) jobs: Jobs,

@@ -60,7 +60,7 @@ pub(super) struct SweepArgs {
     quick: bool,
     /// Configurations per point, each a new random arrangement of the same grains; the same at
     /// every point [default: 1, or the design's]
-    #[arg(long, value_name = "N", value_parser = whole(1_u32, 1000))]
+    #[arg(long, value_name = "N", value_parser = whole(1_u32, 1000), allow_negative_numbers = true)]
     configurations: Option<u32>,
     /// Only write plan.json, which lists every run
     #[arg(long)]

@@ -24,7 +24,7 @@ pub(super) struct VerifyArgs {
     #[arg(long, value_name = "ID")]
     case: Vec<String>,
     /// Experiments at the same time [default: the number of cores]
-    #[arg(long, value_name = "N", value_parser = whole(1_u16, 1024))]
+    #[arg(long, value_name = "N", value_parser = whole(1_u16, 1024), allow_negative_numbers = true)]
     jobs: Option<u16>,
     /// Folder for the results, created if needed
     #[arg(long, value_name = "DIR", default_value = "out/verify")]

@@ -20,7 +20,8 @@ pub(super) struct ViewArgs {
     #[arg(value_name = "RUN_DIR")]
     run: PathBuf,
     /// Port on 127.0.0.1; 0 takes a free one
-    #[arg(long, default_value_t = 0, value_parser = whole(0, u16::MAX))]
+    #[arg(long, default_value_t = 0, value_parser = whole(0, u16::MAX),
+          allow_negative_numbers = true)]
     port: u16,
     /// Print the address without opening a browser
     #[arg(long)]

@@ -28,7 +28,7 @@ pub use loose::{VIEW as LOOSE_VIEW, loose_grains};
 pub use moment::{At, at};
 pub use paint::ColourBy;
 pub use scenery::Walls;
-pub use shot::{Shot, picture};
+pub use shot::{SIDES, Shot, picture};
 
 // What its parts are made of, too.
 use crate::apparatus::ApparatusError;

@@ -6,7 +6,7 @@ use super::sheet::sheet;
 use super::*;
 
 /// Smallest and largest side of a picture in pixels.
-const SIDES: std::ops::RangeInclusive<u32> = 64..=8192;
+pub const SIDES: std::ops::RangeInclusive<u32> = 64..=8192;
 
 /// Refuses the value of an option that is not allowed, with what is.
 pub(super) fn in_range(
