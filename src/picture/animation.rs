@@ -67,12 +67,14 @@ pub fn animate(
 
 fn check(animation: &Animation) -> Result<(), PictureError> {
     let Animation { shot, every_s, frames_per_second, limit_mb, .. } = animation;
-    shot.check()?;
     let is_time = *every_s > 0.0 && every_s.is_finite();
-    in_range("every", *every_s, is_time, "a number of seconds above 0")?;
     let is_rate = (1..=60).contains(frames_per_second);
-    in_range("frames-per-second", f64::from(*frames_per_second), is_rate, "1 to 60")?;
-    in_range("limit-mb", *limit_mb, *limit_mb > 0.0, "a number above 0")
+    let own = [
+        fault("every", *every_s, is_time, "a number of seconds above 0"),
+        fault("frames-per-second", f64::from(*frames_per_second), is_rate, "1 to 60"),
+        fault("limit-mb", *limit_mb, *limit_mb > 0.0, "a number above 0"),
+    ];
+    refuse(shot.faults().into_iter().chain(own))
 }
 
 /// The frames to show: in each interval of `every_s` the first one kept, and the last of all.
@@ -345,7 +347,17 @@ mod tests {
             Animation { limit_mb: f64::NAN, ..animation() },
         ] {
             let error = animate(&canned(), &wrong, &Silent).expect_err("out of range");
-            assert!(matches!(error, PictureError::Range { .. }), "{error}");
+            assert!(matches!(error, PictureError::Range(_)), "{error}");
+        }
+        let wrong = Animation {
+            every_s: -1.0,
+            limit_mb: 0.0,
+            shot: Shot { height: 1, ..animation().shot },
+            ..animation()
+        };
+        let said = animate(&canned(), &wrong, &Silent).expect_err("out of range").to_string();
+        for option in ["--height is 1,", "--every is -1,", "--limit-mb is 0,"] {
+            assert!(said.contains(option), "law: all at once, `{option}` is missing in `{said}`");
         }
     }
 

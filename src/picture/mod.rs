@@ -57,7 +57,7 @@ pub enum PictureError {
     #[error("{0}")]
     Stage(String),
     /// Nothing was kept of that time.
-    #[error("no frame is stored at {asked_s} s; {allowed}")]
+    #[error("no frame is stored at {} s; {allowed}", shown(asked_s))]
     NoTime {
         /// What was asked for, in s since the run began.
         asked_s: f64,
@@ -76,16 +76,9 @@ pub enum PictureError {
     /// An animation of one frame.
     #[error("nothing moves: an animation needs two frames at least (frames.bin of the stage)")]
     NothingMoves,
-    /// A number out of range.
-    #[error("`{option}` is {value}, it must be {allowed}")]
-    Range {
-        /// Which option.
-        option: &'static str,
-        /// What it is.
-        value: f64,
-        /// What it may be.
-        allowed: &'static str,
-    },
+    /// Numbers out of range, a line each.
+    #[error("{0}")]
+    Range(String),
     /// An animation that would become too large.
     #[error(
         "the animation would take about {expected_mb:.0} MB in {frames} frames, allowed are \

@@ -126,6 +126,7 @@ pub(super) mod tests {
             (refused(Some("7"), None), ["`7`", "1 pour"]),
             (refused(None, Some(0.6)), ["0.6 s", "fill_funnel: 0 to 0.24 s"]),
             (refused(Some("pour"), Some(0.1)), ["its end alone", "1 s"]),
+            (refused(None, Some(1e300)), [" at 1e300 s", "fill_funnel: 0 to 0.24 s"]),
         ] {
             assert_holds(&said, &words);
         }

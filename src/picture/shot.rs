@@ -8,14 +8,20 @@ use super::*;
 /// Smallest and largest side of a picture in pixels.
 pub const SIDES: std::ops::RangeInclusive<u32> = 64..=8192;
 
-/// Refuses the value of an option that is not allowed, with what is.
-pub(super) fn in_range(
-    option: &'static str,
-    value: f64,
-    is_allowed: bool,
-    allowed: &'static str,
-) -> Result<(), PictureError> {
-    if is_allowed { Ok(()) } else { Err(PictureError::Range { option, value, allowed }) }
+/// A number as it was typed, of a huge one the power of ten in place of hundreds of digits.
+pub(super) fn shown(value: &f64) -> String {
+    if value.abs() < 1e15 { value.to_string() } else { format!("{value:e}") }
+}
+
+/// What is wrong with the value of an option, and what is allowed; nothing where it is.
+pub(super) fn fault(option: &str, value: f64, is_allowed: bool, allowed: &str) -> Option<String> {
+    (!is_allowed).then(|| format!("--{option} is {}, it must be {allowed}", shown(&value)))
+}
+
+/// Refuses numbers that have a fault, all at once.
+pub(super) fn refuse(faults: impl IntoIterator<Item = Option<String>>) -> Result<(), PictureError> {
+    let faults: Vec<String> = faults.into_iter().flatten().collect();
+    if faults.is_empty() { Ok(()) } else { Err(PictureError::Range(faults.join("\n"))) }
 }
 
 /// How a picture is taken.
@@ -55,15 +61,24 @@ impl Shot {
     /// Whether the numbers make a picture.
     ///
     /// # Errors
-    /// [`PictureError::Range`] naming the first that does not.
+    /// [`PictureError::Range`] naming all that do not.
     pub fn check(&self) -> Result<(), PictureError> {
-        for (option, side) in [("width", self.width), ("height", self.height)] {
-            in_range(option, f64::from(side), SIDES.contains(&side), "64 to 8192 pixels")?;
-        }
+        refuse(self.faults())
+    }
+
+    /// What is wrong with each of the numbers.
+    pub(super) fn faults(&self) -> [Option<String>; 4] {
+        let side = |option: &str, side: u32| {
+            fault(option, f64::from(side), SIDES.contains(&side), "64 to 8192 pixels")
+        };
         let View { azimuth_deg, elevation_deg } = self.view;
-        in_range("azimuth", azimuth_deg, azimuth_deg.is_finite(), "a number of degrees")?;
         let is_seen = (-89.0..=89.0).contains(&elevation_deg);
-        in_range("elevation", elevation_deg, is_seen, "-89 to 89 degrees")
+        [
+            side("width", self.width),
+            side("height", self.height),
+            fault("azimuth", azimuth_deg, azimuth_deg.is_finite(), "a number of degrees"),
+            fault("elevation", elevation_deg, is_seen, "-89 to 89 degrees"),
+        ]
     }
 
     /// Width in pixels of what the camera sees.
@@ -173,7 +188,16 @@ mod tests {
             (&|s: &mut Shot| s.view.azimuth_deg = f64::NAN, "azimuth"),
         ] {
             let said = shot(change).expect_err("out of range");
-            assert!(said.contains(word), "law: `{word}` is named, got `{said}`");
+            let option = format!("--{word} is ");
+            assert!(said.contains(&option), "law: `{option}` is said, got `{said}`");
         }
+        let view = View { azimuth_deg: f64::NAN, elevation_deg: 1e300 };
+        let said = shot(&|s: &mut Shot| s.view = view);
+        assert_eq!(
+            said.expect_err("out of range"),
+            "--azimuth is NaN, it must be a number of degrees\n\
+             --elevation is 1e300, it must be -89 to 89 degrees",
+            "law: all at once, and short"
+        );
     }
 }
