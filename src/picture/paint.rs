@@ -62,11 +62,15 @@ pub fn paint(
                 ColourBy::Speed => ["Speed", "(mm/s)"],
                 _ => ["Displacement", "(mm)"],
             };
+            let has_scale = upper.is_some() || values.iter().any(Option::is_some);
             let upper = upper.unwrap_or_else(|| upper_end(&values));
             let colour = |v: &Option<f64>| v.map_or(Colour::GREY, |v| scale(v / upper));
-            let beyond = values.iter().flatten().any(|&v| v > upper);
-            let title = title.map(str::to_owned).to_vec();
-            let key = Key { title, steps: Vec::new(), upper: Some(upper), beyond };
+            let key = Key {
+                title: title.map(str::to_owned).to_vec(),
+                steps: added_since(moments.now, &values),
+                upper: has_scale.then_some(upper),
+                beyond: values.iter().flatten().any(|&v| v > upper),
+            };
             Ok((values.iter().map(colour).collect(), key))
         }
     }
@@ -91,6 +95,16 @@ pub fn values(moments: &Moments, by: ColourBy) -> Result<Vec<Option<f64>>, Pictu
         Some(to_mm((displaced - table).norm()) / per)
     };
     Ok(now.grains.iter().zip(&from.grains).map(value).collect())
+}
+
+/// The grains that are there and have no value, if any, for the key: a stage that drops them began
+/// without them.
+fn added_since(now: &Frame, values: &[Option<f64>]) -> Vec<(Colour, String)> {
+    let there = now.grains.iter().zip(values);
+    match there.filter(|(pose, value)| pose.is_some() && value.is_none()).count() {
+        0 => Vec::new(),
+        count => vec![(Colour::GREY, format!("added since: {count}"))],
+    }
 }
 
 /// A round number that 98 % of the values do not exceed; 1 without values.
@@ -184,6 +198,32 @@ mod tests {
         for by in [ColourBy::Displacement, ColourBy::Speed] {
             assert!(matches!(values(&alone, by), Err(PictureError::NeedsFrames(_))), "{by:?}");
         }
+    }
+
+    /// Law: grains that a stage adds have no displacement in it; they are grey, and the key says so.
+    #[test]
+    fn grains_added_since_the_stage_began_are_grey() {
+        let grains = super::super::moment::tests::canned().grains;
+        let now = frame(2.0, 0.0, &[Some(0.005), Some(0.1), None]);
+        let key_of = |began: [Option<f64>; 3], upper| {
+            let began = frame(1.0, 0.0, &began);
+            let moments = Moments { now: &now, before: None, began: Some(&began) };
+            let painted = paint(&grains, &moments, ColourBy::Displacement, upper);
+            let (colours, key) = painted.expect("colours");
+            assert_eq!(colours[1], Colour::GREY, "law: the second grain has no displacement");
+            key
+        };
+        let added = |count: u32| vec![(Colour::GREY, format!("added since: {count}"))];
+        let some = key_of([Some(0.0), None, None], None);
+        assert_eq!((some.upper, some.steps), (Some(5.0), added(1)));
+        let none = key_of([None; 3], None);
+        assert_eq!((none.upper, none.steps), (None, added(2)), "law: no scale of no values");
+        let moving = key_of([None; 3], Some(7.0));
+        assert_eq!(moving.upper, Some(7.0), "law: an animation has one scale");
+        let began = frame(1.0, 0.0, &[Some(0.0), Some(0.0), Some(0.0)]);
+        let moments = Moments { now: &now, before: None, began: Some(&began) };
+        let (_, key) = paint(&grains, &moments, ColourBy::Displacement, None).expect("colours");
+        assert!(key.steps.is_empty(), "law: grains that are gone are not in the key");
     }
 
     #[test]
