@@ -33,8 +33,14 @@ pub fn loose_grains(grains: &GrainSet, shot: &Shot) -> Result<Image, PictureErro
     shot.check()?;
     let grains_there = vec![Some(Pose::identity()); grains.grains.len()];
     let all = Frame { grains: grains_there, ..Frame::default() };
-    if shot.colour_by == ColourBy::Coordination {
-        return Err(PictureError::NeedsRun);
+    let missing = match shot.colour_by {
+        ColourBy::Fraction | ColourBy::Plain => None,
+        ColourBy::Displacement => Some("displacement"),
+        ColourBy::Speed => Some("speed"),
+        ColourBy::Coordination => Some("contacts"),
+    };
+    if let Some(missing) = missing {
+        return Err(PictureError::NeedsRun(missing));
     }
     let moments = Moments { now: &all, before: None, began: None };
     let (colours, key) = paint(grains, &moments, shot.colour_by, None)?;
@@ -192,8 +198,14 @@ mod tests {
             let image = loose_grains(&run.grains, &shot(by)).expect("a picture");
             assert!(image.pixels.iter().filter(|p| p[3] > 0.9).count() > 500, "{by:?}");
         }
-        for by in [ColourBy::Speed, ColourBy::Displacement, ColourBy::Coordination] {
-            assert!(loose_grains(&run.grains, &shot(by)).expect_err("no run").is_usage(), "{by:?}");
+        for (by, missing) in [
+            (ColourBy::Speed, "no speed"),
+            (ColourBy::Displacement, "no displacement"),
+            (ColourBy::Coordination, "no contacts"),
+        ] {
+            let error = loose_grains(&run.grains, &shot(by)).expect_err("no run");
+            assert!(error.is_usage() && error.to_string().contains(missing), "{by:?}: {error}");
+            assert!(error.to_string().contains("grains alone"), "law: why, got {error}");
         }
     }
 }

@@ -70,9 +70,9 @@ pub enum PictureError {
          fraction, coordination and plain need none"
     )]
     NeedsFrames(&'static str),
-    /// Colours that tell of contacts, of grains that lie apart.
-    #[error("grains alone have no contacts: colour them by fraction or plain")]
-    NeedsRun,
+    /// Colours that tell of motion or contacts, of grains that lie apart.
+    #[error("grains alone have no {0}: colour them by fraction or plain")]
+    NeedsRun(&'static str),
     /// An animation of one frame.
     #[error("nothing moves: an animation needs two frames at least (frames.bin of the stage)")]
     NothingMoves,
