@@ -120,12 +120,19 @@ pub(super) fn run(args: &ExportArgs, context: &Context) -> Result<ExitStatus, Cl
         text += &format!("{}\n", plain_path(file));
     }
     let files = written.files.len() + written.more_files;
-    let noun = if files == 1 { "file" } else { "files" };
-    text += &format!("{files} {noun}, {:.1} MB", written.bytes as f64 / 1e6);
+    text += &format!("{}, {}", counted(files, "file"), size(written.bytes));
     if written.moments > 1 {
         text += &format!(", {} moments", written.moments);
     }
     context.done(&text, &written)
+}
+
+/// A number of bytes for people.
+fn size(bytes: u64) -> String {
+    match bytes {
+        1_000_000.. => format!("{:.1} MB", bytes as f64 / 1e6),
+        _ => format!("{} kB", bytes.div_ceil(1000)),
+    }
 }
 
 /// Refuses a folder of another command: at first, and again just before files are written, as
@@ -255,4 +262,19 @@ fn scene(args: &ExportArgs) -> Result<Written, CliError> {
         files: output_folder::write_files(&args.out, &file, args.force)?,
         ..of_end(&moments)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::size;
+
+    /// Law: no file that is there has a size of 0.
+    #[test]
+    fn small_files_have_a_size() {
+        for (bytes, expected) in
+            [(1, "1 kB"), (26_550, "27 kB"), (999_999, "1000 kB"), (1_230_000, "1.2 MB")]
+        {
+            assert_eq!(size(bytes), expected, "{bytes} bytes");
+        }
+    }
 }

@@ -118,9 +118,9 @@ pub(super) fn run(args: &PlotArgs, context: &Context) -> Result<ExitStatus, CliE
         bytes: content.len(),
     };
     let text = format!(
-        "{} over {x}, {} rows of {}\n{} ({} kB)\n",
+        "{} over {x}, {} of {}\n{} ({} kB)\n",
         drawn.y.join(", "),
-        drawn.rows,
+        counted(drawn.rows, "row"),
         plain_path(&drawn.table),
         plain_path(&drawn.file),
         drawn.bytes.div_ceil(1000)
@@ -312,7 +312,8 @@ fn list(context: &Context, path: PathBuf, rows: &ColumnTable) -> Result<ExitStat
         };
         lines.push([column.name.clone(), column.numbers.to_string(), smallest, largest]);
     }
-    let text = format!("{}, {} rows\n{}", plain_path(&path), rows.len(), table::columns(&lines));
+    let count = counted(rows.len(), "row");
+    let text = format!("{}, {count}\n{}", plain_path(&path), table::columns(&lines));
     context.done(&plain_lines(&text), &Listed { table: path, rows: rows.len(), columns })
 }
 

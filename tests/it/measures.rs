@@ -257,6 +257,8 @@ fn any_columns_can_be_drawn_and_others_are_refused_with_the_nearest() {
     let time = columns.iter().find(|c| c["name"] == "time_s").expect("time_s");
     assert_eq!(time["smallest"], json!(0.0), "law: the range of a column");
     assert_holds(&done(&plot(&run, "--list")), &["floor_force_z_n"]);
+    let one = done(&plot(&run, "--file grains --where grain=grain_00000 --list"));
+    assert_holds(&one, &["grains.csv, 1 row\n"]);
 }
 
 #[test]

@@ -272,7 +272,10 @@ fn folders_with_blanks_and_quotes_come_through_slurm_and_snakemake() {
     let by_flow = fs::read(moved.join("sweep.csv")).expect("a table");
     assert_eq!(by_slurm, by_flow, "law: the same table");
     // A stage that there is not is refused.
-    refused(&["stage", "--key", "0000", "--quiet", super::program::text(&moved)], 2, &[]);
+    let moved = super::program::text(&moved);
+    refused(&["stage", "--key", "0000", "--quiet", moved], 2, &[]);
+    let no_level = ["stage", "--level", "9", "--task", "0", moved];
+    refused(&no_level, 2, &["no stage 0 on level 9: level 0 has ", ", level 1 has "]);
 }
 
 /// Law: collecting runs nothing. A stage whose files were changed counts as not stored, there and in

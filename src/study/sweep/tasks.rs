@@ -131,10 +131,12 @@ impl SweepTasks {
     pub fn carry_out(&self, level: usize, task: usize) -> Result<String, StudyError> {
         let node = self.levels.get(level).and_then(|nodes| nodes.get(task)).copied();
         let node = node.ok_or_else(|| {
-            StudyError::Scenario(format!(
-                "the plan has no stage {task} on level {level}; its levels have {:?} stages",
-                self.levels()
-            ))
+            let levels = self.levels();
+            let has =
+                levels.iter().enumerate().map(|(n, stages)| format!("level {n} has {stages}"));
+            let has = has.collect::<Vec<_>>().join(", ");
+            let what = format!("the plan has no stage {task} on level {level}: {has}");
+            StudyError::Scenario(what)
         })?;
         let (chain, label) = (self.chain(node), self.plan.nodes[node].label.clone());
         let is_held = held(&chain, &self.store);
