@@ -24,8 +24,8 @@ def plot(run: Run, what: str, ax: Axes | None) -> Figure:
     if ax is None:
         ax = _figure(layout="constrained").add_subplot()
     _DRAWN[what](run, ax)
-    figure = ax.get_figure(root=True)
-    assert figure is not None
+    # Axes may be of a part of a figure; `get_figure(root=True)` is new in matplotlib 3.10.
+    figure: Figure = ax.figure.figure
     return figure
 
 
@@ -40,7 +40,8 @@ def _figure(**options: Any) -> Figure:
 
 
 def _overview(run: Run) -> Figure:
-    shaken = run.series["settlement_mm"].notna().any()
+    # Without a plate the surface settles.
+    shaken = run.series[["settlement_mm", "surface_settlement_mm"]].notna().any(axis=None)
     figure = _figure(figsize=(9.0, 6.0), layout="constrained")
     axes = figure.subplots(2, 2)
     drawn = ["heights", "settlement" if shaken else "energy", "void_profile", "forces"]
@@ -127,7 +128,8 @@ def _forces(run: Run, ax: Axes) -> None:
 def _normals(run: Run, ax: Axes) -> None:
     """Inclinations of the contact normals, beside those of no preferred direction."""
     upward = run.specimen.loaded["normal_z"].abs().clip(upper=1.0)
-    ax.hist(np.degrees(np.arccos(upward)), bins=18, range=(0.0, 90.0), density=True, label="contacts")
+    if len(upward):
+        ax.hist(np.degrees(np.arccos(upward)), bins=18, range=(0.0, 90.0), density=True, label="contacts")
     angle = np.linspace(0.0, 90.0, 91)
     ax.plot(angle, np.sin(np.radians(angle)) * np.pi / 180.0, color="black", label="no preferred direction")
     ax.set_xlabel("Inclination of the normal from the vertical (degrees)")

@@ -13,7 +13,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from . import _pluvia
-from ._errors import FileError
+from ._errors import FileError, ScenarioError
 
 Array = npt.NDArray[np.float64]
 
@@ -27,6 +27,8 @@ class Specimen:
             self._native = _pluvia.Specimen.read(self.folder, None if stage is None else str(stage))
         except OSError as error:
             raise FileError(str(error)) from None
+        except ValueError as error:
+            raise ScenarioError(str(error)) from None
 
     def __repr__(self) -> str:
         return f"<pluvia.Specimen of {self.folder} at the end of {self.stage}, {self.present.sum()} grains>"
@@ -105,6 +107,8 @@ class Specimen:
 
     def faces(self, grain: int) -> list[list[int]]:
         """Faces of a grain: numbers of the corners in `hulls`, counter-clockwise seen from outside."""
+        if grain < 0:
+            raise ValueError(f"grain is {grain}; grains are numbered from 0")
         return self._native.faces(grain)
 
     @property

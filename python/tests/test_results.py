@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import warnings
 from pathlib import Path
 
+import matplotlib.figure
 import numpy as np
 import pandas as pd
 import pytest
@@ -67,8 +69,9 @@ def test_hulls_are_the_grains_where_they_are(poured: pluvia.Run) -> None:
         assert np.allclose(there, expected, rtol=0, atol=1e-12), "law: pose of the corners"
         got = volume(local, specimen.faces(n)) * 1e9
         assert got == pytest.approx(poured.grains["volume_mm3"][n], rel=1e-9), "law: faces close the volume"
-    with pytest.raises(ValueError, match="no grain 9999"):
-        specimen.faces(9999)
+    for n in (9999, -1):
+        with pytest.raises(ValueError, match=f"grain.* {n}"):
+            specimen.faces(n)
 
 
 def test_stages_have_specimens_of_their_own(vibrated: pluvia.Run) -> None:
@@ -76,7 +79,7 @@ def test_stages_have_specimens_of_their_own(vibrated: pluvia.Run) -> None:
     assert pour.stage == "pour" and last.stage == "vibrate" and pour.time_s < last.time_s < vibrated.specimen.time_s
     assert not np.allclose(pour.positions, last.positions)
     assert last.mean_surface_mm == pytest.approx(vibrated["standing_height_mm.mean_surface"], abs=1e-9)
-    with pytest.raises(ValueError, match="fill_funnel"):
+    with pytest.raises(pluvia.ScenarioError, match="fill_funnel"):
         vibrated.at("melt")
 
 
@@ -158,7 +161,30 @@ def test_drawings_go_where_they_are_wanted(poured: pluvia.Run) -> None:
         poured.plot("nothing")
     with pytest.raises(ValueError, match="ax"):
         poured.plot(ax=ax)
+    part = plt.figure().subfigures(1, 2)[0].add_subplot()
+    assert isinstance(poured.plot("heights", ax=part), matplotlib.figure.Figure), "law: the whole figure"
     plt.close("all")
+
+
+def test_an_overview_shows_settlement_where_anything_settles(poured: pluvia.Run) -> None:
+    def labels(run: pluvia.Run) -> list[str]:
+        return [ax.get_ylabel() for ax in run.plot().axes]
+
+    assert "Kinetic energy (J)" in labels(poured)
+    shaken = pluvia.load(poured.folder)
+    # A specimen without a plate, shaken.
+    shaken.series = poured.series.assign(surface_settlement_mm=0.5)
+    assert "Settlement (mm)" in labels(shaken)
+
+
+def test_without_contacts_only_the_reference_is_drawn(poured: pluvia.Run) -> None:
+    # As of rapier, which gives none.
+    bare = pluvia.load(poured.folder)
+    bare.specimen.loaded = poured.specimen.loaded.iloc[:0]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        (ax,) = bare.plot("normals").axes
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["no preferred direction"]
 
 
 def test_the_page_holds_the_run(poured: pluvia.Run, tmp_path: Path) -> None:
