@@ -29,8 +29,8 @@ type Far = (String, f64, f64, String);
 ///
 /// `message(text)` and `progress(stage, done, total, note)` are called on the calling thread, which
 /// holds no GIL meanwhile. A signal that raises (Ctrl-C), or a callback that does, stops the command at a
-/// resumable point, and is raised then. A second one is raised at once; the command then stops
-/// by itself.
+/// resumable point, and is raised then; callbacks are not called any more. A signal that raises
+/// after that is raised at once; the command then stops by itself.
 #[pyfunction]
 pub fn command(
     py: Python<'_>,
@@ -60,7 +60,11 @@ pub fn command(
         // One at a time may listen.
         let (told, ended) = (&mut told, &mut ended);
         let (done, messages, far) = py.detach(move || listen(told, ended));
-        let heard = hear(py, &message, &progress, messages, far);
+        // A callback that raises each time would end the waiting while the command is still at work.
+        let heard = match raised {
+            None => hear(py, &message, &progress, messages, far),
+            Some(_) => Ok(()),
+        };
         if let Err(error) = heard.and_then(|()| py.check_signals()) {
             if raised.is_some() {
                 return Err(error);

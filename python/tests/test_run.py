@@ -196,6 +196,23 @@ def test_an_exception_of_a_callback_stops_the_run_and_the_same_call_resumes(in_f
     assert not any("pour" in stage for stage in began), f"law: finished stages are not run again, got {began}"
 
 
+def test_a_callback_that_raises_is_not_called_again_and_the_run_has_stopped_then(in_folder: Path) -> None:
+    class Enough(Exception):
+        pass
+
+    calls: list[pluvia.Progress] = []
+
+    def stop(far: pluvia.Progress) -> None:
+        calls.append(far)
+        raise Enough
+
+    with pytest.raises(Enough):
+        pluvia.run(long(), "out", progress=stop)
+    assert len(calls) == 1
+    # While a run is at work in a folder, another scenario is refused there, by force, too.
+    assert pluvia.run(layer(15.0), "out", force=True, progress=False)["grains.mass_g"] == pytest.approx(15.0)
+
+
 WAITED = """
 import json, sys, pluvia
 print("ready", flush=True)
