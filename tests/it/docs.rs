@@ -327,6 +327,23 @@ fn fields_of_results_are_explained() {
     assert!(count > 40, "expected the fields of summary.json and series.csv, found {count}");
 }
 
+/// Law: every column of the tables of grains and of sieves is explained.
+#[test]
+fn columns_of_grains_and_sieves_are_explained() {
+    let page = read("docs/files.md");
+    let of_grains = read("src/record/grain_table.rs");
+    let (_, names) = of_grains.split_once("const COLUMNS: &str = \"").expect("their columns");
+    let (names, _) = names.split_once("\";").expect("the end of the columns");
+    let names = names.split([',', '\\', '\n', ' ']).filter(|name| !name.is_empty());
+    let of_sieves = read("src/grains/sieve_table.rs");
+    let cells = of_sieves.lines().filter_map(|line| line.trim().strip_prefix("(\""));
+    let columns: Vec<&str> = names.chain(cells.filter_map(|cell| cell.split('"').next())).collect();
+    for column in &columns {
+        assert!(page.contains(&format!("`{column}`")), "docs/files.md does not explain `{column}`");
+    }
+    assert!(columns.len() > 35, "expected the columns of both tables, found {columns:?}");
+}
+
 /// Law: whatever may carry a piece of the apparatus is on the page of the exchange format.
 #[test]
 fn what_carries_a_piece_is_explained() {
