@@ -1,4 +1,4 @@
-// Reads the block that holds a run; docs/viewer.md describes it.
+// Reads the block that holds a run; src/viewer/data.rs describes it.
 
 const MAGIC = "PLUVIEW1";
 const BEFORE_GRAINS = 40;

@@ -59,23 +59,37 @@ export class Measures {
     return this.ranges.get(key);
   }
 
-  rangeIn(mode, stage) {
+  // Places of the grains at the beginning and end of a stage.
+  placesIn(stage) {
     const { frames, grains } = this.run;
-    const first = frames[stage.kept ? stage.first : Math.max(stage.first - 1, 0)];
-    const places = (frame) => Array.from({ length: grains }, (_, n) => placeOf(frame, n + 1));
-    const from = places(first), to = places(frames[stage.last]);
+    const places = (frame) => Array.from({ length: grains }, (_, n) => frame && placeOf(frame, n + 1));
+    return [this.playback.began(stage), frames[stage.last]].map(places);
+  }
+
+  rangeIn(mode, stage) {
+    const [from, to] = this.placesIn(stage);
     if (mode === "height") {
       const heights = from.concat(to).map((p) => (p ? 1000 * p[2] : NaN));
       const low = quantile(heights, 0), high = quantile(heights, 1);
       const step = niceAbove((high - low) / 10);
       return [Math.floor(low / step) * step, Math.ceil(high / step) * step];
     }
-    const table = frames[stage.last].table - first.table;
+    const table = this.run.frames[stage.last].table - (this.playback.began(stage)?.table ?? 0);
     const moved = to.map((p, n) => {
       const f = from[n];
       return p && f ? 1000 * Math.hypot(p[0] - f[0] - table, p[1] - f[1], p[2] - f[2]) : NaN;
     });
     return [0, niceAbove(quantile(moved, 0.98))];
+  }
+
+  // How many grains at the end of a stage have no displacement in it, and why; null where all have.
+  unknownIn(stage) {
+    const [from, to] = this.placesIn(stage);
+    const known = to.flatMap((place, n) => (place ? [Boolean(from[n])] : []));
+    const count = known.filter((is) => !is).length;
+    if (count === 0) return null;
+    const text = this.playback.began(stage) ? "added since the stage began" : "unknown: no frames were kept";
+    return { count, text, all: count === known.length };
   }
 
   colour(mode, n) {
@@ -89,7 +103,7 @@ export class Measures {
     return colourAt("viridis", share);
   }
 
-  // Title, unit and marks of the legend.
+  // Title, unit and marks of the legend; no marks where no grain has a number.
   legend(mode) {
     if (mode === "fraction") {
       const rows = this.run.fractions.map((f, n) => ({
@@ -103,8 +117,11 @@ export class Measures {
     const middle = (low + high) / 2;
     const text = (x) => String(Number(x.toPrecision(3)));
     switch (mode) {
-      case "displacement":
-        return { title: "Displacement since the stage began, relative to the table, mm", scale: "viridis", marks: [text(low), text(middle), `${text(high)} +`] };
+      case "displacement": {
+        const unknown = this.unknownIn(this.playback.stage);
+        const marks = unknown?.all ? null : [text(low), text(middle), `${text(high)} +`];
+        return { title: "Displacement since the stage began, relative to the table, mm", scale: "viridis", marks, unknown };
+      }
       case "speed":
         return { title: "Speed relative to the table, mean between two frames, mm/s", scale: "viridis", marks: ["≤ 1", "10", "100", "1000 +"] };
       case "height":

@@ -1,6 +1,6 @@
 // What is written beside the picture: facts, legend, the data of a grain.
 
-import { css, gradient } from "./colours.js";
+import { UNKNOWN, css, gradient } from "./colours.js";
 import { MODES, MODE_NAMES } from "./measures.js";
 
 const at = (id) => document.getElementById(id);
@@ -30,15 +30,22 @@ export function showFacts(run) {
 export function showLegend(legend) {
   const box = at("legend");
   if (legend.rows) {
-    box.replaceChildren(element("div", legend.title, "what"), ...legend.rows.map((row) => {
-      const line = element("div", undefined, "swatch"), swatch = element("i");
-      swatch.style.background = css(row.colour);
-      line.append(swatch, element("span", row.text), element("span", String(row.count), "what"));
-      return line;
-    }));
+    box.replaceChildren(element("div", legend.title, "what"), ...legend.rows.map(swatchOf));
     return;
   }
-  box.replaceChildren(element("div", legend.title, "what"), scaleOf(legend.scale), marksOf(legend.marks));
+  box.replaceChildren(
+    element("div", legend.title, "what"),
+    ...(legend.marks ? [scaleOf(legend.scale), marksOf(legend.marks)] : []),
+    ...(legend.unknown ? [swatchOf({ colour: UNKNOWN, ...legend.unknown })] : []),
+  );
+}
+
+// A colour, what it stands for, and of how many grains.
+function swatchOf({ colour, text, count }) {
+  const line = element("div", undefined, "swatch"), swatch = element("i");
+  swatch.style.background = css(colour);
+  line.append(swatch, element("span", text), element("span", String(count), "what"));
+  return line;
 }
 
 function scaleOf(name) {

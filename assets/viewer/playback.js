@@ -101,12 +101,18 @@ export class Playback {
     return Math.hypot(v[3 * grain], v[3 * grain + 1], v[3 * grain + 2]);
   }
 
-  // Distance in m from where the grain was when the stage began, relative to the table.
+  // The frame at which a stage began: its first, else the end of the one before; null where neither
+  // was kept.
+  began(stage) {
+    return this.run.frames[stage.kept ? stage.first : stage.first - 1] ?? null;
+  }
+
+  // Distance in m from where the grain was when the stage began, relative to the table; NaN where
+  // that is unknown.
   displacement(grain) {
     if (!this.present[grain]) return NaN;
-    const before = this.stage.kept ? this.stage.first : Math.max(this.stage.first - 1, 0);
-    const frame = this.run.frames[before];
-    const from = placeOf(frame, grain + 1);
+    const frame = this.began(this.stage);
+    const from = frame && placeOf(frame, grain + 1);
     if (!from) return NaN;
     const p = this.positions, at = 3 * grain;
     const dx = p[at] - this.table - (from[0] - frame.table);

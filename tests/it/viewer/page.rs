@@ -113,8 +113,21 @@ fn a_laboratory_offers_its_pieces() {
     browser.open(&server.url());
     assert_eq!(browser.evaluate("pluvia.error"), json!(null), "law: the page has no trouble");
     assert_eq!(browser.evaluate(OFFERED), json!([true, false, false, "Pieces"]));
+    browser.choose("colour", "displacement");
+    legend_says(&mut browser, "added since the stage began");
     browser.keep_picture("laboratory-1200.png");
     browser.assert_content("the page writes no error to the console");
+}
+
+/// Law: grains of which a quantity is unknown are grey, and the legend says why.
+fn legend_says(browser: &mut Browser, why: &str) {
+    let legend = browser.evaluate("document.getElementById('legend').textContent");
+    let text = legend.as_str().unwrap_or_default();
+    assert!(text.contains(why), "law: the legend says `{why}`, got {legend}");
+    let colour = browser.evaluate("pluvia.colourOf(0)");
+    assert_eq!(colour, json!([0.62, 0.62, 0.62]), "law: grey");
+    let scales = browser.number("document.querySelectorAll('#legend .scale').length");
+    assert_eq!(scales, 0.0, "law: no scale where no grain has a number");
 }
 
 /// Law: the page's lengths grow with the grains, from sand to ballast, and the stages fill their bar
@@ -283,6 +296,8 @@ fn what_cannot_be_shown_is_said() {
     browser.open(&server.url());
     assert_eq!(browser.evaluate("[pluvia.kept, pluvia.frames]"), json!([false, 4]));
     browser.evaluate("pluvia.seek(pluvia.start)");
+    browser.choose("colour", "displacement");
+    legend_says(&mut browser, "unknown: no frames were kept");
     let note = browser.evaluate("document.getElementById('frames-note').innerText");
     assert!(
         note.as_str().is_some_and(|text| text.contains("kept no frames")),
