@@ -98,6 +98,23 @@ pub(super) fn refuse_run_of_study(folder: &Path) -> Result<(), FileError> {
     Err(error::refused(WRITE, folder, why))
 }
 
+/// Refuses the folder of the specimen that a run begins with, by force, too: its stage would not be
+/// found there again.
+///
+/// # Errors
+/// [`FileError`], refused.
+pub(super) fn refuse_beginning(folder: &Path, scenario: &Scenario) -> Result<(), FileError> {
+    let Some(begin) = &scenario.begin else { return Ok(()) };
+    let from = begin.folder();
+    let from = if from.as_os_str().is_empty() { Path::new(".") } else { from.as_path() };
+    let there = folder.canonicalize().ok();
+    if there.is_none() || from.canonicalize().ok() != there {
+        return Ok(());
+    }
+    let why = "the run begins with the specimen in it; choose another folder with --out";
+    Err(error::refused(WRITE, folder, why))
+}
+
 fn refuse_study(folder: &Path, at_work: AtWork) -> Result<(), FileError> {
     refuse_run_of_study(folder)?;
     let Some(held) = asked::study_in(folder, at_work) else { return Ok(()) };
@@ -222,6 +239,28 @@ mod tests {
         assert!(out.join("rest_test.csv").exists(), "law: nothing is removed by a refusal");
         begin(out, &scenario("a", 240.0), true).expect("law: --force replaces them");
         assert!(!out.join("rest_test.csv").exists(), "law: nothing of the other run stays");
+    }
+
+    /// Law: a run does not write over the specimen that it begins with.
+    #[test]
+    fn what_a_run_begins_with_is_kept() {
+        let folders = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
+        let [from, other] = folders.each_ref().map(|folder| folder.path());
+        let begun = |specimen: &Path| -> Scenario {
+            let mut value = serde_json::to_value(scenario("a", 480.0)).expect("JSON");
+            value["begin"] = json!({ "specimen": specimen });
+            serde_json::from_value(value).expect("a scenario")
+        };
+        for specimen in [from.to_owned(), from.join("specimen.json"), from.join(".")] {
+            let error = refuse_beginning(from, &begun(&specimen)).expect_err("law: it is kept");
+            assert!(error.to_string().contains("begins with the specimen in it"), "got `{error}`");
+        }
+        for out in [other.to_owned(), from.join("new"), from.join("..")] {
+            let found = refuse_beginning(&out, &begun(from)).map_err(|e| e.to_string());
+            assert_eq!(found, Ok(()), "law: {} is another folder", out.display());
+        }
+        let found = refuse_beginning(from, &scenario("a", 480.0)).map_err(|e| e.to_string());
+        assert_eq!(found, Ok(()), "law: others may be asked to replace it");
     }
 
     /// Law: while a run is at work in a folder, before its first stage and after, another scenario

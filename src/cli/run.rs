@@ -43,6 +43,7 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
     tell_warnings([scenario], context.progress.as_ref());
     // Not even an empty folder is left among the runs of a study.
     earlier_run::refuse_run_of_study(&args.out)?;
+    earlier_run::refuse_beginning(&args.out, scenario)?;
     let was_there = args.out.exists();
     output_folder::prepare(&args.out)?;
     context.stop_on_ctrl_c();
