@@ -2,7 +2,7 @@
 
 use std::sync::mpsc::RecvTimeoutError;
 
-use super::picture::{prepare, refuse_existing};
+use super::picture::{ends_in, prepare, refuse_existing};
 use super::*;
 use crate::viewer::{Redirect, Server, Site, read_run_data, self_contained};
 
@@ -71,6 +71,7 @@ impl Shown {
 
 pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliError> {
     if let Some(file) = &args.save {
+        ends_in(file, "--save", &["html", "htm"])?;
         refuse_existing(file, args.force)?;
     }
     let data = read_run_data(&args.run)?;

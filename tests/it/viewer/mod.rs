@@ -212,6 +212,12 @@ fn a_file_is_saved_once() {
     let third = save(&["--force"]).expect("it starts");
     assert_eq!(third.status.code(), Some(0), "{}", said(&third));
     assert!(fs::read(&file).expect("the file") == content, "law: the page is there again");
+    // A page is no other file of a run, by force either.
+    let other = folder.path().join("summary.json");
+    fs::write(&other, "numbers").expect("written");
+    let words = ["view", text(small_run()), "--force", "--save", text(&other)];
+    refused(&words, 2, &["--save", "summary.json", ".html"]);
+    assert!(fs::read(&other).expect("the file") == b"numbers", "law: it is as it was");
 }
 
 #[test]
