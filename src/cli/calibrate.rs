@@ -9,7 +9,7 @@ use crate::study::{CalibrationOptions, CalibrationTarget, GRAIN_FRICTION, calibr
 /// Where friction between grains is sought unless a range is given.
 const FRICTION_RANGE: Interval = Interval::new(0.1, 1.5);
 
-/// Find the friction that gives a measured angle of repose, or any field that gives a result
+/// Find the friction for a measured angle of repose, or the value of a field for a result
 #[derive(Debug, Args)]
 #[command(after_help = "\
 The command scans the whole range, narrows in on where the result passes the target, and fits a line

@@ -12,9 +12,9 @@ Loosest state: grains fall into the mould from just above those already there (a
 Densest state: the same grains, vibrated vertically. Grains poured without friction are a bound that
 grains with friction do not reach by themselves. ASTM D4253 vibrates for 8 minutes at 60 Hz and
 0.33 mm under 13.8 kPa. That is too long to simulate, and after a few seconds grains still sink, so
-that the defaults are others. Leaves density.json, with all deviations from the standards, and runs/
-in DIR; finished stages there are reused. A scenario with e_max and e_min as `index_densities` has
-relative densities in its summary.
+the defaults differ. Leaves density.json, with all deviations from the standards, and runs/ in DIR;
+finished stages there are reused. A scenario with e_max and e_min as `index_densities` has relative
+densities in its summary.
 
 Examples:
   pluvia density scenarios/quick/pluviation.json --configurations 3 --out out/density

@@ -17,8 +17,8 @@ Leaves in DIR, in SI units; tables in mm, g, N and what their headers say:
   obj   grains.obj, apparatus.obj: one object per body, in world coordinates
   stl   grains.stl: the triangles of all grains where they are
   ply   grains.ply: their faces, numbered by grain
-  vtk   for ParaView: grains.pvd and apparatus.pvd with a .vtp file every S seconds and at the end of
-        each stage; contacts.pvd and force_chains.pvd at those ends (docs/export.md)
+  vtk   for ParaView: grains.pvd and apparatus.pvd with a .vtp file every S seconds and at the end
+        of each stage; contacts.pvd and force_chains.pvd at those ends (docs/export.md)
   glb   for Blender and browsers: specimen.glb, with --animate also how everything moved
 
 Examples:

@@ -14,7 +14,8 @@ takes hours.
 
 Examples:
   pluvia interpretations --quick --out out/quick-interpretations
-  pluvia interpretations --only converged,per_body,full_stroke --configurations 1 --out out/interpretations
+  pluvia interpretations --only converged,per_body,full_stroke --configurations 1 \\
+      --out out/interpretations
   pluvia interpretations --only blender_2014_cm --configurations 1 --out out/interpretations")]
 pub(super) struct InterpretationsArgs {
     /// A few hundred grains instead of 1456, and shorter vibration

@@ -235,6 +235,8 @@ mod tests {
             let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
             let example = format!("pluvia {}", command.get_name());
             assert!(help.contains(&example), "`{example} --help` shows no example");
+            let widest = help.lines().map(|line| line.chars().count()).max();
+            assert!(widest <= Some(100), "law: `{example} --help` breaks no example in two");
             count += 1;
         }
         assert!(count >= 5, "expected at least five subcommands, found {count}");

@@ -15,8 +15,10 @@ Pictures are PNG, animations animated PNG, which browsers play. docs/pictures.md
 
 Examples:
   pluvia picture out/first --out out/first.png
-  pluvia picture out/first --stage pour --time 0.9 --colour-by speed --cylinder cut --out out/pour.png
-  pluvia picture out/shaken --stage vibrate --colour-by displacement --cylinder hidden --out out/moved.png
+  pluvia picture out/first --stage pour --time 0.9 --colour-by speed --cylinder cut \\
+      --out out/pour.png
+  pluvia picture out/shaken --stage vibrate --colour-by displacement --cylinder hidden \\
+      --out out/moved.png
   pluvia picture out/grains/grains.json --out out/grains.png
   pluvia picture out/first --stage pour --animate out/pour-moving.png")]
 pub(super) struct PictureArgs {

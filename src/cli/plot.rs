@@ -16,9 +16,11 @@ units get separate panels. The names and ranges of all columns: --list.
 Examples:
   pluvia plot out/first --list
   pluvia plot out/shaken --x time_s --y settlement_mm,surface_settlement_mm --out out/settled.svg
-  pluvia plot out/hopper --x time_s --y gate_force_z_n,hopper_force_z_n --stage deposit --out out/force.png
+  pluvia plot out/hopper --x time_s --y gate_force_z_n,hopper_force_z_n --stage deposit \\
+      --out out/force.png
   pluvia plot out/first --file grains --x equivalent_diameter_mm --y sphericity --out out/shape.svg
-  pluvia plot out/first --file void_profile --where by=radius --x middle_mm --y void_ratio --out out/e.svg")]
+  pluvia plot out/first --file void_profile --where by=radius --x middle_mm --y void_ratio \\
+      --out out/e.svg")]
 pub(super) struct PlotArgs {
     /// Folder of a run, or any other with tables of Pluvia (CSV)
     #[arg(value_name = "RUN_DIR")]

@@ -14,8 +14,8 @@ use crate::study::{
 --over gives a field its values; several make a grid of all combinations, or with --one-at-a-time
 each field is varied by itself around the scenario. --samples latin-hypercube:N draws N points from
 the ranges of --range. Leaves plan.json, sweep.csv (one row per run), sweep.json, sweep.md,
-report.html, figures/ and runs/ in DIR. Finished stages there are reused; the same
-command with more --configurations adds to it. A run that fails is a row with the reason.
+report.html, figures/ and runs/ in DIR. Finished stages there are reused; the same command with more
+--configurations adds to it. A run that fails is a row with the reason.
 --design varies the parameters of a sensitivity design, one at a time, and leaves sensitivity.md,
 sensitivity.csv and sensitivity.json as well, as every sweep does that varies one thing at a time.
 --slurm submits what is not stored yet to a cluster, --snakemake writes a Snakefile; --status and
