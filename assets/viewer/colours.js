@@ -9,8 +9,8 @@ const VIRIDIS = ["#440154", "#482475", "#414487", "#355f8d", "#2a788e", "#21918c
 // Its inferno without the black end, for forces.
 const INFERNO = ["#57106e", "#7f1e6c", "#a52c60", "#c73e4c", "#e25734", "#f37819", "#fca50a", "#f6d746", "#fcffa4"];
 
-// Fractions from the coarsest to the finest: stones in daylight.
-const STONES = ["#a2543f", "#cf8349", "#e8b95c", "#efe0a6", "#b3c9a0", "#6aa9a0", "#4083a3", "#3d5a92", "#5d4b80"];
+// Fractions from the coarsest to the finest: gravel in daylight.
+const FRACTIONS = ["#a2543f", "#cf8349", "#e8b95c", "#efe0a6", "#b3c9a0", "#6aa9a0", "#4083a3", "#3d5a92", "#5d4b80"];
 
 export const UNKNOWN = [0.62, 0.62, 0.62];
 
@@ -28,9 +28,9 @@ export function colourAt(name, share) {
 
 // The colour of a fraction, by its number among all of them.
 export function fractionColour(n, count) {
-  const all = STONES.length;
+  const all = FRACTIONS.length;
   const place = count <= all ? (count === 1 ? 2 : Math.round((n * (all - 1)) / (count - 1))) : n % all;
-  return parsed(STONES[place]);
+  return parsed(FRACTIONS[place]);
 }
 
 export const css = (rgb) => `rgb(${rgb.map((c) => Math.round(255 * c)).join(" ")})`;
