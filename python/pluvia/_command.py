@@ -13,24 +13,24 @@ from ._errors import ScenarioWarning, raised
 
 
 class Progress(NamedTuple):
-    """How far a call is."""
+    """How far a call has come."""
 
     stage: str
-    """The stage that has just gone on."""
+    """The stage that has just advanced."""
     done: float
     """What is done of all stages, in simulated seconds (or pieces of work)."""
     total: float
     """What is expected in all, in the same unit."""
     note: str
-    """What matters most just now, as the height of the surface; may be empty."""
+    """What matters most now, such as the height of the surface; may be empty."""
 
 
 Shown = bool | Callable[[Progress], object]
-"""How progress is shown: True a bar in the terminal or notebook, False nothing, or a function that is called."""
+"""How progress is shown: True for a bar in the terminal or notebook, False for nothing, or a function to call."""
 
 
 def command(words: Sequence[str], progress: Shown) -> tuple[bool, Any]:
-    """Runs a command; whether what was expected was met, and its result."""
+    """Runs a command; gives whether its expectations were met, and its result."""
     bar = _Bar() if progress is True else None
     if bar is not None:
         hear: Callable[[Progress], object] = bar.update
@@ -67,7 +67,7 @@ def _nothing(_: Progress) -> None:
 
 
 def _message(text: str) -> None:
-    """Only what a caller must know is said without a bar."""
+    """Without a bar only warnings are passed on."""
     if text.startswith("warning"):
         warnings.warn(text, ScenarioWarning, stacklevel=4)
 
@@ -77,7 +77,7 @@ class _Bar:
 
     def __init__(self) -> None:
         with warnings.catch_warnings():
-            # Without ipywidgets a notebook shows the terminal's bar: as good.
+            # Without ipywidgets a notebook shows the terminal's bar, which does as well.
             warnings.simplefilter("ignore")
             from tqdm.auto import tqdm
         # In files a line every ten seconds is enough.

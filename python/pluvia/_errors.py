@@ -1,4 +1,4 @@
-"""What may go wrong. The words are those of the program `pluvia`, all of them."""
+"""Errors and warnings. Their messages are those of the program `pluvia`."""
 
 
 class Error(Exception):
@@ -6,7 +6,7 @@ class Error(Exception):
 
 
 class ScenarioError(Error, ValueError):
-    """The scenario, or what was asked for, has faults: all of them, each with its place and what is allowed."""
+    """The scenario or the arguments have faults. The message lists all, each with its place and what is allowed."""
 
 
 class SimulationError(Error, RuntimeError):
@@ -18,11 +18,12 @@ class FileError(Error, OSError):
 
 
 class ScenarioWarning(UserWarning):
-    """What the program says of a scenario before or while it runs."""
+    """The program warns of something in a scenario, before or while it runs."""
 
 
 class NotValidWarning(UserWarning):
-    """A run whose numbers are none to quote, or are left out of means; the message says why."""
+    """A run that is not valid, so that its numbers must not be quoted, or that is left out of means; the message says
+    why."""
 
 
 def raised(code: int, what: str) -> BaseException:

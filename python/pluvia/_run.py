@@ -43,8 +43,8 @@ def run(
     Ctrl-C, or the notebook's interrupt, stops at a point from which the same call resumes. A folder that holds the
     results of another scenario is refused, unless `force` replaces them.
 
-    Other threads of the program go on meanwhile. Raises `ScenarioError`, `SimulationError` or `FileError`; a run whose
-    numbers do not count is warned of with `NotValidWarning`.
+    Other threads of the program continue meanwhile. Raises `ScenarioError`, `SimulationError` or `FileError`; warns with
+    `NotValidWarning` of a run whose numbers do not count.
     """
     words = [f"--out={os.fspath(out)}", *options(changes, seed, backend, jobs)]
     words += ["--force"] if force else []
@@ -63,8 +63,8 @@ def load(folder: str | os.PathLike[str]) -> Run:
 
 
 class Run:
-    """A finished run. What it measures is of the specimen at rest: at the end of the rest test where the scenario has
-    one, else of its last stage. `at` gives the specimen at the end of another stage."""
+    """A finished run. Its measures are those of the specimen at rest: at the end of the rest test or, without one, of
+    the last stage. `at` gives the specimen at the end of another stage."""
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
         self.folder = Path(folder)
@@ -90,7 +90,7 @@ class Run:
         return f"<pluvia.Run {self.record.get('scenario')} in {self.folder}, {grains} grains{valid}>"
 
     def __getitem__(self, field: str) -> Any:
-        """A field of the summary by its path, as `run["standing_height_mm.mean_surface"]`."""
+        """A field of the summary by its path, such as `run["standing_height_mm.mean_surface"]`."""
         value: Any = self.record
         for step in field.split("."):
             if isinstance(value, list) and step.isdigit() and int(step) < len(value):
@@ -103,7 +103,8 @@ class Run:
 
     @property
     def valid(self) -> bool:
-        """Whether the accuracy standard is met and no run-time check found anything."""
+        """Whether the accuracy standard is met, no run-time check found anything, and grains had settled where heights are
+        read."""
         return bool(self.record.get("valid"))
 
     @cached_property
@@ -119,23 +120,23 @@ class Run:
 
     @cached_property
     def summary(self) -> pd.DataFrame:
-        """The summary as one row, its columns the paths of the fields, as `standing_height_mm.mean_surface`: rows of many
-        runs stack with `pandas.concat`. Lists stay in `record`."""
+        """The summary as one row, with a column per field, named by its path (`standing_height_mm.mean_surface`):
+        `pandas.concat` joins the rows of many runs. Lists stay in `record`."""
         row = pd.json_normalize(self.record)
         flat = row[[name for name in row.columns if not isinstance(row[name].iloc[0], list)]]
         return flat.set_axis([self.folder.name])
 
     @cached_property
     def series(self) -> pd.DataFrame:
-        """The course of the run: one row every 0.08 s of simulated time, with `time_s`, `mean_surface_mm`,
-        `settlement_mm`, `kinetic_energy_j` and what else `series.csv` has."""
+        """The course of the run, `series.csv`: one row every 0.08 s of simulated time, with `time_s`,
+        `mean_surface_mm`, `settlement_mm`, `kinetic_energy_j` and more."""
         try:
             return pd.read_csv(self.folder / "series.csv")
         except OSError as error:
             raise FileError(str(error)) from None
 
     def at(self, stage: str | int | None = None) -> Specimen:
-        """The specimen at the end of a stage: its number from 0, a name that it alone has, or `"rest_test"`."""
+        """The specimen at the end of a stage: its number from 0, its name if no other stage has it, or `"rest_test"`."""
         return Specimen(self.folder, stage)
 
     @cached_property
@@ -145,12 +146,12 @@ class Run:
 
     @property
     def grains(self) -> pd.DataFrame:
-        """One row a grain; see `Specimen.grains`."""
+        """One row per grain; see `Specimen.grains`."""
         return self.specimen.grains
 
     @property
     def contacts(self) -> pd.DataFrame:
-        """One row a loaded contact point; see `Specimen.contacts`."""
+        """One row per loaded contact point; see `Specimen.contacts`."""
         return self.specimen.contacts
 
     @property

@@ -45,7 +45,7 @@ class Specimen:
 
     @cached_property
     def grains(self) -> pd.DataFrame:
-        """One row a grain: its size and shape as in `grains.csv` of the run, its fate, centroid (`x_mm`, `y_mm`, `z_mm`),
+        """One row per grain: size and shape as in `grains.csv` of the run, fate, centroid (`x_mm`, `y_mm`, `z_mm`),
         orientation (`rotation_*`, a unit quaternion) and velocities at the end of the stage."""
         here = _frame(self._native.grains_csv())
         try:
@@ -59,9 +59,9 @@ class Specimen:
 
     @cached_property
     def contacts(self) -> pd.DataFrame:
-        """One row a loaded contact point: the two that touch, the point (`x_mm`, ...), the unit normal from the second to
-        the first, the force on the first (`force_x_n`, ...), its part along the normal (`normal_force_n`, positive
-        where it pushes) and across it. Without rows where the engine gives no contacts."""
+        """One row per loaded contact point: the two bodies, the point (`x_mm`, ...), the unit normal from the second to
+        the first, the force on the first (`force_x_n`, ...), its parts along the normal (`normal_force_n`, positive
+        where it pushes) and across it (`tangential_force_n`). No rows where the engine gives no contacts."""
         contacts = _frame(self._native.contacts_csv())
         force = contacts[["force_x_n", "force_y_n", "force_z_n"]].to_numpy(float)
         normal = contacts[["normal_x", "normal_y", "normal_z"]].to_numpy(float)
@@ -71,7 +71,7 @@ class Specimen:
 
     @cached_property
     def pairs(self) -> pd.DataFrame:
-        """One row for every two grains that touch, measured outside the engine: `gap_mm`, negative where they overlap,
+        """One row per pair of grains that touch, measured outside the engine: `gap_mm`, negative where they overlap,
         and `overlap_percent` of the mean of their equivalent diameters."""
         return _frame(self._native.pairs_csv())
 
@@ -176,10 +176,10 @@ class Specimen:
     def force_distribution(self) -> pd.DataFrame:
         """Distribution of the normal forces between grains, each contact counted once.
 
-        One row a class: it begins and ends at `low` and `high` times the mean (the last has no end), holds the `share`
-        of all contacts, with `probability_density` over the force in means. `attrs` has the mean in N,
-        `mean_normal_force_n`, and the percentiles `p10_of_mean`, `p50_of_mean`, `p90_of_mean`, `p99_of_mean` and
-        `max_of_mean`. Without rows where there are no contacts."""
+        One row per class, from `low` to `high` times the mean (the last is open): the `share` of all contacts, and the
+        `probability_density` of the force over its mean. `attrs` has the mean in N, `mean_normal_force_n`, and the
+        percentiles `p10_of_mean`, `p50_of_mean`, `p90_of_mean`, `p99_of_mean` and `max_of_mean`. No rows without
+        contacts."""
         found = self._native.force_distribution()
         mean, width, classes, percentiles = found or (float("nan"), 1.0, [], [float("nan")] * 5)
         share = np.array(classes, dtype=float)
@@ -193,9 +193,8 @@ class Specimen:
 
     @cached_property
     def loaded(self) -> pd.DataFrame:
-        """The contacts between grains, each counted once however many points it has: its height `z_mm`, the upward part of
-        its unit normal `normal_z`, `normal_force_n`, and whether it `slides`: every point bears as much friction as it
-        can."""
+        """One row per contact between grains, with all its points: height `z_mm`, upward part of the unit normal
+        `normal_z`, `normal_force_n`, and whether it `slides`: all points bear as much friction as they can."""
         z, upward, force, slides = np.frombuffer(self._native.loaded()).reshape(-1, 4).T
         return pd.DataFrame({"z_mm": z * 1000.0, "normal_z": upward, "normal_force_n": force, "slides": slides > 0.5})
 

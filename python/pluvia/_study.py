@@ -1,4 +1,4 @@
-"""Many runs, one answer: sweeps and calibrations."""
+"""Studies of many runs: sweeps and calibrations."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def calibrate(
     progress: Shown = True,
     replicates: object = None,
 ) -> Calibration:
-    """Finds the value of a field of the scenario at which a result is as wanted, with its interval.
+    """Finds the value of a field of the scenario that gives a wanted result, with its interval.
 
     Either `angle_of_repose_degrees`, whose unknown is the friction between grains unless said otherwise; or `target`,
     one field of the summary with its value, `{"standing_height_mm.mean_surface": 105}`, with the `unknown` field of the
@@ -139,13 +139,13 @@ class Sweep(_Study):
 
     @cached_property
     def table(self) -> pd.DataFrame:
-        """One row a run: its values of the fields and its results, by their paths in the summary; `valid`,
+        """One row per run: its values of the fields and its results, by their paths in the summary; `valid`,
         `left_out_of_means` and `failure` say whether it counts, and why not."""
         return self._csv("sweep.csv")
 
     @cached_property
     def points(self) -> pd.DataFrame:
-        """One row a point and result: the `mean` over its realisations that count, their `standard_deviation`, and the
+        """One row per point and result: the `mean` over its realisations that count, their `standard_deviation`, and the
         95 % confidence interval of the mean by Student's t, `t_low` to `t_high`."""
         fields = [factor["path"] for factor in self.record["factors"]]
         rows = [
@@ -157,7 +157,7 @@ class Sweep(_Study):
 
     @cached_property
     def effects(self) -> pd.DataFrame:
-        """One row a field and result: the change of the result for one unit of the field, `slope`, with half of its 95 %
+        """One row per field and result: the change of the result for one unit of the field, `slope`, with half of its 95 %
         confidence interval, `slope_half_width`."""
         return pd.DataFrame(self.record["effects"]).drop(columns="means", errors="ignore")
 
@@ -177,7 +177,7 @@ class Calibration(_Study):
 
     @property
     def found(self) -> bool:
-        """Whether a value was found, and is known as well as asked."""
+        """Whether a value was found with the certainty asked for."""
         return self.ending == "found"
 
     @property
@@ -187,25 +187,25 @@ class Calibration(_Study):
 
     @property
     def value(self) -> float | None:
-        """The value of the unknown at which the mean result is as wanted; None where none gives it."""
+        """The value of the unknown that gives the wanted mean result; None if none does."""
         solution = self.record["solution"]
         return None if solution is None else float(solution["value"])
 
     @property
     def interval_95(self) -> tuple[float, float] | None:
-        """Its 95 % confidence interval; None where it has no ends, or there is no value."""
+        """Its 95 % confidence interval; None if it is unbounded, or there is no value."""
         solution = self.record["solution"]
         interval = None if solution is None else solution["interval_95"]
         return None if interval is None else (float(interval["low"]), float(interval["high"]))
 
     @cached_property
     def values(self) -> pd.DataFrame:
-        """One row a value that was tried: the mean result of its realisations and its interval."""
+        """One row per value that was tried: the mean result of its realisations and its interval."""
         return pd.DataFrame(self.record["values"])
 
     @cached_property
     def table(self) -> pd.DataFrame:
-        """One row a run: value, realisation, result, and whether it counts."""
+        """One row per run: value, realisation, result, and whether it counts."""
         return self._csv("evaluations.csv")
 
 
