@@ -357,8 +357,7 @@ pub(super) fn of_verdicts(verdicts: &[Verdict]) -> String {
     }
     let mut out = columns(&rows);
     for v in verdicts.iter().filter(|v| !v.pass) {
-        let why = v.known_reason.iter().chain(&v.note).cloned().collect::<Vec<_>>().join("; ");
-        out += &format!("{} on {}: {why}\n", v.id, v.setting);
+        out += &format!("{} on {}: {}\n", v.id, v.setting, v.remarks());
     }
     let count = |status| tally(verdicts, status);
     out += &format!(

@@ -133,6 +133,25 @@ impl Verdict {
             outcome,
         }
     }
+
+    /// Why it is known to fail, and what else is to be said.
+    pub fn remarks(&self) -> String {
+        sentences(self.known_reason.iter().chain(&self.note).map(String::as_str))
+    }
+}
+
+/// Remarks in a row, each but the last ended by one full stop.
+fn sentences<'a>(remarks: impl Iterator<Item = &'a str>) -> String {
+    let mut text = String::new();
+    for remark in remarks {
+        let between = match text.as_str() {
+            "" => "",
+            before if before.ends_with('.') => " ",
+            _ => ". ",
+        };
+        text = text + between + remark;
+    }
+    text
 }
 
 #[cfg(test)]
@@ -146,6 +165,18 @@ mod tests {
         }
         for got in [0.89, 1.11, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             assert!(!within(1.0, got, 0.1), "law: {got} is not within 0.1 of 1");
+        }
+    }
+
+    #[test]
+    fn remarks_are_sentences() {
+        for (remarks, expected) in [
+            (&["Slow.", "0.35 at 240 Hz"][..], "Slow. 0.35 at 240 Hz"),
+            (&["slow", "0.35 at 240 Hz"][..], "slow. 0.35 at 240 Hz"),
+            (&["Slow."][..], "Slow."),
+            (&[][..], ""),
+        ] {
+            assert_eq!(sentences(remarks.iter().copied()), expected, "law: one full stop each");
         }
     }
 

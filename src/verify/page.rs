@@ -106,10 +106,6 @@ fn all(cases: &[Found]) -> Table {
 }
 
 fn one((case, verdicts): &Found, figure: Figure) -> [Block; 4] {
-    let remarks = |v: &Verdict| {
-        let remarks: Vec<&str> = v.known_reason.iter().chain(&v.note).map(String::as_str).collect();
-        remarks.join(". ")
-    };
     let found = table!(verdicts, |v| {
         "Setting" => &v.setting,
         "Engine" => engine(v),
@@ -117,7 +113,7 @@ fn one((case, verdicts): &Found, figure: Figure) -> [Block; 4] {
         "Expected" => Cell::number(format!("{} ± {}", value(v.expected), value(v.tolerance))),
         "Unit" => &v.unit,
         "Verdict" => badge(v),
-        "Remarks" => remarks(v),
+        "Remarks" => v.remarks(),
     });
     [
         Block::Figure(figure),
