@@ -21,8 +21,9 @@ fn check_cylinder(parts: &Parts, faults: &mut Faults) {
     let Some(coarsest) = parts.coarsest_mm() else { return };
     let (across, longest) = (cylinder.inner_diameter_mm, LONGEST_GRAIN * coarsest);
     let why = format!(
-        "the cylinder is narrower than a grain: those that pass {coarsest} mm are up to \
-         {LONGEST_GRAIN} times as long"
+        "the cylinder is narrower than a grain: those that pass {} mm are up to {LONGEST_GRAIN} \
+         times as long",
+        as_typed(coarsest)
     );
     faults.add_if(across < longest, "inner_diameter_mm", across, as_longest(longest), why);
     // A mixture of sizes packs denser than this only by crushing.
@@ -47,7 +48,8 @@ fn check_funnel(parts: &Parts, faults: &mut Faults) {
     let why = "the funnel is no wider at the top than at its opening";
     faults.add_if(top <= opening, "top_diameter_mm", top, allowed, why);
     if let Some(coarsest) = parts.coarsest_mm() {
-        let allowed = format!("more than {coarsest} mm, and 7 to 8 grains wide against jams");
+        let least = as_typed(coarsest);
+        let allowed = format!("more than {least} mm, and 7 to 8 grains wide against jams");
         let why = "no grain of the coarsest fraction can leave the funnel";
         faults.add_if(opening <= coarsest, "opening_diameter_mm", opening, allowed, why);
         let longest = LONGEST_GRAIN * coarsest;

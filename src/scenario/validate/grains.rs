@@ -40,16 +40,19 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
             least = least.max(1.0 / fraction.grain_count(factor, density));
             continue;
         }
-        let SieveFraction { passing_mm, retained_mm, mass_percent } = fraction;
+        let [passing_mm, retained_mm] = [fraction.passing_mm, fraction.retained_mm].map(as_typed);
         let field = format!("sieve_table[{i}].mass_percent");
         let why = format!(
             "the fraction {passing_mm} to {retained_mm} mm is lighter than one grain of its mean \
              size"
         );
         let allowed = format!("at least {} %", short(enough));
-        faults.add_if(count < 1.0, &field, mass_percent, allowed, why);
+        faults.add_if(count < 1.0, &field, fraction.mass_percent, allowed, why);
     }
-    let allowed = format!("at least {} g with this sieve table", short(least));
+    let allowed = match least.is_finite() {
+        true => format!("at least {} g with this sieve table", short(least)),
+        false => "none with this sieve table: a sieve is too wide, or a share too small".to_owned(),
+    };
     let why = "not every fraction has the mass of one grain of its mean size";
     faults.add_if(least > 0.0, "total_mass_g", mass, allowed, why);
     let allowed = format!("at most {} g of this gravel", short(mass * MOST_GRAINS / total));
@@ -80,7 +83,7 @@ fn check_order(table: &[SieveFraction], faults: &mut Faults) {
     for (i, SieveFraction { passing_mm, retained_mm, .. }) in table.iter().enumerate() {
         let wrong = passing_mm <= retained_mm;
         let field = format!("sieve_table[{i}].retained_mm");
-        let allowed = format!("less than passing_mm, {passing_mm}");
+        let allowed = format!("less than passing_mm, {}", as_typed(*passing_mm));
         let why = "grains that pass a sieve are retained by a finer one";
         faults.add_if(wrong, &field, retained_mm, allowed, why);
     }
@@ -95,7 +98,8 @@ fn check_order(table: &[SieveFraction], faults: &mut Faults) {
         };
         let wrong = below.passing_mm != above.retained_mm;
         let field = format!("sieve_table[{}].passing_mm", i + 1);
-        let mut allowed = format!("{}, the retained_mm of the fraction before", above.retained_mm);
+        let retained_mm = as_typed(above.retained_mm);
+        let mut allowed = format!("{retained_mm}, the retained_mm of the fraction before");
         if below.passing_mm < above.retained_mm {
             allowed += "; or a fraction of 0 % between them";
         }

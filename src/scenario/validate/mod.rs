@@ -214,6 +214,12 @@ pub(super) fn short(value: f64) -> String {
     without_zeros(&format!("{value:.digits$}")).to_owned()
 }
 
+/// A number with all its digits, as somebody typed it, unless these are zeros by the dozen.
+pub(super) fn as_typed(value: f64) -> String {
+    let is_short = value == 0.0 || !value.is_finite() || (1e-9..1e12).contains(&value.abs());
+    if is_short { value.to_string() } else { format!("{value:.3e}") }
+}
+
 /// The name becomes the name of a folder.
 fn check_name(value: &Value, faults: &mut Faults) {
     let Some(name) = value.as_str() else { return };
@@ -233,7 +239,7 @@ fn check_name(value: &Value, faults: &mut Faults) {
 
 #[cfg(test)]
 mod tests {
-    use super::short;
+    use super::{as_typed, short};
 
     #[test]
     fn numbers_are_short() {
@@ -247,6 +253,11 @@ mod tests {
             (1.234_56e300, "1.235e300"),
         ] {
             assert_eq!(short(value), expected, "law: four significant digits of {value}");
+        }
+        for (value, expected) in
+            [(0.0, "0"), (36.944_44, "36.94444"), (1e300, "1.000e300"), (1e-300, "1.000e-300")]
+        {
+            assert_eq!(as_typed(value), expected, "law: every digit of {value} that counts");
         }
     }
 }

@@ -72,7 +72,7 @@ pub(super) fn find_coarse_steps(parts: &Parts, faults: &mut Faults) {
         && step > sizes * from_mm(size)
     {
         let what = |rate| {
-            let way = short(to_mm(speed / rate));
+            let (way, size) = (short(to_mm(speed / rate)), as_typed(size));
             format!(
                 "{what} moves {way} mm in a step, more than {than}the smallest grain's size, \
                  {size} mm"
@@ -118,8 +118,9 @@ fn find_coarse_frames(parts: &Parts, faults: &mut Faults) {
         let least = (motion.peak_speed() / from_mm(size)).ceil();
         let why = format!(
             "frames that cannot resolve the motion: the shaking table is set by up to {} mm in one \
-             step, more than the smallest grain's size, {size} mm",
-            short(to_mm(way))
+             step, more than the smallest grain's size, {} mm",
+            short(to_mm(way)),
+            as_typed(size)
         );
         let field = format!("stages[{i}].video_frames.frames_per_s");
         let allowed = format!("at least {least} frames a second");
@@ -216,7 +217,7 @@ fn check_threshold(parts: &Parts, faults: &mut Faults) {
     let (Some(engine), Some(finest)) = (&parts.engine, parts.finest_mm()) else { return };
     let threshold = engine.contact_threshold_mm;
     let wrong = engine.stock.relative_contact_threshold == 0.0 && threshold >= finest;
-    let allowed = format!("less than the smallest grain's size, {finest} mm");
+    let allowed = format!("less than the smallest grain's size, {} mm", as_typed(finest));
     let why = "contacts would be kept over a distance longer than a grain";
     faults.add_if(wrong, "engine.contact_threshold_mm", threshold, allowed, why);
 }
