@@ -100,8 +100,8 @@ fn lead(of: &CompareRecord) -> String {
     if let Some(handed) = of.runs.iter().find_map(|r| r.specimen_by.as_ref()) {
         let what = if of.vibrated { "vibrated" } else { "left at rest" };
         sentences.push(format!(
-            "Then the specimen that {handed} made was {what} by the others too, so that making and \
-             carrying on can be told apart."
+            "Then the specimen that {handed} made was {what} by the others, too: this separates the \
+             making of a specimen from what follows."
         ));
     }
     for q in of.quantities.iter().filter(|q| q.within_band.is_some()) {
