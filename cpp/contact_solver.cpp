@@ -236,6 +236,16 @@ void ContactSolver::read_drives(const Units &units, rust::Vec<DriveRead> &out) c
     }
 }
 
+void ContactSolver::carry_parts() {
+    for (const auto &[own, whole] : parts_) {
+        // Those of other bodies got theirs in `move_bodies`.
+        if (whole->isKinematicObject() && presses_.count(whole->getUserIndex()) == 0) {
+            own->setLinearVelocity(whole->getLinearVelocity());
+            own->setAngularVelocity(whole->getAngularVelocity());
+        }
+    }
+}
+
 void ContactSolver::move_bodies(double step) {
     const auto move = [&](std::size_t i) {
         move_body(*moving_[i].body, bodies_[place_[moving_[i].number]], step, gyroscopic_);

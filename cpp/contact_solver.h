@@ -42,6 +42,8 @@ class ContactSolver {
     void sort_bodies(const btCollisionObjectArray &bodies);
     // The kinematic ones that are not pressed.
     const std::vector<btRigidBody *> &kinematic() const { return kinematic_; }
+    // Gives the parts of these their velocities.
+    void carry_parts();
 
     // To be called once a step.
     void solve(double step);

@@ -169,6 +169,7 @@ void NativeWorld::begin_drives(btScalar step) {
         moved.body->setLinearVelocity(velocity.linear);
         moved.body->setAngularVelocity(velocity.angular);
     }
+    solver_.carry_parts();
 }
 
 void NativeWorld::damp(btScalar step) {

@@ -226,6 +226,32 @@ fn parts_of_a_kinematic_body_go_with_it() {
     }
 }
 
+/// Law: a kinematic body that begins to move pushes what lies before any of its parts at once, from
+/// farther than contacts are looked for between bodies at rest.
+#[test]
+fn parts_of_a_kinematic_body_push_in_its_first_step() {
+    let _turn = shared_turn();
+    for at_once in AT_ONCE {
+        let mut world = world(at_once, 0.5, 0.0);
+        let [whole, other] = [0.0, 0.1].map(|x| {
+            let one = part(Vector::repeat(SIDE), Vector::x() * x, 1.0, Motion::Kinematic);
+            world.add(&one).expect("added")
+        });
+        world.join(other, whole).expect("one body");
+        let blocks = [0.0, 0.1].map(|x| {
+            let at = Vector::new(x, 0.0, 1.0 + SIDE + 1e-3);
+            world.add(&free_box(Vector::repeat(SIDE), at)).expect("added")
+        });
+        world.drive(whole, &Pose::translation(0.0, 0.0, 1.0 + 2e-3)).expect("driven");
+        world.step().expect("a step");
+        let speed = 2e-3 / world.time_step();
+        for block in blocks {
+            let up = world.read_body(block).expect("there").linear_velocity.z;
+            near("as fast as what pushes it", up, speed, 2e-2 * speed);
+        }
+    }
+}
+
 #[test]
 fn what_cannot_be_one_body_is_refused() {
     let _turn = shared_turn();
