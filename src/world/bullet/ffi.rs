@@ -154,8 +154,8 @@ mod bridge {
         rotation: [f64; 4],
     }
 
-    /// How a kinematic body goes through a step: velocities in its middle, and how
-    /// they change from its beginning to its end.
+    /// How a kinematic body goes through a step: velocities in its last sub-step, and
+    /// accelerations, which are the same in all of them.
     #[derive(Debug, PartialEq)]
     struct DriveRead {
         id: u32,
