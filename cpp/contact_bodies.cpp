@@ -27,12 +27,10 @@ btVector3 moments(const btRigidBody &body) {
     return btVector3(1 / inverse.x(), 1 / inverse.y(), 1 / inverse.z());
 }
 
-btVector3 spin_of(const btVector3 &momentum, const btVector3 &inverse, const btMatrix3x3 &basis) {
-    return basis * ((momentum * basis) * inverse);
-}
-
-btVector3 momentum_of(const btVector3 &spin, const btVector3 &moments, const btMatrix3x3 &basis) {
-    return basis * ((spin * basis) * moments);
+// A vector times what is diagonal in body axes: a spin times the moments of inertia, or an angular
+// momentum times their inverses.
+btVector3 times(const btVector3 &v, const btVector3 &diagonal, const btMatrix3x3 &basis) {
+    return basis * ((v * basis) * diagonal);
 }
 
 // A basis turned by a spin for a time.
@@ -87,22 +85,14 @@ SolverBody free_body(const btRigidBody &body) {
     return out;
 }
 
-// As btRigidBody.cpp, saveKinematicState, 3.24.
-KinematicVelocity kinematic_velocity(const btTransform &start, const btTransform &end,
-                                     btScalar step) {
-    KinematicVelocity out;
-    btTransformUtil::calculateVelocity(start, end, step, out.linear, out.angular);
-    return out;
-}
-
 Drive recalled_drive(const std::array<btTransform, 3> &ends, double step) {
-    const auto time = static_cast<btScalar>(step);
-    const KinematicVelocity before = kinematic_velocity(ends[0], ends[1], time);
-    const KinematicVelocity last = kinematic_velocity(ends[1], ends[2], time);
-    Drive drive{three(last.linear), three(last.angular), {}, {}};
-    drive.change = drive.velocity - three(before.linear);
-    drive.spin_change = drive.spin - three(before.angular);
-    return drive;
+    btVector3 velocity[2], spin[2]; // as NativeWorld::begin_drives has them
+    for (int i = 0; i < 2; ++i) {
+        btTransformUtil::calculateVelocity(ends[i], ends[i + 1], static_cast<btScalar>(step),
+                                           velocity[i], spin[i]);
+    }
+    return {three(velocity[1]), three(spin[1]), three(velocity[1]) - three(velocity[0]),
+            three(spin[1]) - three(spin[0])};
 }
 
 SolverBody kinematic_body(const btRigidBody &body, double step, Drive &drive) {
@@ -129,10 +119,10 @@ void move_body(btRigidBody &body, const SolverBody &solved, double step, bool gy
     btVector3 momentum(0, 0, 0); // at the end of the step, in world axes
     if (uneven) {
         const btMatrix3x3 &basis = body.getWorldTransform().getBasis();
-        momentum = momentum_of(vector(solved.spin), inertia, basis);
+        momentum = times(vector(solved.spin), inertia, basis);
         const btScalar half = static_cast<btScalar>(step / 2);
-        spin = spin_of(momentum_of(spin, inertia, basis), body.getInvInertiaDiagLocal(),
-                       turned(basis, spin, half));
+        spin = times(times(spin, inertia, basis), body.getInvInertiaDiagLocal(),
+                     turned(basis, spin, half));
     }
     body.setLinearVelocity(vector(solved.shift * rate));
     body.setAngularVelocity(spin);
@@ -142,9 +132,9 @@ void move_body(btRigidBody &body, const SolverBody &solved, double step, bool gy
     body.predictIntegratedTransform(static_cast<btScalar>(step), end);
     body.proceedToTransform(end);
     body.setLinearVelocity(vector(solved.velocity));
-    body.setAngularVelocity(uneven ? spin_of(momentum, body.getInvInertiaDiagLocal(),
-                                             body.getWorldTransform().getBasis())
-                                   : vector(solved.spin));
+    body.setAngularVelocity(
+        uneven ? times(momentum, body.getInvInertiaDiagLocal(), body.getWorldTransform().getBasis())
+               : vector(solved.spin));
     body.clearForces();
 }
 

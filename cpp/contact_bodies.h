@@ -40,15 +40,6 @@ SolverBody free_body(const btRigidBody &body);
 // the forces of the step from it. `gyroscopic`: uneven bodies turn by Euler's equations.
 void move_body(btRigidBody &body, const SolverBody &solved, double step, bool gyroscopic);
 
-// Velocities in engine units.
-struct KinematicVelocity {
-    btVector3 linear, angular;
-};
-
-// Those of a kinematic body in a step from one pose to another, as Bullet has them.
-KinematicVelocity kinematic_velocity(const btTransform &start, const btTransform &end,
-                                     btScalar step);
-
 // A kinematic body's velocities: of the last step, and their change from the one before.
 struct Drive {
     Vec velocity{0, 0, 0}, spin{0, 0, 0};

@@ -4,8 +4,11 @@
 
 #include "pluvia/src/world/bullet/ffi.rs.h"
 
+#include <LinearMath/btTransformUtil.h>
+
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace pluvia {
 
@@ -71,14 +74,13 @@ void NativeWorld::remove(btRigidBody &body) {
     if (followed_ == &body) {
         follow(nullptr);
     }
-    drives_next_.erase(
-        std::remove_if(drives_next_.begin(), drives_next_.end(),
-                       [&body](const Kinematic &next) { return next.body == &body; }),
-        drives_next_.end());
+    drives_.erase(std::remove_if(drives_.begin(), drives_.end(),
+                                 [&body](const Kinematic &next) { return next.body == &body; }),
+                  drives_.end());
 }
 
 void NativeWorld::drive(btRigidBody &body, const btTransform &end) {
-    drives_next_.push_back({&body, end});
+    drives_.push_back({&body, end});
 }
 
 void NativeWorld::join(btRigidBody &part, btRigidBody &whole) {
@@ -117,23 +119,21 @@ bool NativeWorld::PartFilter::needBroadphaseCollision(btBroadphaseProxy *a,
 void NativeWorld::step(btScalar length) {
     const Stopwatch watch(phases_.integration);
     // A step that fails leaves none for the next.
-    drives_now_.swap(drives_next_);
-    drives_next_.clear();
-    if (followed_ == nullptr && !drives_now_.empty()) {
-        follow(drives_now_.front().body);
+    const std::vector<Kinematic> drives = std::exchange(drives_, {});
+    if (followed_ == nullptr && !drives.empty()) {
+        follow(drives.front().body);
     }
     solver_.sort_bodies(getCollisionObjectArray());
-    begin_drives(length);
+    begin_drives(drives, length);
     damp(length);
     search();
     {
         const Stopwatch solving(phases_.solver, &phases_.integration);
         solver_.solve(static_cast<double>(length));
     }
-    for (const Kinematic &moved : drives_now_) {
+    for (const Kinematic &moved : drives) {
         moved.body->setWorldTransform(moved.end);
     }
-    drives_now_.clear();
     // After those that are driven: their parts go with them.
     solver_.move_bodies(static_cast<double>(length));
     collision_.recalled.forget();
@@ -158,16 +158,18 @@ void NativeWorld::search() {
 }
 
 // Kinematic bodies without a pose for the end of the step stand still in it.
-void NativeWorld::begin_drives(btScalar step) {
+void NativeWorld::begin_drives(const std::vector<Kinematic> &drives, btScalar step) {
     for (btRigidBody *body : solver_.kinematic()) {
         body->setLinearVelocity(btVector3(0, 0, 0));
         body->setAngularVelocity(btVector3(0, 0, 0));
     }
-    for (const Kinematic &moved : drives_now_) {
-        const KinematicVelocity velocity =
-            kinematic_velocity(moved.body->getWorldTransform(), moved.end, step);
-        moved.body->setLinearVelocity(velocity.linear);
-        moved.body->setAngularVelocity(velocity.angular);
+    for (const Kinematic &moved : drives) {
+        // As btRigidBody.cpp, saveKinematicState, 3.24.
+        btVector3 velocity, spin;
+        btTransformUtil::calculateVelocity(moved.body->getWorldTransform(), moved.end, step,
+                                           velocity, spin);
+        moved.body->setLinearVelocity(velocity);
+        moved.body->setAngularVelocity(spin);
     }
     solver_.carry_parts();
 }

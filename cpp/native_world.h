@@ -86,10 +86,7 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     HullSearch search_;
     ContactSolver solver_;
     PartFilter part_filter_{solver_};
-    // Kinematic bodies that move in the step that is being made, and where to.
-    std::vector<Kinematic> drives_now_;
-    // Those that the next step drives, as told since the last one.
-    std::vector<Kinematic> drives_next_;
+    std::vector<Kinematic> drives_;  // those that the next step moves
     std::vector<std::uint8_t> left_; // by object: whether it has left its box
     const btRigidBody *followed_ = nullptr;
     btVector3 start_{0, 0, 0}; // where the place would be had the body not moved from the origin
@@ -99,7 +96,7 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     void follow(const btRigidBody *body);
     void search();
     void renew_boxes();
-    void begin_drives(btScalar step);
+    void begin_drives(const std::vector<Kinematic> &drives, btScalar step);
     void damp(btScalar step);
 };
 
