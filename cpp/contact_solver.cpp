@@ -61,21 +61,34 @@ __attribute__((target("avx2"))) void avx2(Phase phase, Problem<Float8> &problem,
 }
 #endif
 
-Kernel<Float8> kernel_of([[maybe_unused]] Kernels kernels) {
+Kernel<Float8> kernel_of([[maybe_unused]] const WorldDefinition &d) {
 #if defined(__x86_64__)
-    if (kernels == Kernels::Avx2) {
+    if (!d.portable && has_avx2()) {
         return &avx2;
     }
 #endif
     return &portable<Float8>;
 }
 
+ContactLaw law_of(const WorldDefinition &d, double scale) {
+    return {d.substeps,
+            d.native_iterations,
+            d.contact_stiffness,
+            d.contact_damping_ratio,
+            d.max_depenetration_velocity * scale,
+            d.restitution_velocity_threshold * scale,
+            d.tolerances.closed_gap * scale,
+            d.tolerances.unsolved_gap * scale,
+            d.solver_tolerance};
+}
+
 } // namespace
 
-ContactSolver::ContactSolver(const std::vector<Touching> &touching, const ContactLaw &law,
-                             Kernels kernels, bool gyroscopic, Workers &workers)
-    : touching_(touching), law_(law), kernels_(kernels), gyroscopic_(gyroscopic), workers_(workers),
-      one_by_one_(std::make_unique<Run<double>>()), eight_(std::make_unique<Run<Float8>>()) {}
+ContactSolver::ContactSolver(const std::vector<Touching> &touching, const Units &units,
+                             const WorldDefinition &d, Workers &workers)
+    : touching_(touching), law_(law_of(d, units.scale())), one_by_one_(d.contacts_at_once == 1),
+      gyroscopic_(d.gyroscopic), kernel_(kernel_of(d)), workers_(workers),
+      single_(std::make_unique<Run<double>>()), eight_(std::make_unique<Run<Float8>>()) {}
 
 ContactSolver::~ContactSolver() = default;
 
@@ -84,7 +97,7 @@ void ContactSolver::solve(double step) {
     const Moves moves{free, free + static_cast<int>(pressed_.size())};
     take_bodies(step);
     take_pairs(step);
-    colours_.sort(places_, moves, kernels_ == Kernels::OneByOne ? 1 : Lane<Float8>::WIDTH);
+    colours_.sort(places_, moves, one_by_one_ ? 1 : Lane<Float8>::WIDTH);
     homes_.find(colours_, places_, moves, workers_.count());
     body_homes_.assign(place_.size(), NOWHERE);
     for (std::size_t i = 0; i < place_.size(); ++i) {
@@ -99,10 +112,10 @@ void ContactSolver::solve(double step) {
     const Contacts contacts{
         law_, step / law_.substeps, touching_, places_, colours_, homes_, moves, bodies_, workers_};
     Inspection *const last = inspects ? &inspection : nullptr;
-    if (kernels_ == Kernels::OneByOne) {
-        one_by_one_->step(&portable<double>, contacts, last);
+    if (one_by_one_) {
+        single_->step(&portable<double>, contacts, last);
     } else {
-        eight_->step(kernel_of(kernels_), contacts, last);
+        eight_->step(kernel_, contacts, last);
     }
     if (inspects) {
         const Residual &residual = inspection.residual;

@@ -17,25 +17,18 @@
 namespace pluvia {
 
 struct DriveRead;
+struct WorldDefinition;
 template <class L> class Run;
-
-// How iterations are computed. All give the same law; the two in eight lanes
-// give the same bits, on any number of threads.
-enum class Kernels {
-    OneByOne, // double precision, one pair at a time
-    Portable, // single precision, eight at a time, whatever the machine has
-    Avx2,     // single precision, eight at a time, with AVX2
-};
 
 // Solves all contacts of a step at once: projected Gauss–Seidel in sub-steps that
 // begins with the last step's impulses less its impacts, friction within its cone,
-// normals as implicit springs, restitution as set.
+// normals as implicit springs, restitution as set. One pair at a time in double precision, or eight
+// in single precision: then with the same bits with and without AVX2, on any number of threads.
 class ContactSolver {
   public:
-    // `touching`: the contacts of the step at hand, in the place of Bullet's
-    // manifolds. `gyroscopic`: uneven bodies turn by Euler's equations.
-    ContactSolver(const std::vector<Touching> &touching, const ContactLaw &law, Kernels kernels,
-                  bool gyroscopic, Workers &workers);
+    // `touching`: the contacts of the step at hand, in the place of Bullet's manifolds.
+    ContactSolver(const std::vector<Touching> &touching, const Units &units,
+                  const WorldDefinition &definition, Workers &workers);
     ~ContactSolver();
 
     // To be called at the beginning of a step with all bodies of the world.
@@ -106,13 +99,13 @@ class ContactSolver {
     // Has the last sub-step of every step recorded from now on.
     void record() { recording_ = true; }
     const SubstepRecord &recorded() const { return recorded_; }
-    Kernels kernels() const { return kernels_; }
+    bool one_by_one() const { return one_by_one_; }
 
   private:
     const std::vector<Touching> &touching_;
     ContactLaw law_;
-    Kernels kernels_;
-    bool gyroscopic_;
+    bool one_by_one_, gyroscopic_;
+    Kernel<Float8> kernel_; // of eight at a time
     Workers &workers_;
     struct Moving {
         btRigidBody *body;
@@ -133,7 +126,7 @@ class ContactSolver {
     Colours colours_;
     Homes homes_;
     std::vector<std::uint16_t> body_homes_; // by the body's number
-    std::unique_ptr<Run<double>> one_by_one_;
+    std::unique_ptr<Run<double>> single_;
     std::unique_ptr<Run<Float8>> eight_;
     bool sorted_ = false; // the lists of bodies are those of the world
     // By the body's number in its world: a new body may get the address of one that left.

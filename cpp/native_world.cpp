@@ -27,25 +27,6 @@ HullCollision hull_collision(const Units &units, const WorldDefinition &d,
     return collision;
 }
 
-ContactLaw contact_law(const Units &units, const WorldDefinition &d) {
-    const double scale = units.scale();
-    return {d.substeps,
-            d.native_iterations,
-            d.contact_stiffness,
-            d.contact_damping_ratio,
-            d.max_depenetration_velocity * scale,
-            d.restitution_velocity_threshold * scale,
-            d.tolerances.closed_gap * scale,
-            d.tolerances.unsolved_gap * scale,
-            d.solver_tolerance};
-}
-
-Kernels kernels(const WorldDefinition &d) {
-    return d.contacts_at_once == 1     ? Kernels::OneByOne
-           : has_avx2() && !d.portable ? Kernels::Avx2
-                                       : Kernels::Portable;
-}
-
 } // namespace
 
 NativeWorld::NativeWorld(const Units &units, const WorldDefinition &definition,
@@ -55,8 +36,7 @@ NativeWorld::NativeWorld(const Units &units, const WorldDefinition &definition,
       damped_(definition.linear_damping > 0 || definition.angular_damping > 0),
       collision_(hull_collision(units, definition, materials)), workers_(definition.threads),
       search_(collision_, dispatcher, workers_),
-      solver_(collision_.touching, contact_law(units, definition), kernels(definition),
-              definition.gyroscopic, workers_) {}
+      solver_(collision_.touching, units, definition, workers_) {}
 
 void NativeWorld::add(btRigidBody &body, BodyKind kind) {
     EngineWorld::add(body, kind);
@@ -272,7 +252,7 @@ void NativeWorld::read_settings(ReadBack &out) const {
     out.put("restitution_speed_m_per_s", units_.metres(law.restitution_speed));
     out.put("closed_gap_m", units_.metres(law.closed_gap));
     out.put("unsolved_gap_m", units_.metres(law.unsolved_gap));
-    out.put("contacts_at_once", solver_.kernels() == Kernels::OneByOne ? 1 : 8);
+    out.put("contacts_at_once", solver_.one_by_one() ? 1 : 8);
 }
 
 } // namespace pluvia
