@@ -33,17 +33,6 @@ void pause() {
 #endif
 }
 
-// Whether it came true within some looks.
-template <class F> bool at_once(int looks, const F &is_true) {
-    for (int i = 0; i < looks; ++i) {
-        if (is_true()) {
-            return true;
-        }
-        pause();
-    }
-    return false;
-}
-
 // Between one look in vain and the next.
 void look_again(int &looks) {
     if (++looks % LOOKS == 0) {
@@ -251,13 +240,14 @@ void Workers::lead() {
 void Workers::wait_for_job(int worker, std::uint64_t seen) {
     const Stretch &own = stretches_[worker];
     const auto called = [&] { return closing_ || job_of(own.at.load()) != seen; };
-    const auto until = std::chrono::steady_clock::now() + AWAKE;
+    const auto until = Clock::now() + AWAKE;
+    int looks = 0;
     do {
-        if (at_once(LOOKS, called)) {
+        if (called()) {
             return;
         }
-        std::this_thread::yield();
-    } while (std::chrono::steady_clock::now() < until);
+        look_again(looks);
+    } while (looks % LOOKS != 0 || Clock::now() < until);
     std::unique_lock<std::mutex> lock(mutex_);
     ++asleep_;
     begin_.wait(lock, called);
