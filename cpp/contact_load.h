@@ -110,7 +110,6 @@ template <class L> void load(const Contacts &contacts, std::size_t i, Problem<L>
     const Colours::Pack &plan = contacts.colours.packs()[i];
     Pack<L> &pack = problem.all.packs[i];
     clear_pack(pack, plan.first, plan.points);
-    problem.near[i] = plan.near;
     const auto first = static_cast<std::size_t>(plan.first);
     for (int p = 0; p < plan.points; ++p) {
         problem.all.points[first + p] = Point<L>{};

@@ -87,7 +87,6 @@ template <class L> struct Problem {
     Kernel<L> kernel = nullptr;         // runs phases
     Pairs<L> all;
     UnsetVector<PointMemory<L>> memory; // of all points
-    std::vector<std::uint8_t> near;     // by pack
     std::vector<std::uint8_t> awake;    // by pack: whether iterations visit it
     Pairs<L> few;                       // copies of the pairs of few bodies
     Pairs<L> *pairs;                    // which of them are gone over
@@ -181,7 +180,8 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
     case Phase::Prepare:
         packs([&](const At &at) PLUVIA_INLINED {
             prepare(at.pack, at.points, at.memory, p.law, p.bodies);
-            p.awake[at.number] = p.near[at.number] != 0 || bears(at.pack, at.points);
+            p.awake[at.number] =
+                p.contacts->colours.packs()[at.number].near || bears(at.pack, at.points);
         });
         break;
     case Phase::WarmStart:

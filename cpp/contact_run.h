@@ -108,7 +108,6 @@ template <class L> class Run {
         const auto points = static_cast<std::size_t>(contacts.colours.points());
         p_.all.resize(packs, points);
         p_.memory.resize(points);
-        p_.near.resize(packs);
         p_.awake.resize(packs);
         p_.pairs = &p_.all;
         p_.law = lane_law<N>(contacts.law, contacts.substep);
