@@ -173,9 +173,10 @@ impl World for RapierBackend {
             }
         };
         // The mass is the body's, given exactly: the collider adds none.
+        let bare = ColliderBuilder::new(shape).density(0.0).contact_skin(0.0);
         let collider = self
             .pairs
-            .apply(ColliderBuilder::new(shape).density(0.0).contact_skin(0.0), body.material)
+            .apply(bare, body.material, own == FREE)
             .collision_groups(InteractionGroups::new(own, meets, InteractionTestMode::And));
         let id = BodyId(u32::try_from(self.bodies.len()).unwrap_or(u32::MAX));
         let (body_handle, collider) = self.world.insert(self.rigid_body(body), collider);

@@ -30,10 +30,6 @@ impl PairTable {
     /// Whether averages fail for a pair of this material with any other.
     fn needs_hook(&self, material: Material) -> bool {
         self.materials().into_iter().any(|other| {
-            // Two walls never meet.
-            if material == Material::Wall && other == Material::Wall {
-                return false;
-            }
             let (a, b, exact) = (self.own(material), self.own(other), self.get(material, other));
             let off = |a: f64, b: f64, exact: f64| ((a + b) / 2.0 - exact).abs() > ROUNDING;
             off(a.friction, b.friction, exact.friction)
@@ -41,11 +37,18 @@ impl PairTable {
         })
     }
 
-    /// Gives a collider its material.
-    pub(super) fn apply(&self, builder: ColliderBuilder, material: Material) -> ColliderBuilder {
+    /// Gives a collider its material; walls that are not free meet no others.
+    pub(super) fn apply(
+        &self,
+        builder: ColliderBuilder,
+        material: Material,
+        is_free: bool,
+    ) -> ColliderBuilder {
         let own = self.own(material);
-        // A hook on either of two bodies is enough, and walls have many contacts.
-        let hook = material == Material::Plate && self.needs_hook(material);
+        // A hook on either of two bodies is enough, and walls have many contacts. Grains have what
+        // is typed by averages.
+        let may_need = material == Material::Plate || is_free && material != Material::Grain;
+        let hook = may_need && self.needs_hook(material);
         builder
             .friction(own.friction)
             .friction_combine_rule(CoefficientCombineRule::Average)

@@ -152,17 +152,25 @@ fn the_engine_holds_mass_and_inertia_as_given() {
 fn a_hook_is_used_only_where_averages_fail() {
     let hooks = |table: &PairTable| {
         let shape = SharedShape::ball(1.0);
-        let of = |material| table.apply(ColliderBuilder::new(shape.clone()), material).build();
-        [Material::Grain, Material::Wall, Material::Plate].map(|m| !of(m).active_hooks().is_empty())
+        let of = |material, is_free| {
+            table.apply(ColliderBuilder::new(shape.clone()), material, is_free).build()
+        };
+        let bodies = [
+            (Material::Grain, true),
+            (Material::Wall, false),
+            (Material::Plate, true),
+            (Material::Wall, true),
+        ];
+        bodies.map(|(material, is_free)| !of(material, is_free).active_hooks().is_empty())
     };
-    assert_eq!(hooks(&uniform(0.5, 0.3)), [false; 3], "one value for all is an average");
+    assert_eq!(hooks(&uniform(0.5, 0.3)), [false; 4], "one value for all is an average");
     let mut table = uniform(0.5, 0.3);
     table.set(
         Material::Wall,
         Material::Plate,
         PairCoefficients { friction: 0.2, restitution: 0.3 },
     );
-    assert_eq!(hooks(&table), [false, false, true], "the plate's hook sets what is none");
+    assert_eq!(hooks(&table), [false, false, true, true], "the hooks of plates and free walls");
 }
 
 #[test]
