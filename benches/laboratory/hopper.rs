@@ -43,6 +43,8 @@ struct Grains {
     id: &'static str,
     /// What quantities say of them.
     called: &'static str,
+    /// What the figure calls them.
+    kind: &'static str,
     /// What they change in the scenario.
     shape: Option<&'static str>,
     /// Mass in kg in the small designs: rates through the widest opening are steady until two fifths
@@ -55,11 +57,19 @@ struct Grains {
 /// Mass in kg in the quick design, whose widest opening is narrower.
 const QUICK: f64 = 3.0;
 
-const ANGULAR: Grains = Grains { id: "hopper", called: "", shape: None, small: 4.5, longer: 1.5 };
+const ANGULAR: Grains = Grains {
+    id: "hopper",
+    called: "",
+    kind: "angular grains",
+    shape: None,
+    small: 4.5,
+    longer: 1.5,
+};
 /// The constants that are usually given are those of spheres, or nearly.
 const SPHERES: Grains = Grains {
     id: "hopper-spheres",
     called: "spheres, ",
+    kind: "spheres",
     shape: Some("grains.shape=spheres"),
     small: 5.0,
     longer: 1.0,
@@ -102,11 +112,19 @@ fn openings(bench: &Bench) -> &'static [usize] {
     if bench.is_quick() { &[1, 2, 3] } else { &[0, 1, 2, 3, 4] }
 }
 
-/// Runs the test.
-pub fn carry_out(bench: &Bench) -> Result<Found, String> {
-    let total = ANGULAR.total(bench);
-    // What may be why it misses: tried at one opening in one realisation.
-    let tried = [
+/// The test with angular grains.
+pub fn with_angular(bench: &Bench) -> Result<Found, String> {
+    carry_out(bench, &ANGULAR)
+}
+
+/// The test with spheres.
+pub fn with_spheres(bench: &Bench) -> Result<Found, String> {
+    carry_out(bench, &SPHERES)
+}
+
+/// What may be why it misses: tried at one opening in one realisation.
+fn tried(bench: &Bench, total: f64) -> Vec<Tried> {
+    let mut all = vec![
         (
             "friction-0.2",
             "friction between grains of 0.2",
@@ -122,42 +140,46 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         ("wider", "a bin of twice the area, filled as high", 2.0 * total, wider()),
     ];
     // The wider bin takes as long as all of the small design.
-    let tried = match bench.design {
-        Design::Quick => &[],
-        Design::Small => &tried[..2],
-        Design::Full => &tried[..],
-    };
-    let angular = ANGULAR.points(bench);
-    let spheres = bench.unless_quick(SPHERES.points(bench));
+    all.truncate(match bench.design {
+        Design::Quick => 0,
+        Design::Small => 2,
+        Design::Full => 3,
+    });
+    all
+}
+
+/// What is tried: name, description, mass in kg and what it changes.
+type Tried = (&'static str, &'static str, f64, Vec<String>);
+
+fn carry_out(bench: &Bench, grains: &Grains) -> Result<Found, String> {
+    let own = grains.points(bench);
+    let tried = tried(bench, grains.total(bench));
     let others = tried.iter().map(|(name, _, _, changes)| Point {
         name: (*name).to_owned(),
-        changes: angular[TRIED].changes.iter().chain(changes).cloned().collect(),
+        changes: own[TRIED].changes.iter().chain(changes).cloned().collect(),
         most: Some(1),
     });
     let others: Vec<Point> = others.collect();
-    let points: Vec<Point> = angular.into_iter().chain(spheres).chain(others).collect();
-    let opening_of = |n: usize| FLOOR[openings(bench)[n]].1;
-    let count = openings(bench).len();
-    let runs = bench.run("hopper", SCENARIO, &points)?;
-    let mut flows = [Flows::default(), Flows::default()];
+    let points: Vec<Point> = own.into_iter().chain(others).collect();
+    let openings = openings(bench);
+    let runs = bench.run(grains.id, SCENARIO, &points)?;
+    let mut flows = Flows::default();
     let mut changed: Vec<(&str, Discharge)> = Vec::new();
     for run in &runs {
-        let (set, n) = (run.point / count, run.point % count);
-        let (grains, opening) = match set {
-            0 => (total, opening_of(n)),
-            1 => (SPHERES.total(bench), opening_of(n)),
-            _ => (tried[n].2, FLOOR[TRIED].1),
+        let tried = run.point.checked_sub(openings.len()).map(|n| &tried[n]);
+        let (total, opening) = match tried {
+            None => (grains.total(bench), FLOOR[openings[run.point]].1),
+            Some((_, _, total, _)) => (*total, FLOOR[TRIED].1),
         };
-        match (discharge(run, opening, grains)?, flows.get_mut(set)) {
-            (Flow::Steady(flow), Some(flows)) => flows.steady.push((run.configuration, flow)),
-            (Flow::Steady(flow), None) => changed.push((tried[n].1, flow)),
-            (Flow::Jammed, Some(flows)) => flows.jammed.push(format!("{opening} mm")),
+        match (discharge(run, opening, total)?, tried) {
+            (Flow::Steady(flow), None) => flows.steady.push((run.configuration, flow)),
+            (Flow::Steady(flow), Some((_, what, _, _))) => changed.push((what, flow)),
+            (Flow::Jammed, None) => flows.jammed.push(format!("{opening} mm")),
             (_, _) => eprintln!("{}: no steady flow", run.folder.display()),
         }
     }
-    let [angular, spheres] = flows;
     let is_own = |f: &&(u32, Discharge)| f.0 == 1 && f.1.opening == from_mm(FLOOR[TRIED].1);
-    let own = angular.steady.iter().find(is_own).filter(|_| !changed.is_empty());
+    let own = flows.steady.iter().find(is_own).filter(|_| !changed.is_empty());
     let changed = own.map_or_else(String::new, |(_, own)| {
         let of = |(what, flow): &(&str, Discharge)| {
             let more = 100.0 * (flow.rate / flow.bulk_density * own.bulk_density / own.rate - 1.0);
@@ -170,9 +192,8 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
             told.join(", ")
         )
     });
-    let mut rows = rows(bench, &ANGULAR, &angular, &changed);
-    rows.extend(self::rows(bench, &SPHERES, &spheres, ""));
-    Ok(Found { rows, charts: vec![chart(bench, &angular, &spheres)] })
+    let charts = vec![chart(bench, grains, &flows)];
+    Ok(Found { rows: rows(bench, grains, &flows, &changed), charts })
 }
 
 /// What came through the openings.
@@ -220,7 +241,7 @@ fn rows(bench: &Bench, grains: &Grains, flows: &Flows, changed: &str) -> Vec<Row
     let row = |id: &str, quantity: &str, values: Vec<f64>| {
         let id = format!("{}-{id}", grains.id);
         let quantity = format!("hopper, {}{quantity}", grains.called);
-        Row::of("hopper", &id, &quantity, &values)
+        Row::of(grains.id, &id, &quantity, &values)
     };
     let all = openings(bench);
     let across = |n: usize| FLOOR[n].1 / to_mm(SIZE);
@@ -289,10 +310,10 @@ enum Flow {
     Short,
 }
 
-fn chart(bench: &Bench, angular: &Flows, spheres: &Flows) -> Chart {
-    let all = || angular.steady.iter().chain(&spheres.steady);
-    let density = all().map(|f| f.1.bulk_density).sum::<f64>() / all().count().max(1) as f64;
-    let law = |density: f64, c: f64, k: f64| -> Vec<(f64, f64)> {
+fn chart(bench: &Bench, grains: &Grains, flows: &Flows) -> Chart {
+    let count = flows.steady.len().max(1) as f64;
+    let density = flows.steady.iter().map(|f| f.1.bulk_density).sum::<f64>() / count;
+    let law = |c: f64, k: f64| -> Vec<(f64, f64)> {
         (40..=85)
             .map(|mm| {
                 let gap = (from_mm(f64::from(mm)) - k * SIZE).max(0.0);
@@ -302,29 +323,20 @@ fn chart(bench: &Bench, angular: &Flows, spheres: &Flows) -> Chart {
     };
     let mut plot =
         Plot::new(Axis::linear("Opening (mm)").from_zero(), Axis::linear("Rate (g/s)").from_zero());
-    for (n, (called, flows)) in [("Angular", angular), ("Spheres", spheres)].iter().enumerate() {
-        if flows.steady.is_empty() {
-            continue;
-        }
-        let measured = flows.steady.iter().map(|(_, f)| (to_mm(f.opening), to_g(f.rate))).collect();
-        plot.add(*called, Look::points(n), measured);
-        let fits = flows.usual(bench);
-        if fits.is_empty() {
-            continue;
-        }
+    let measured = flows.steady.iter().map(|(_, f)| (to_mm(f.opening), to_g(f.rate))).collect();
+    plot.add("Measured", Look::points(0), measured);
+    let fits = flows.usual(bench);
+    if !fits.is_empty() {
         let mean =
             |of: &dyn Fn(&BeverlooFit) -> f64| fits.iter().map(of).sum::<f64>() / fits.len() as f64;
         let (c, k) = (mean(&|f| f.c), mean(&|f| f.k));
-        let count = flows.steady.len() as f64;
-        let density = flows.steady.iter().map(|f| f.1.bulk_density).sum::<f64>() / count;
-        plot.add(format!("Fitted, C {c:.2}, k {k:.2}"), Look::law(n), law(density, c, k));
+        plot.add(format!("Fitted, C {c:.2}, k {k:.2}"), Look::law(0), law(c, k));
     }
-    plot.add(format!("C {USUAL_C}, k {USUAL_K}"), Look::law(2), law(density, USUAL_C, USUAL_K));
+    plot.add(format!("C {USUAL_C}, k {USUAL_K}"), Look::law(2), law(USUAL_C, USUAL_K));
     Chart::new(
-        "hopper",
-        "Discharge of a flat-bottomed bin",
-        "Steady rate against the diameter of the opening, angular grains and spheres, each \
-         realisation a point.",
+        grains.id,
+        &format!("Discharge of a flat-bottomed bin: {}", grains.kind),
+        "Steady rate against the diameter of the opening, each realisation a point.",
         vec![plot],
     )
 }

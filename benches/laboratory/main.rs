@@ -65,12 +65,16 @@ struct Options {
 enum Part {
     /// Discharge of a flat-bottomed bin
     Hopper,
+    /// The same with spheres, for which the usual constants hold
+    HopperSpheres,
     /// Collapse of a column
     Column,
     /// Angle of repose by three methods
     Repose,
     /// Loosest and densest state
     Density,
+    /// The vibration of ASTM D4253, whose steps are many
+    D4253,
     /// Direct shear at three stresses
     DirectShear,
     /// Direct shear of steel beads
@@ -118,17 +122,21 @@ fn run(options: &Options) -> Result<(), String> {
     let kept_file = kept.join("laboratory.json");
     let mut rows = earlier(&options.out)?;
     let mut kept_rows = if options.keep { earlier(&kept_file)? } else { Vec::new() };
-    // Nothing is judged by the beads, which are many: only who asks for them has them quick.
+    // Nothing is judged by the beads, which are many, nor by the vibration of the standard, and
+    // spheres say little at one realisation: only who asks for them has them quick.
     let is_all = options.only.len() == Part::value_variants().len();
-    let is_left_out = |part: &Part| bench.is_quick() && is_all && *part == Part::Beads;
+    let are_long = |part: &Part| matches!(part, Part::Beads | Part::HopperSpheres | Part::D4253);
+    let is_left_out = |part: &Part| bench.is_quick() && is_all && are_long(part);
     let parts = Part::value_variants().iter().filter(|part| options.only.contains(part));
     for part in parts.filter(|part| !is_left_out(part)) {
         let name = part.to_string();
         let mut found = match part {
-            Part::Hopper => hopper::carry_out(&bench),
+            Part::Hopper => hopper::with_angular(&bench),
+            Part::HopperSpheres => hopper::with_spheres(&bench),
             Part::Column => column::carry_out(&bench),
             Part::Repose => repose::carry_out(&bench),
             Part::Density => density::carry_out(&bench),
+            Part::D4253 => density::vibrate_as_in_the_standard(&bench),
             Part::DirectShear => shear::carry_out(&bench),
             Part::Beads => beads::carry_out(&bench),
             Part::Oedometer => oedometer::carry_out(&bench),

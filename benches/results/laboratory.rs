@@ -82,15 +82,17 @@ const OF_COLUMN: [&str; 4] =
     ["friction 0.2 in place of 0.5", "spheres", "a column twice as wide", THINLY];
 /// How a run-out is read a second time, which is not judged.
 const THINLY: &str = "where a tenth of a ring is covered";
-/// The same of crushed basalt.
-const OF_BASALT: [&str; 2] = ["longer and flatter grains", "friction between grains of 1.0"];
+/// The same of index densities.
+const OF_DENSITIES: [&str; 2] = ["longer and flatter grains", "friction between grains of 1.0"];
 
 /// With which rows of the small design that is tried.
-const TRIED: [(&str, &[&str]); 4] = [
+const TRIED: [(&str, &[&str]); 6] = [
     ("column-run-out-0.6", &["a column twice as wide"]),
     ("column-run-out-1.2", &["friction 0.2 in place of 0.5", "spheres", "a column twice as wide"]),
-    ("density-basalt-e-max", &OF_BASALT),
-    ("density-basalt-e-min", &OF_BASALT),
+    ("density-basalt-e-max", &OF_DENSITIES),
+    ("density-basalt-e-min", &OF_DENSITIES),
+    ("density-gravel-e-max", &OF_DENSITIES),
+    ("density-gravel-e-min", &OF_DENSITIES),
 ];
 
 /// The note of a row, and what was left out of its test.
@@ -119,8 +121,8 @@ fn unsaid(names: &[&str], notes: &[(String, String)]) -> Vec<String> {
     there.map(|(what, names)| format!("{what}: {}", names.join(", "))).collect()
 }
 
-/// What rows say of what was tried, a line each, and what of it has no result.
-fn tries(all: &Value, begin: &str, names: &[&str]) -> String {
+/// What rows say of what was tried, a line each, and what of it has no result, begun with `of`.
+fn tries(all: &Value, begin: &str, names: &[&str], of: &str) -> String {
     let rows: Vec<&Value> = rows(all).filter(|row| typed(row, "id").starts_with(begin)).collect();
     let notes: Vec<(String, String)> = rows.iter().map(|row| note_of(row)).collect();
     let mut text = String::new();
@@ -131,19 +133,22 @@ fn tries(all: &Value, begin: &str, names: &[&str]) -> String {
             text += &format!("- {}: {}.\n", typed(row, "quantity"), told.join(". "));
         }
     }
-    unsaid(names, &notes).iter().for_each(|line| text += &format!("- {line}.\n"));
+    unsaid(names, &notes).iter().for_each(|line| text += &format!("- {of}{line}.\n"));
     text
 }
 
 /// What was tried with columns.
 pub fn column_tried(all: &Value) -> String {
-    tries(all, "column-run-out-", &OF_COLUMN)
+    tries(all, "column-run-out-", &OF_COLUMN, "")
 }
 
-/// What was tried with crushed basalt.
+/// What was tried with grains whose index densities are published.
 pub fn density_tried(all: &Value) -> String {
     // Rows of both states say what it changes of both.
-    tries(all, "density-basalt-e-max", &OF_BASALT)
+    let of = |(begin, name): &(&str, &str)| {
+        tries(all, &format!("{begin}e-max"), &OF_DENSITIES, &format!("{name}, "))
+    };
+    PUBLISHED.iter().map(of).collect()
 }
 
 /// What must be known of rows by which a vibration has not ended.
@@ -185,15 +190,16 @@ pub fn missed(quote: Cells, all: &Value) -> Result<String, String> {
     Ok(head("missed | published | ours, 95 % confidence | what was tried") + &text)
 }
 
-/// Grains whose index densities are published.
-const PUBLISHED: [&str; 2] = ["density-basalt-", "density-gravel-"];
+/// Grains whose index densities are published: how the ids of their rows begin, and their name.
+const PUBLISHED: [(&str, &str); 2] =
+    [("density-basalt-", "crushed basalt"), ("density-gravel-", "river gravel")];
 
 /// How far void ratios are from the published ones.
 pub fn density(quote: Cells, all: &Value) -> Result<String, String> {
     let mut text = head("void ratio | published | ours, 95 % confidence | less published");
     for value in rows(all) {
         let id = typed(value, "id");
-        let is_one = PUBLISHED.iter().any(|begin| id.starts_with(begin));
+        let is_one = PUBLISHED.iter().any(|(begin, _)| id.starts_with(begin));
         let of = |field: &str| value["published"][field].as_f64();
         let stated = of("value").or_else(|| Some((of("low")? + of("high")?) / 2.0));
         let Some((stated, mean)) = stated.zip(value["ours"].as_f64()).filter(|_| is_one) else {
@@ -255,11 +261,13 @@ pub fn shear_end(quote: Cells, all: &Value) -> Result<String, String> {
 }
 
 /// Tests by their names in rows, and what they are called.
-const TESTS: [(&str, &str); 8] = [
+const TESTS: [(&str, &str); 10] = [
     ("hopper", "hopper"),
+    ("hopper-spheres", "hopper with spheres"),
     ("column", "column"),
     ("repose", "angle of repose"),
     ("density", "index densities"),
+    ("d4253", "vibration as in ASTM D4253"),
     ("direct-shear", "direct shear"),
     ("beads", "steel beads"),
     ("oedometer", "oedometer"),
@@ -363,11 +371,12 @@ pub fn build(builds: &[Build], all: &Value) -> String {
     };
     let later = LATER.iter().filter(|(id, _)| !rows(all).any(|row| row["id"] == *id));
     let later = later.map(|(_, name)| (*name).to_owned());
-    let left = [
-        ("column", without_result(&OF_COLUMN, &notes("column-run-out-"))),
-        ("crushed basalt", without_result(&OF_BASALT, &notes("density-basalt-e-"))),
-    ];
-    let left = left.into_iter().filter(|(_, [_, names])| !names.is_empty());
+    let densities = PUBLISHED
+        .map(|(begin, name)| (name, without_result(&OF_DENSITIES, &notes(&format!("{begin}e-")))));
+    let left = [("column", without_result(&OF_COLUMN, &notes("column-run-out-")))]
+        .into_iter()
+        .chain(densities);
+    let left = left.filter(|(_, [_, names])| !names.is_empty());
     let left = left.map(|(of, [_, names])| format!("{of} ({})", names.join(", ")));
     let left: Vec<String> = later.chain(left).collect();
     if !left.is_empty() {

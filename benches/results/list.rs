@@ -301,6 +301,7 @@ pub const KEPT: &[Kept] = &[
         files: &[
             ("laboratory.json", ""),
             ("laboratory/hopper.svg", ""),
+            ("laboratory/hopper-spheres.svg", ""),
             ("laboratory/column.svg", ""),
             ("laboratory/repose.svg", ""),
             ("laboratory/direct-shear.svg", ""),

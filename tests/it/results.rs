@@ -424,7 +424,8 @@ fn misses_of_the_standard_tests_stand_with_what_was_tried() {
     );
     let basalt = judged("density-basalt-e-max", "outside", &format!("417 grains. {one}"));
     let text = said("laboratory-density-tried", &[basalt]);
-    assert_eq!(text, format!("- e: {one}.\n- {other}.\n"), "law: of what rows say, and do not");
+    let expected = format!("- e: {one}.\n- crushed basalt, {other}.\n- river gravel, {both}.\n");
+    assert_eq!(text, expected, "law: of what rows say, and do not");
 }
 
 /// Law: void ratios stand beside the published one, or the middle of the range about it; rows of
