@@ -134,6 +134,9 @@ mod tests {
     use crate::geometry::Pose;
     use crate::study::tests::planned;
 
+    /// A change of a scenario.
+    type Change<'a> = &'a dyn Fn(&mut Value);
+
     /// A laboratory of a box and a lid that is pressed, as it is changed.
     fn scenario(change: impl Fn(&mut Value)) -> Scenario {
         let mut scenario = json!({
@@ -209,7 +212,7 @@ mod tests {
         };
         let begun = |s: &mut Value| s["begin"] = json!({ "specimen": "run" });
         let moved = |s: &mut Value| s["stages"].as_array_mut().expect("a list").swap(0, 1);
-        let cases: [(&str, &dyn Fn(&mut Value)); 7] = [
+        let cases: [(&str, Change); 7] = [
             ("a base takes them", &base),
             ("two containers", &second),
             ("a box without a wall", &no_wall),

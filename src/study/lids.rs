@@ -99,6 +99,9 @@ fn ends_mm(spec: &PieceSpec) -> Option<[Vector; 2]> {
 mod tests {
     use super::*;
 
+    /// A change of a scenario.
+    type Change<'a> = &'a dyn Fn(&mut Value);
+
     /// What is said of a box of 90 mm and a lid over it, as the scenario is changed.
     fn said(lid_mm: [f64; 2], change: impl Fn(&mut Value)) -> Vec<String> {
         let [a, b] = lid_mm;
@@ -150,7 +153,7 @@ mod tests {
                 { "box": { "inner_mm": [120, 120, 20], "open": ["top", "bottom"] } } });
             s["pieces"].as_array_mut().expect("a list").push(ring);
         };
-        let cases: [(&str, &dyn Fn(&mut Value)); 6] = [
+        let cases: [(&str, Change); 6] = [
             ("beside it", &beside),
             ("it may cross it", &crosses),
             ("it is held", &locked),
