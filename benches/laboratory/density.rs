@@ -43,7 +43,7 @@ struct Tried {
 /// axes have ratios of 1.3 in the median: with these both are 1.5 to 1.7 (`pluvia grains`), about the
 /// end of what counts as equidimensional. Grains are rough, too: more friction stands for what is
 /// smaller than the faces of a cell.
-const fn tried(besides: &'static str) -> [Tried; 2] {
+const fn tried(besides: &'static str) -> [Tried; 3] {
     let long_flat = Tried {
         name: "long-flat",
         title: "longer and flatter grains (both ratios of their axes 1.5 to 1.7 in the median)",
@@ -56,12 +56,22 @@ const fn tried(besides: &'static str) -> [Tried; 2] {
         changes: &["contact.grain_grain_friction=1"],
         besides: "",
     };
-    [long_flat, rough]
+    let together = Tried {
+        name: "long-flat-rough",
+        title: "both together",
+        changes: &[
+            "grains.cells.elongation=1.6",
+            "grains.cells.flatness=1.6",
+            "contact.grain_grain_friction=1",
+        ],
+        besides,
+    };
+    [long_flat, rough, together]
 }
 
-const OF_BASALT: [Tried; 2] =
+const OF_BASALT: [Tried; 3] =
     tried("; medians of the axes 1.66 and 1.63, D50 10.5 in place of 11.2 mm");
-const OF_GRAVEL: [Tried; 2] =
+const OF_GRAVEL: [Tried; 3] =
     tried("; medians of the axes 1.57 and 1.52, D50 10.8 in place of 11.8 mm");
 
 const GRAVEL: usize = 1;

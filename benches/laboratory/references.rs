@@ -105,8 +105,8 @@ const TRIED: &str = "as in the row of these grains without the change: a try of 
     about 0.6\"; \"flaky particles with high aspect ratios of the same grading can have much more \
     space between the particles\": Encyclopedia of Geology 2005, Aggregates, seen at \
     123docz.net/document/11561486-encyclopedia-of-geology-five-volume-set-volume-1-5-\
-    encyclopedia-of-geology-series-pdfdrive-77.htm. No source was seen with the axes of a crushed \
-    basalt or its friction";
+    encyclopedia-of-geology-series-pdfdrive-77.htm. No source was seen with the axes of such \
+    grains or their friction";
 const OWN: &str = "our own check; none is published";
 const NONE: &str = "none is published for these grains";
 const OEDOMETER: &str = "no number was seen that this could be compared with";
@@ -159,6 +159,12 @@ pub fn of(id: &str) -> Reference {
         }
         _ if id.starts_with("density-basalt-") && id.ends_with("-e-min") => {
             unseen(about(BASALT_STATES.1), TRIED)
+        }
+        _ if id.starts_with("density-gravel-") && id.ends_with("-e-max") => {
+            unseen(about(GRAVEL_STATES.0), TRIED)
+        }
+        _ if id.starts_with("density-gravel-") && id.ends_with("-e-min") => {
+            unseen(about(GRAVEL_STATES.1), TRIED)
         }
         _ if id.starts_with("column-run-out-") => seen(Stated::OfTheRow, RUN_OUT),
         _ if id.starts_with("repose-") => unseen(value(0.793), REPOSE),

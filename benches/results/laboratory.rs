@@ -83,7 +83,8 @@ const OF_COLUMN: [&str; 4] =
 /// How a run-out is read a second time, which is not judged.
 const THINLY: &str = "where a tenth of a ring is covered";
 /// The same of index densities.
-const OF_DENSITIES: [&str; 2] = ["longer and flatter grains", "friction between grains of 1.0"];
+const OF_DENSITIES: [&str; 3] =
+    ["longer and flatter grains", "friction between grains of 1.0", "both together"];
 
 /// With which rows of the small design that is tried.
 const TRIED: [(&str, &[&str]); 6] = [

@@ -399,13 +399,14 @@ fn misses_of_the_standard_tests_stand_with_what_was_tried() {
         "law: no miss"
     );
     let one = "Tried: with longer and flatter grains -0.1";
-    let other = "no result yet: friction between grains of 1.0";
-    let both = "no result yet: longer and flatter grains, friction between grains of 1.0";
+    let other = "no result yet: friction between grains of 1.0, both together";
+    let all =
+        "no result yet: longer and flatter grains, friction between grains of 1.0, both together";
     for (id, note, expected) in [
         ("a", format!(". {one}"), one.to_owned()),
         ("a", String::new(), "nothing".to_owned()),
         ("density-basalt-e-max", format!(". {one}"), format!("{one}; {other}")),
-        ("density-basalt-e-min", String::new(), both.to_owned()),
+        ("density-basalt-e-min", String::new(), all.to_owned()),
     ] {
         let note = format!("417 grains{note}; left out of this test: a-c1 (checks NOT passed)");
         let text = said("laboratory-missed", &[within.clone(), judged(id, "outside", &note)]);
@@ -424,7 +425,7 @@ fn misses_of_the_standard_tests_stand_with_what_was_tried() {
     );
     let basalt = judged("density-basalt-e-max", "outside", &format!("417 grains. {one}"));
     let text = said("laboratory-density-tried", &[basalt]);
-    let expected = format!("- e: {one}.\n- crushed basalt, {other}.\n- river gravel, {both}.\n");
+    let expected = format!("- e: {one}.\n- crushed basalt, {other}.\n- river gravel, {all}.\n");
     assert_eq!(text, expected, "law: of what rows say, and do not");
 }
 

@@ -283,7 +283,7 @@ fn single_precision_is_held_against_double() {
     assert!(alone[1].finest_of_ladder);
 }
 
-/// Law: ladders are told apart by their titles on the page, their runs by both names together.
+/// Law: ladders differ by their titles on the page, their runs by both names together.
 #[test]
 fn ladders_and_runs_are_told_apart() {
     let folder = tempfile::tempdir().expect("a folder");
