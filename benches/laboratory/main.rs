@@ -65,7 +65,7 @@ struct Options {
 enum Part {
     /// Discharge of a flat-bottomed bin
     Hopper,
-    /// The same with spheres, for which the usual constants hold
+    /// The same with spheres, of which the usual constants are
     HopperSpheres,
     /// Collapse of a column
     Column,
