@@ -3,6 +3,7 @@
 
 #include "convert.h"
 #include "pool.h"
+#include "shapes.h"
 
 #include <LinearMath/btTransformUtil.h>
 
@@ -130,12 +131,35 @@ void move_body(btRigidBody &body, const SolverBody &solved, double step, bool gy
     // integrateTransformsInternal, 3.24).
     btTransform end;
     body.predictIntegratedTransform(static_cast<btScalar>(step), end);
+    const btScalar angle = spin.length() * static_cast<btScalar>(step);
+    // It turns none further than that in a step (btTransformUtil.h, 3.24).
+    if (angle > ANGULAR_MOTION_THRESHOLD) {
+        end.setRotation((btQuaternion(spin, angle) * body.getOrientation()).normalized());
+    }
     body.proceedToTransform(end);
     body.setLinearVelocity(vector(solved.velocity));
     body.setAngularVelocity(
         uneven ? times(momentum, body.getInvInertiaDiagLocal(), body.getWorldTransform().getBasis())
                : vector(solved.spin));
     body.clearForces();
+}
+
+void Press::hold(const btRigidBody &body) {
+    const btVector3 arm = direction.cross(body.getWorldTransform().getOrigin() - about);
+    const btScalar farthest = arm.length() + bounding_radius(*body.getCollisionShape());
+    reach = std::max(reach, static_cast<double>(farthest));
+}
+
+double Press::gain(const btRigidBody &body, double step) {
+    const btVector3 &velocity = turns ? body.getAngularVelocity() : body.getLinearVelocity();
+    const auto speed = static_cast<double>(direction.dot(velocity));
+    // Of what is new to the world, nothing is known that the force stands against.
+    const double faster = inverse_mass * step * std::abs(known_ ? force - force_ : force);
+    const double gain = faster + (known_ ? std::abs(speed - speed_) : 0);
+    known_ = true;
+    speed_ = speed;
+    force_ = force;
+    return gain * (turns ? reach : 1);
 }
 
 SolverBody pressed_body(const btRigidBody &body, const Press &press) {
@@ -150,6 +174,7 @@ SolverBody pressed_body(const btRigidBody &body, const Press &press) {
         unit = direction.cross(three(body.getWorldTransform().getOrigin() - press.about));
         speed = direction.dot(three(body.getAngularVelocity()));
         out.press_turn = direction * root;
+        out.reach = press.reach;
         out.spin = direction * speed;
         out.spin_up = direction * faster;
     }

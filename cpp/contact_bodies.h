@@ -25,6 +25,7 @@ struct SolverBody {
     // and the unit vector of the axis, over the root of the moment of inertia.
     Vec press{0, 0, 0};
     Vec press_turn{0, 0, 0};
+    double reach = 0; // of one that turns, as that of its Press
 
     bool turned() const { return press_turn.dot(press_turn) > 0; }
     bool pressed() const { return press.dot(press) > 0 || turned(); }
@@ -64,7 +65,20 @@ struct Press {
     double force = 0;             // along the direction, in engine units; or a moment
     bool turns = false;
     btVector3 about{0, 0, 0}; // a point of the axis about which it turns
+    double reach = 0;         // no point of what turns is farther from the axis than that
     double unit = 1;          // engine units per N, or per N m
+
+    // Has all of a body within the reach.
+    void hold(const btRigidBody &body);
+
+    // By how much faster it is at the end of a step than at its beginning, at its farthest point,
+    // if it goes on as in the step before, with the force of now. To be called once a step.
+    double gain(const btRigidBody &body, double step);
+
+  private:
+    // When the step before began.
+    bool known_ = false;
+    double speed_ = 0, force_ = 0;
 };
 
 SolverBody pressed_body(const btRigidBody &body, const Press &press);

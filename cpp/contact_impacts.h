@@ -2,8 +2,9 @@
 //
 // A sub-step is solved as if nothing rebounded, which gives the bodies their places at its end.
 // Where contacts were closed by it that had been approached faster than the threshold, two phases
-// follow that change velocities alone (Poisson's hypothesis with Newton's as its limit; Glocker &
-// Pfeiffer 1995, "Multiple impacts with friction in rigid multibody systems"):
+// follow that change velocities alone, of the bodies where they are then: with the arms of the
+// beginning, angular momentum would be lost (Poisson's hypothesis with Newton's as its limit;
+// Glocker & Pfeiffer 1995, "Multiple impacts with friction in rigid multibody systems"):
 //
 // - compression: impacts are brought to a normal speed of zero, all other
 //   contacts go on as before;
@@ -62,10 +63,12 @@ PLUVIA_INLINE void find_fastest(const Pack<L> &pack, const Point<L> *points,
 
 template <class L>
 PLUVIA_INLINE void begin_compression(const Pack<L> &pack, Point<L> *points, PointMemory<L> *memory,
-                                     const Records<L> *motion,
-                                     const LaneLaw<typename Lane<L>::Number> &law) {
+                                     const LaneLaw<typename Lane<L>::Number> &law,
+                                     const Bodies<L> &bodies) {
     const L zero{};
-    const Sides<L> at(pack, motion);
+    const L one = zero + 1;
+    const Sides<L> at(pack, bodies.motion.data());
+    const Placed<L> placed(pack, bodies);
     for (int p = 0; p < pack.points; ++p) {
         Point<L> &c = points[p];
         PointMemory<L> &m = memory[p];
@@ -75,10 +78,11 @@ PLUVIA_INLINE void begin_compression(const Pack<L> &pack, Point<L> *points, Poin
         const auto impact = m.impact > zero;
         const L gap = m.gap_now + speed * law.step;
         c.bias = impact ? zero : c.bias;
-        c.normal_mass = impact ? m.mass : c.normal_mass;
         c.softness = impact ? zero : c.softness;
         const auto apart = (gap > zero + law.closed_gap) & (c.impulse.x <= zero);
         c.most = apart ? zero : c.most;
+        placed.set(pack, c, m, at);
+        c.normal_mass = m.mass / (one + m.mass * c.softness);
     }
 }
 

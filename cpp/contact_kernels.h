@@ -205,6 +205,30 @@ template <class L> struct Displacement {
     }
 };
 
+// Where the bodies of a pack are now.
+template <class L> struct Placed {
+    Displacement<L> a, b;
+    Symmetric<L> root_a, root_b;
+
+    PLUVIA_INLINE Placed(const Pack<L> &pack, const Bodies<L> &bodies)
+        : a(bodies, pack.a), b(bodies, pack.b), root_a(roots<L>(bodies, pack.a)),
+          root_b(roots<L>(bodies, pack.b)) {}
+
+    // Sets gap and mass of a point, and its Jacobians. Both bodies are pushed in one point: so the
+    // angular momentum is kept, however far they slid past each other.
+    PLUVIA_INLINE void set(const Pack<L> &pack, Point<L> &c, PointMemory<L> &m,
+                           const Sides<L> &at) const {
+        const Three<L> arm_a = turned(m.arm_a, a.turned, pack.normal);
+        const Three<L> arm_b = turned(m.arm_b, b.turned, pack.normal);
+        const Three<L> displacement = a.moved - b.moved + (arm_a - m.arm_a) - (arm_b - m.arm_b);
+        m.gap_now = m.gap + displacement.dot(pack.normal);
+        const Three<L> apart = pack.normal * m.gap + displacement;
+        const Three<L> from_a = apart * m.share;
+        m.mass =
+            set_jacobians(pack, c, at, arm_a - from_a, arm_b + (apart - from_a), root_a, root_b);
+    }
+};
+
 // The bias velocity along the normal in this sub-step, and the softness of the contact.
 //
 // A contact that is not closed yet is met exactly at the end of the sub-step, a closed one is an
@@ -219,24 +243,11 @@ PLUVIA_INLINE void prepare(const Pack<L> &pack, Point<L> *points, PointMemory<L>
     const L zero{};
     const L one = zero + 1;
     const Sides<L> at(pack, bodies.motion.data());
-    const Displacement<L> displacement_a(bodies, pack.a), displacement_b(bodies, pack.b);
-    const Symmetric<L> root_a = roots<L>(bodies, pack.a), root_b = roots<L>(bodies, pack.b);
-    const L both = larger(L(at.a.inverse_mass + at.b.inverse_mass), L(zero + TINY<L>));
-    const L share_a = at.b.inverse_mass / both, share_b = at.a.inverse_mass / both;
+    const Placed<L> placed(pack, bodies);
     for (int p = 0; p < pack.points; ++p) {
         Point<L> &c = points[p];
         PointMemory<L> &m = memory[p];
-        const Three<L> arm_a = turned(m.arm_a, displacement_a.turned, pack.normal);
-        const Three<L> arm_b = turned(m.arm_b, displacement_b.turned, pack.normal);
-        const Three<L> displacement =
-            displacement_a.moved - displacement_b.moved + (arm_a - m.arm_a) - (arm_b - m.arm_b);
-        m.gap_now = m.gap + displacement.dot(pack.normal);
-        // Both bodies are pushed in one point, nearer to the lighter one's: so the
-        // angular momentum is kept, however far they slid past each other, and a
-        // block stays on its corners wherever on the plane it is.
-        const Three<L> apart = pack.normal * m.gap + displacement;
-        m.mass = set_jacobians(pack, c, at, arm_a - apart * share_a, arm_b + apart * share_b,
-                               root_a, root_b);
+        placed.set(pack, c, m, at);
         m.approach = zero - parting(at, pack.normal, c.angular);
 
         const L stiff = zero + law.step * law.stiffness;
@@ -269,12 +280,13 @@ template <class L> PLUVIA_INLINE bool bears(const Pack<L> &pack, const Point<L> 
     return any;
 }
 
-// Applies the impulses that the contacts begin with.
-template <class L>
+// Applies the impulses that the contacts have, or takes them away again.
+template <bool AWAY = false, class L>
 PLUVIA_INLINE void warm_start(const Pack<L> &pack, const Point<L> *points, Records<L> *motion) {
     Sides<L> at(pack, motion);
     for (int p = 0; p < pack.points; ++p) {
-        push(at, pack, points[p], points[p].impulse);
+        const Three<L> &by = points[p].impulse;
+        push(at, pack, points[p], AWAY ? Three<L>{} - by : by);
     }
     at.put_back(pack, motion);
 }

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pluvia {
 
@@ -54,6 +55,26 @@ struct Arms {
         b = pair.b->pose.turn(three(point.on_b));
     }
 };
+
+// How far the one point in which both bodies are pushed is from A's end towards B's, as a share. A
+// corner goes on being where the bodies meet, however far it slides along the other's face; else
+// the point is nearer to the lighter body.
+inline double share_of_a(const Touching &pair, int p, double inverse_a, double inverse_b) {
+    if (pair.a->hull->is_plain() && pair.b->hull->is_plain()) {
+        const std::uint32_t id = pair.state->memory.last.points[p].id;
+        const bool face_of_b = (id & FROM_FACE_OF_B) != 0;
+        switch (point_of(id)) {
+        case PointOf::Corner:
+            return face_of_b ? 0 : 1;
+        case PointOf::CornerOfFace:
+            return face_of_b ? 1 : 0;
+        case PointOf::Crossing:
+        case PointOf::Edges:
+            break;
+        }
+    }
+    return inverse_b / std::max(inverse_a + inverse_b, std::numeric_limits<double>::min());
+}
 
 template <class L> void set_three(Three<L> &lanes, int i, const Vec &value) {
     using N = typename Lane<L>::Number;
@@ -152,6 +173,8 @@ template <class L> void load(const Contacts &contacts, std::size_t i, Problem<L>
             put(m.arm_a.ball, -pair.a->hull->rounding);
             put(m.arm_b.ball, pair.b->hull->rounding);
             put(m.gap, static_cast<double>(contact.points[p].gap));
+            put(m.share, share_of_a(pair, p, contacts.bodies[place.a].inverse_mass,
+                                    contacts.bodies[place.b].inverse_mass));
             const Vec borne = three(load.impulse);
             const double kept = static_cast<double>(load.warm_start) / contacts.law.substeps;
             set_three(c.impulse, lane,
@@ -201,11 +224,12 @@ template <class N> void pack(const Contacts &contacts, std::size_t i, PackedBodi
         const Vec &free = body.turned() ? axis : body.press;
         const double root = 1 / std::sqrt(free.dot(free)); // of the mass or the moment of inertia
         const Vec along = free * (root * root);            // times that root
+        const double arm = body.turned() ? body.reach : 1;
+        const double quickness = arm * arm / (root * root);
         const Vec &speed = body.turned() ? body.spin : body.velocity;
         const Vec &faster = body.turned() ? body.spin_up : body.acceleration;
         put({0, 0, 0, 0, along.dot(speed), 0, 0, 1},
-            {body.press.x, body.press.y, body.press.z, axis.x, axis.y, axis.z, 1 / (root * root),
-             1},
+            {body.press.x, body.press.y, body.press.z, axis.x, axis.y, axis.z, quickness, 1},
             {0, 0, 0, 0, along.dot(faster) * substep, 0, 0, 0});
         return;
     }

@@ -69,8 +69,10 @@ PLUVIA_INLINE Three<L> turned(const Arm<L> &arm, const Three<L> &by, const Three
 
 // The rest about it: what a sub-step is set up from.
 template <class L> struct alignas(64) PointMemory {
-    Arm<L> arm_a, arm_b;       // from the centres of mass when the step began
-    L gap;                     // then
+    Arm<L> arm_a, arm_b; // from the centres of mass when the step began
+    L gap;               // then
+    // Of what the two ends have come apart since, A's share: both bodies are pushed in one point.
+    L share;
     L gap_now, approach, mass; // when the sub-step began; `mass` along the normal
     // Of a sub-step with impacts: the approach velocity of an impact (0 for what is none), the
     // normal impulse without restitution, and all that compression has brought it to.
@@ -89,7 +91,8 @@ template <class L> struct alignas(64) Search { Three<L> impulse; };
 // or that about an axis times the root of its moment of inertia. It stands where others have the
 // first component of their spin, and all else of its motion is 0 but the last, which is 1. In
 // `root` are the velocity of its origin at unit speed and the axis about which it turns (0, 0, 0
-// without one), both over that root, the inverse mass or moment of inertia, and 1.
+// without one), both over that root, the inverse mass, and 1. Of what turns the inverse mass is
+// that of a point as far from the axis as it reaches.
 template <class N> struct PackedBodies {
     UnsetVector<Record<N>> motion; // velocity, inverse mass, inertia root times spin, 1 if it turns
     // Of the inverse inertia, in the world: xx, yy, zz, xy, xz, yz; the inverse mass, 0.

@@ -14,6 +14,7 @@ enum class Phase {
     // Packs.
     Prepare,
     WarmStart, // by colour
+    TakeAway,  // by colour: from the free motion the impulses that it is to have been without
     BeginSearchOfPoints,
     SolveForcesForward, // these four by colour, those backward from the last to the first
     SolveForcesBackward,
@@ -187,6 +188,10 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
     case Phase::WarmStart:
         packs([&](const At &at) PLUVIA_INLINED { warm_start(at.pack, at.points, motion); });
         break;
+    case Phase::TakeAway:
+        packs([&](const At &at)
+                  PLUVIA_INLINED { warm_start<true>(at.pack, at.points, p.bodies.free.data()); });
+        break;
     case Phase::BeginSearchOfPoints:
         packs([&](const At &at) PLUVIA_INLINED {
             for (int n = 0; n < at.pack.points; ++n) {
@@ -225,7 +230,7 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
     }
     case Phase::BeginCompression:
         packs([&](const At &at) PLUVIA_INLINED {
-            begin_compression(at.pack, at.points, at.memory, motion, p.law);
+            begin_compression(at.pack, at.points, at.memory, p.law, p.bodies);
         });
         break;
     case Phase::BeginRestitution:

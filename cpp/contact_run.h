@@ -169,6 +169,8 @@ template <class L> class Run {
         }
         const N limit = std::max(p_.law.restitution_speed, fastest * IMPACT_SHARE<L>);
         now_.packs(Phase::BeginCompression);
+        now_.bodies(Phase::KeepFreeMotion);
+        now_.colours(Phase::TakeAway, all_, false);
         iterate<Solved::Impacts>(limit);
         find_motion();
         now_.packs(Phase::BeginRestitution);

@@ -162,6 +162,7 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
         if (whole_of(number) != number) {
             parts_.push_back({body, nullptr});
         } else if (presses_.count(number) != 0) {
+            presses_.at(number).hold(*body);
             pressed_.push_back(body);
         } else if (body->isKinematicObject()) {
             kinematic_.push_back(body);
@@ -171,6 +172,10 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
     }
     for (Part &part : parts_) {
         part.whole = by_number.at(whole_of(part.own->getUserIndex()));
+        const auto press = presses_.find(part.whole->getUserIndex());
+        if (press != presses_.end()) {
+            press->second.hold(*part.own);
+        }
     }
     int next = 1 + static_cast<int>(moving_.size());
     for (const auto *list : {&pressed_, &kinematic_}) {
@@ -246,6 +251,24 @@ void ContactSolver::read_drives(const Units &units, rust::Vec<DriveRead> &out) c
         const auto id = static_cast<std::uint32_t>(kinematic_[i - first]->getUserIndex());
         out.push_back(DriveRead{id, units.metres(body.velocity), units.metres(body.acceleration),
                                 array(body.spin), array(body.spin_up)});
+    }
+}
+
+void ContactSolver::take_gains(double gravity, double step, double margin, Gains &gains) {
+    // What is gained evenly in all sub-steps moves a body by this share of it.
+    const double mean = (law_.substeps + 1) / (2.0 * law_.substeps);
+    gains.free = std::max(0.0, gravity * step * mean - margin / 2 / step);
+    gains.others.clear();
+    for (const btRigidBody *body : pressed_) {
+        const int number = body->getUserIndex();
+        gains.others.push_back({number, presses_.at(number).gain(*body, step) * mean});
+    }
+    for (const auto &[own, whole] : parts_) {
+        for (std::size_t i = 0; i < pressed_.size(); ++i) {
+            if (pressed_[i] == whole) {
+                gains.others.push_back({own->getUserIndex(), gains.others[i].speed});
+            }
+        }
     }
 }
 

@@ -9,7 +9,9 @@ namespace pluvia {
 
 namespace {
 
-std::uint32_t corner_id(int vertex) { return packed(0, 0, static_cast<std::uint32_t>(vertex)); }
+std::uint32_t corner_id(int vertex) {
+    return packed(PointOf::Corner, 0, static_cast<std::uint32_t>(vertex));
+}
 
 // Whether a point is inside all sides of a face.
 bool below(const HullData &hull, int face, const Vec &x) {

@@ -40,7 +40,7 @@ bool holds(const btBroadphaseProxy &proxy, const HullRange &range) {
 }
 
 // A rigid body whose shape is a TightHull.
-HullBody hull_body(const btCollisionObject &object) {
+HullBody hull_body(const btCollisionObject &object, const Gains &gains) {
     const btRigidBody &body = *btRigidBody::upcast(&object);
     const auto &shape = static_cast<const TightHull &>(*object.getCollisionShape());
     HullBody out;
@@ -53,7 +53,14 @@ HullBody hull_body(const btCollisionObject &object) {
     const btScalar turns = out.hull->is_sphere()    ? 0
                            : out.hull->is_rounded() ? btScalar(out.hull->core_radius())
                                                     : shape.radius();
-    out.turning = static_cast<double>(body.getAngularVelocity().length() * turns);
+    out.besides = static_cast<double>(body.getAngularVelocity().length() * turns);
+    if (!object.isStaticOrKinematicObject()) {
+        out.besides += gains.free;
+        return out;
+    }
+    for (const Gains::Of &other : gains.others) {
+        out.besides += other.number == out.number ? other.speed : 0;
+    }
     return out;
 }
 
@@ -71,7 +78,7 @@ Rigid rigid(const btTransform &pose) {
 }
 
 double approach_in_step(const HullBody &a, const HullBody &b, double step) {
-    return step * (length(a.motion.velocity - b.motion.velocity) + a.turning + b.turning);
+    return step * (length(a.motion.velocity - b.motion.velocity) + a.besides + b.besides);
 }
 
 void HullBodies::begin(const Frame &frame, const btCollisionObjectArray &objects, double step,
@@ -96,7 +103,7 @@ bool HullBodies::gather(const btCollisionObjectArray &objects) {
         members_.push_back({{t.x, t.y, t.z},
                             body.motion.velocity,
                             static_cast<double>(body.hull->radius),
-                            body.turning,
+                            body.besides,
                             !objects[i]->isStaticOrKinematicObject()});
     }
     return crowd_.gather(members_, frame_.velocity, step_, margin_);
@@ -129,7 +136,7 @@ HullBody &HullBodies::read(const btCollisionObject &object) {
     const std::size_t at = index(*object.getBroadphaseHandle());
     HullBody &body = bodies_[at];
     const HullBody before = body;
-    body = hull_body(object);
+    body = hull_body(object, gains);
     if (before.object == body.object) {
         ranges_[at].travelled += displacement(body, before.pose, moved_);
     }
@@ -178,7 +185,7 @@ const HullRange &HullBodies::take(const btCollisionObjectArray &objects, int i,
     const double speed = length(body.motion.velocity - frame_.velocity);
     fastest = std::max(fastest, speed);
     const double against = crowded_ ? crowd_.speed(static_cast<std::size_t>(i)) : speed;
-    range.around = static_cast<float>(margin_ / 2 + step_ * (against + body.turning));
+    range.around = static_cast<float>(margin_ / 2 + step_ * (against + body.besides));
     store(body.pose.t - frame_.origin, range.centre);
     for (int k = 0; k < 3; ++k) {
         range.low[k] += range.centre[k] - range.around;

@@ -25,7 +25,19 @@ struct HullBody {
     int number = -1; // in its world
     Rigid pose;
     HullMotion motion;
-    double turning; // speed at which its farthest point turns
+    // Speed of its points beside that of its origin: at which the farthest one turns, and what
+    // forces may add in the step.
+    double besides;
+};
+
+// Speeds that bodies gain by forces in a step, as the mean that they move at; engine units.
+struct Gains {
+    double free = 0; // every free body, beyond what half the speculative margin has room for
+    struct Of {
+        int number; // in the world
+        double speed;
+    };
+    std::vector<Of> others;
 };
 
 // A length by which points of two bodies can come closer within a step. A
@@ -66,6 +78,8 @@ class HullBodies {
     // Begins a step with these objects; `margin` is the gap up to which contacts are kept.
     void begin(const Frame &frame, const btCollisionObjectArray &objects, double step,
                double margin);
+    // What the bodies gain from now on.
+    Gains gains;
     // Reads all of those, by all threads: each writes only what belongs to its bodies. In `left`
     // whether an object's range has left the box of its proxy.
     void take(const btCollisionObjectArray &objects, const AxisKernels &kernels, Workers &workers,

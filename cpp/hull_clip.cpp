@@ -27,10 +27,10 @@ constexpr double PARALLEL = 1e-8;
 // What two lines are called that cross: edge or side `line`, and side `side`.
 std::uint32_t crossing(std::uint32_t line, std::uint32_t side) {
     if ((line & SIDE) == 0) {
-        return packed(1, line, side);
+        return packed(PointOf::Crossing, line, side);
     }
     const std::uint32_t other = line & ~SIDE;
-    return packed(2, std::min(other, side), std::max(other, side));
+    return packed(PointOf::CornerOfFace, std::min(other, side), std::max(other, side));
 }
 
 } // namespace
@@ -101,7 +101,7 @@ void clip_face(const HullData &reference, int reference_face, const HullData &in
          ++k) {
         Corner corner;
         corner.x = pose.apply(incident.vertex(incident.loop_vertex[k]));
-        corner.id = packed(0, 0, incident.loop_vertex[k]);
+        corner.id = packed(PointOf::Corner, 0, incident.loop_vertex[k]);
         corner.edge = incident.loop_edge[k];
         polygon.push_back(corner);
     }
@@ -262,7 +262,11 @@ EdgeContact edge_contact(const HullData &a, int edge_a, const HullData &b, int e
     out.on_b = from_b + along_b * at_b;
     const Vec left = out.on_b - out.on_a;
     out.gap = out.axis.dot(left);
-    out.off = std::sqrt(std::max(0.0, left.dot(left) - out.gap * out.gap));
+    // Impulses along the axis at two places would change the angular momentum of both bodies.
+    const Vec across = left - out.axis * out.gap;
+    out.off = std::sqrt(across.dot(across));
+    out.on_a = out.on_a + across * 0.5;
+    out.on_b = out.on_b - across * 0.5;
     out.defined = true;
     return out;
 }

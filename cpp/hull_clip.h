@@ -90,9 +90,9 @@ int keep_points(std::vector<ClipPoint> &points, double slack, const KeptContact 
 // Where two edges come closest. `pose` leads from B's frame to A's.
 struct EdgeContact {
     Vec axis;       // unit normal of both out of A, in A's frame
-    Vec on_a, on_b; // in A's frame
+    Vec on_a, on_b; // in A's frame, one facing the other: midway where edges miss each other
     double gap;     // between the edges along the axis
-    double off;     // how far the points are from facing each other
+    double off;     // how far the edges miss each other
     bool defined;   // false for edges that are parallel or without direction
 };
 EdgeContact edge_contact(const HullData &a, int edge_a, const HullData &b, int edge_b,

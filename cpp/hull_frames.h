@@ -39,15 +39,21 @@ class PairFrames : protected PairCase {
 
     // How far any point of one body, or of its core, can have come in the frame of the other since
     // it was at `then`. A gap along an axis changes by no more, so the widest does not either.
-    float moved(const Relative &then) const {
-        return farthest_displacement(then, now_, std::min(a.core_radius(), b.core_radius()));
+    // With `more`, of a point so far beyond it that turns along.
+    float moved(const Relative &then, float more = 0) const {
+        const HullData &smaller = b.radius <= a.radius ? b : a;
+        return farthest_displacement(then, now_, smaller.core_radius() + more);
     }
+
+    // The ball of a point that is kept on its body would turn with it: it walked in front of a body
+    // that rolls, and drove it.
+    float ball() const { return static_cast<float>(std::max(a.rounding, b.rounding)); }
 
     // Whether the points of a face contact can stay where they are on their bodies. Corners that
     // were out of the margin when they were found may land now.
     bool holds_face() const {
         const bool farther = settings.speculative_margin > memory.met_margin + settings.hold;
-        return memory.last.count > 0 && !farther && !(moved(memory.met_at) > settings.hold);
+        return memory.last.count > 0 && !farther && !(moved(memory.met_at, ball()) > settings.hold);
     }
 
     // What `holds_face` goes on with.

@@ -34,6 +34,17 @@ constexpr std::uint32_t packed(Feature feature, std::int32_t first, std::int32_t
 constexpr std::uint32_t FROM_FACE_OF_B = 1U << 30;
 constexpr std::uint32_t FROM_EDGES = packed(3, 0, 0);
 
+// What a point is, which its id says, too: a corner of the body that meets the reference face,
+// where an edge of that body crosses a side of the face, a corner of the face itself, or where two
+// edges meet (or bodies that are round).
+enum class PointOf : std::uint32_t { Corner, Crossing, CornerOfFace, Edges };
+constexpr PointOf point_of(std::uint32_t id) {
+    return static_cast<PointOf>(id >> 2 * INDEX_BITS & 3U);
+}
+constexpr std::uint32_t packed(PointOf what, std::uint32_t first, std::uint32_t second) {
+    return packed(static_cast<std::uint32_t>(what), first, second);
+}
+
 // Points that a contact may have: four hold bodies at rest, and more are there where
 // bodies meet fast.
 constexpr int MOST_POINTS = 8;

@@ -22,8 +22,7 @@ struct PairMotion {
     double step;
 };
 
-// Where a body is after a time if nothing stops it: turned about its origin by its spin, to the
-// second order, and moved.
+// Where a body is after a time if nothing stops it: turned about its origin by its spin, and moved.
 Rigid ahead(const Rigid &pose, const HullMotion &motion, double time);
 
 // When two bodies meet within a step, by Newton's method on the gap, which is convex in time, or

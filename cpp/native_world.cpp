@@ -72,6 +72,9 @@ void NativeWorld::join(btRigidBody &part, btRigidBody &whole) {
             "a body without parts is a part of another that moves alike and is none");
     }
     solver_.join(part.getUserIndex(), number);
+    // What the first search sees of it.
+    part.setLinearVelocity(whole.getLinearVelocity());
+    part.setAngularVelocity(whole.getAngularVelocity());
     // Pairs that end here take with them what they carry.
     collision_.forget(part);
     getPairCache()->setOverlapFilterCallback(&part_filter_);
@@ -105,6 +108,8 @@ void NativeWorld::step(btScalar length) {
     }
     solver_.sort_bodies(getCollisionObjectArray());
     begin_drives(drives, length);
+    solver_.take_gains(static_cast<double>(getGravity().length()), static_cast<double>(length),
+                       collision_.settings.speculative_margin, collision_.bodies.gains);
     damp(length);
     search();
     {

@@ -109,7 +109,10 @@ class RoundedPair : PairFrames {
         kernels.edges(a, b, pose, faces, is_a ? faces.gap_a : faces.gap_b, 1e30F, -1, axes, edges);
         if (edges.edge_a >= 0) {
             const EdgeContact edge = edge_contact(a, edges.edge_a, b, edges.edge_b, b_to_a_);
-            if (edge.defined) {
+            // Edges that are nearly parallel may not be what is highest and lowest along their
+            // axis.
+            const double highest = static_cast<double>(edges.gap) + settings.hysteresis;
+            if (edge.defined && edge.gap <= highest) {
                 cores_.axis = edge.axis;
                 cores_.on_a = edge.on_a;
                 cores_.on_b = edge.on_b;

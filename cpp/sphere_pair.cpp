@@ -114,35 +114,44 @@ double collide_sphere(const PairCase &pair) {
     const HullMotion &its = is_a ? pair.motion.b : pair.motion.a;
     const double margin = pair.settings.speculative_margin;
     const Vec centre = pose.inverse().apply(own_pose.t);
-    const Vec velocity =
-        pose.turn_back(own.velocity - its.velocity - its.spin.cross(own_pose.t - pose.t));
-
+    // A sphere looks the same however it turns.
+    const HullMotion goes{its.velocity, other.is_sphere() ? Vec{0, 0, 0} : its.spin};
     Closest found = closest(other, centre, margin + radius);
     const double gap = found.distance - radius;
     if (gap > margin) {
         return gap;
     }
+    // Where the two are closest when they meet within the step, or else when they have come closest
+    // in it.
+    Rigid then = pose;
     if (gap > margin - pair.settings.approach) {
-        // Where the two are closest when they meet within the step, or else when they have come
-        // closest in it.
         Meeting meeting{pair.motion.step};
-        while (meeting.go_on(found.distance - radius, -velocity.dot(found.normal))) {
-            found = closest(other, centre + velocity * meeting.time,
-                            std::numeric_limits<double>::infinity());
+        Vec at = own_pose.t;
+        const auto closing = [&] {
+            const Vec speed = own.velocity - its.velocity - goes.spin.cross(at - then.t);
+            return -speed.dot(then.turn(found.normal));
+        };
+        while (meeting.go_on(found.distance - radius, closing())) {
+            then = ahead(pose, goes, meeting.time);
+            at = own_pose.t + own.velocity * meeting.time;
+            found =
+                closest(other, then.inverse().apply(at), std::numeric_limits<double>::infinity());
         }
     }
-    // Of the centre now, along the normal and across it: 0, but for what comes from afar.
-    const Vec apart = centre - found.on;
-    const double above = apart.dot(found.normal);
-    const Vec across = apart - found.normal * above;
+    const Vec normal = then.turn(found.normal);
+    // As it is now: what the ball of a rounded polyhedron adds looks where it will.
+    const Vec ball = found.normal * other.rounding;
+    const Vec on = pose.turn(found.on - ball) + normal * other.rounding;
+    const Vec apart = own_pose.t - pose.t - on;
+    const double above = apart.dot(normal);
+    const Vec across = apart - normal * above;
     // The solver pushes both bodies in one point, nearer to the lighter one, and takes its two
     // ends to lie on the normal now. So they are put where the one point will be right.
     const Lightness &light = pair.lightness;
     const double all = std::max(light.a + light.b, std::numeric_limits<double>::min());
     const double share = (is_a ? light.b : light.a) / all;
-    const Vec on_sphere = own_pose.turn_back(pose.turn(found.normal * -radius - across * share));
-    const Vec on_other = found.on + across * (1 - share);
-    const Vec normal = pose.turn(found.normal);
+    const Vec on_sphere = own_pose.turn_back(normal * -radius - across * share);
+    const Vec on_other = pose.turn_back(on + across * (1 - share));
     pair.out.normal = is_a ? -normal : normal;
     pair.out.points[0] = {is_a ? on_sphere : on_other, is_a ? on_other : on_sphere, above - radius,
                           OF_SPHERE};

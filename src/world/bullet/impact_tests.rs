@@ -4,11 +4,70 @@
 use super::tests::{free_box, shared_turn, slab, state, steps, uniform};
 use super::*;
 use crate::grains::streams;
+use crate::scenario::NativeSettings;
 
 fn world(gravity: f64, friction: f64, restitution: f64, rate_hz: f64) -> BulletBackend {
     let settings = EngineSettings { rate_hz, ..Default::default() };
     let gravity = Vector::new(0.0, 0.0, -gravity);
     BulletBackend::new(&settings, gravity, &uniform(friction, restitution)).expect("a world")
+}
+
+/// Angular momentum in kg m²/s of free bodies about their common centre of mass.
+fn angular_momentum(bodies: &[(Body, BodyState)]) -> Vector {
+    let free = bodies.iter().map(|(body, state)| {
+        let Motion::Free { mass, inertia } = body.motion else { panic!("a free body") };
+        (mass, inertia, state)
+    });
+    let mass: f64 = free.clone().map(|(mass, ..)| mass).sum();
+    let mean = |of: fn(&BodyState) -> Vector| -> Vector {
+        free.clone().map(|(mass, _, state)| of(state) * mass).sum::<Vector>() / mass
+    };
+    let at = mean(|state| state.pose.translation.vector);
+    let velocity = mean(|state| state.linear_velocity);
+    let of_each = free.clone().map(|(mass, inertia, state)| {
+        let turn = state.pose.rotation;
+        let own = turn * (turn.inverse() * state.angular_velocity).component_mul(&inertia);
+        let arm = state.pose.translation.vector - at;
+        own + arm.cross(&(state.linear_velocity - velocity)) * mass
+    });
+    of_each.sum()
+}
+
+/// Law: boxes that collide keep their angular momentum wherever they meet: also where two edges
+/// pass each other at their ends.
+#[test]
+fn colliding_boxes_keep_the_angular_momentum() {
+    let _turn = shared_turn();
+    let unit = |draw: &mut _| streams::rotation(draw) * Vector::x();
+    let mut met = 0;
+    for number in 0..300 {
+        let mut draw = streams::stream(number, "collision");
+        let native = NativeSettings { substep_rate_hz: 23_040.0, ..Default::default() };
+        let settings = EngineSettings { native, ..Default::default() };
+        let none = Vector::zeros();
+        let mut world = BulletBackend::new(&settings, none, &uniform(0.0, 0.0)).expect("a world");
+        let mut bodies = [-1.0, 1.0].map(|side| {
+            let mut body = free_box(Vector::new(0.006, 0.009, 0.02), Vector::x() * 0.015 * side);
+            body.state.pose.rotation = streams::rotation(&mut draw);
+            body.state.linear_velocity = unit(&mut draw) * 0.2 - Vector::x() * 0.5 * side;
+            body.state.angular_velocity = unit(&mut draw) * 20.0;
+            let id = world.add(&body).expect("added");
+            (id, body)
+        });
+        let all = |world: &BulletBackend| {
+            angular_momentum(&bodies.clone().map(|(id, body)| (body, state(world, id))))
+        };
+        let before = all(&world);
+        steps(&mut world, 40);
+        let lost = (all(&world) - before).norm() / before.norm();
+        met += usize::from(
+            state(&world, bodies[0].0).linear_velocity != bodies[0].1.state.linear_velocity,
+        );
+        if lost > 2e-3 {
+            println!("case {number}: lost {lost}");
+        }
+    }
+    println!("met {met}");
 }
 
 /// Kinetic energy in J of a free body.

@@ -252,6 +252,33 @@ fn parts_of_a_kinematic_body_push_in_its_first_step() {
     }
 }
 
+/// Law: what a pressed body runs into with one of its parts, it meets in the first step of a world,
+/// too, from farther than contacts are looked for between bodies at rest.
+#[test]
+fn parts_of_a_pressed_body_meet_in_the_first_step_of_a_world() {
+    let _turn = shared_turn();
+    for at_once in AT_ONCE {
+        let mut world = world(at_once, 0.5, 0.0);
+        let speed = 2e-3 / world.time_step();
+        let [whole, other] = [0.0, 0.1].map(|x| {
+            let motion = if x > 0.0 {
+                Motion::Kinematic
+            } else {
+                Motion::Pressed { mass: 1e3, direction: Vector::z() }
+            };
+            let mut one = part(Vector::repeat(SIDE), Vector::x() * x, 1.0, motion);
+            one.state.linear_velocity = Vector::z() * if x > 0.0 { 0.0 } else { speed };
+            world.add(&one).expect("added")
+        });
+        world.join(other, whole).expect("one body");
+        let at = Vector::new(0.1, 0.0, 1.0 + SIDE + 1e-3);
+        let block = world.add(&free_box(Vector::repeat(SIDE), at)).expect("added");
+        world.step().expect("a step");
+        let up = world.read_body(block).expect("there").linear_velocity.z;
+        near("as fast as what pushes it", up, speed, 2e-2 * speed);
+    }
+}
+
 #[test]
 fn what_cannot_be_one_body_is_refused() {
     let _turn = shared_turn();

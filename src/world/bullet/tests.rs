@@ -114,6 +114,31 @@ fn native_worlds_read_back_no_setting_of_stock_contacts() {
     }
 }
 
+/// Law: a native body turns by its spin times the step, by more than an eighth of a turn, too.
+#[test]
+fn a_native_body_turns_as_far_as_its_spin_says() {
+    let _turn = shared_turn();
+    for (size, axis) in [
+        (Vector::repeat(0.01), Vector::new(1.0, -2.0, 3.0).normalize()),
+        (Vector::new(0.006, 0.009, 0.02), Vector::y()),
+    ] {
+        for speed in [300.0, 380.0, 1200.0] {
+            let mut world = native_world(NativeSettings::default(), 0.5, 0.0);
+            let mut body = free_box(size, Vector::z());
+            body.state.angular_velocity = axis * speed;
+            let id = world.add(&body).expect("added");
+            steps(&mut world, 7);
+            let now = state(&world, id);
+            let angle = 7.0 * speed * world.time_step();
+            let expected = UnitQuaternion::from_scaled_axis(axis * angle);
+            let off = now.pose.rotation.angle_to(&expected);
+            near(&format!("ω t at {speed} rad/s"), off, 0.0, precision(1e-9, 1e-4));
+            let spin = now.angular_velocity - axis * speed;
+            near(&format!("spin at {speed} rad/s"), spin.norm(), 0.0, precision(1e-9, 1e-3));
+        }
+    }
+}
+
 #[test]
 fn free_fall_is_the_discrete_solution_at_every_length_scale() {
     let _turn = exclusive_turn();
