@@ -49,8 +49,8 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
             "--backends needs at least two engines, as in bullet,rapier".to_owned(),
         ));
     }
-    let scenario = load_scenario(&args.scenario, &args.set)?.scenario;
-    let study = compare(scenario, backends)?;
+    let loaded = load_scenario(&args.scenario, &args.set)?;
+    let study = compare(loaded, &args.set, backends)?;
     let run = context.run_options(&args.out, args.jobs);
     carry_out(study, &run, context, |record| {
         let mut text = table::of_comparison(record);

@@ -122,6 +122,12 @@ impl Override {
         self.path.len() == other.path.len() && self.overlaps(other)
     }
 
+    /// Whether it gives the value at a path of a fault, or one around it.
+    pub fn gives(&self, path: &str) -> bool {
+        let place = format!("{path}=").parse::<Self>();
+        place.is_ok_and(|place| place.is_where(self) || place.is_part_of(self))
+    }
+
     /// Lays the value over the document. A field that is not there is made;
     /// whether the scenario knows it is found when everything is checked.
     pub(super) fn apply(&self, document: &mut Document) -> Result<(), Fault> {
@@ -263,6 +269,21 @@ mod tests {
             let overlap = same || part;
             assert_eq!(one.overlaps(&other), overlap, "law: whether `{a}` reaches `{b}`");
             assert_eq!(other.overlaps(&one), overlap, "law: and the other way round");
+        }
+    }
+
+    /// Law: a change gives what stands at its path and below it.
+    #[test]
+    fn changes_give_what_lies_at_and_below_their_paths() {
+        for (change, path, expected) in [
+            ("engine.rate_hz=1", "engine.rate_hz", true),
+            ("pieces.0.shape={}", "pieces[0].shape.hopper.wall_mm", true),
+            ("pieces.1.shape={}", "pieces[0].shape.hopper.wall_mm", false),
+            ("stages.0.stage=rest", "stages[0]", false),
+            ("name=a", "", false),
+        ] {
+            let got = change.parse::<Override>().expect("a change").gives(path);
+            assert_eq!(got, expected, "law: whether `{change}` gives `{path}`");
         }
     }
 

@@ -8,7 +8,7 @@
 use super::{plan::Prepared, *};
 use crate::record::{OpeningSummary, RegionSummary, left_out_with_reasons};
 use crate::report::ComparedQuantity;
-use crate::scenario::{StockSettings, check};
+use crate::scenario::{Loaded, StockSettings, check};
 
 /// Largest difference of standing height between two engines that is not a finding, as a fraction
 /// of the height: pours of a few hundred grains differ by up to 4 % from one mixing to the next, of
@@ -26,11 +26,13 @@ pub const VOID_RATIO_BAND: f64 = 0.1;
 /// [`StudyError::Faults`] where an engine cannot do the scenario: the first may run for hours
 /// before the turn of one that cannot; [`StudyError`] where grains or a laboratory cannot be had.
 pub fn compare(
-    scenario: Scenario,
+    loaded: Loaded,
+    changes: &[Override],
     backends: &[Backend],
 ) -> Result<Study<CompareRecord>, StudyError> {
+    let Loaded { scenario, files } = loaded;
     let each: Vec<Scenario> = backends.iter().map(|b| with(&scenario, *b)).collect();
-    each.iter().try_for_each(check)?;
+    each.iter().try_for_each(|own| check_in(own, files.first(), changes))?;
     let question = json!({ "scenario": in_question(&scenario), "backends": backends });
     let grains = Arc::new(make_grains(&scenario)?);
     let is_vibration = |stage: &StageSpec| matches!(stage, StageSpec::Vibrate { .. });
@@ -100,6 +102,31 @@ fn with(scenario: &Scenario, backend: Backend) -> Scenario {
         own.engine.stock = StockSettings::default();
     }
     own
+}
+
+/// Checks a scenario in an engine of the comparison. What one engine cannot do another may, so that
+/// faults name the engine, and the file of the scenario or the change that gave the value.
+fn check_in(
+    own: &Scenario,
+    file: Option<&PathBuf>,
+    changes: &[Override],
+) -> Result<(), ScenarioErrors> {
+    let faults = match check(own) {
+        Err(ScenarioErrors::Faults(faults)) => faults,
+        other => return other,
+    };
+    let engine = name(own.engine.backend);
+    let placed = faults.into_iter().map(|fault| {
+        let message = format!("in {engine}: {}", fault.message);
+        let change = changes.iter().rev().find(|change| change.gives(&fault.path));
+        let given = match (change, file) {
+            (Some(change), _) => format!("--set {}", change.text()),
+            (None, Some(file)) => file.display().to_string(),
+            (None, None) => fault.file.clone(),
+        };
+        Fault { message, ..fault }.of(given)
+    });
+    Err(ScenarioErrors::Faults(placed.collect()))
 }
 
 /// The runs of a scenario that is given in each engine.
@@ -385,10 +412,10 @@ mod tests {
                 value[field] = to.clone();
             }
             std::fs::write(&path, value.to_string()).expect("a scenario");
-            crate::grains::load_scenario(&path, &[]).unwrap_or_else(|e| panic!("{e}")).scenario
+            crate::grains::load_scenario(&path, &[]).unwrap_or_else(|e| panic!("{e}"))
         };
-        let check_each = |scenario: &Scenario, backends: &[Backend]| {
-            compare(scenario.clone(), backends).map(drop)
+        let check_each = |loaded: &Loaded, backends: &[Backend]| {
+            compare(loaded.clone(), &[], backends).map(drop)
         };
         let both = [Backend::Bullet, Backend::Rapier];
         let poured = scenario(serde_json::json!({}));
@@ -411,7 +438,8 @@ mod tests {
         }));
         check_each(&pressed, &both[..1]).expect("law: one engine can press");
         let said = check_each(&pressed, &both).expect_err("law: the other cannot").to_string();
-        assert!(said.contains("stages[1]") && said.contains("rapier"), "law: where, got {said}");
+        let expected = format!("{}: stages[1].stage: in rapier: ", path.display());
+        assert!(said.starts_with(&expected), "law: begins with `{expected}`, got {said}");
     }
 
     /// Law: a stage says of which run it is; the second engine's own and what it does with the

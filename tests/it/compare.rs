@@ -76,6 +76,25 @@ fn what_an_engine_cannot_do_is_refused_before_the_other_runs() {
     assert!(!folder.path("out").exists(), "law: faults are found before anything is written");
 }
 
+/// Law: what one engine refuses is said with the file, or the change that gave it, and the engine.
+#[test]
+fn faults_in_one_engine_name_the_file_and_the_engine() {
+    if !cfg!(feature = "rapier") {
+        return;
+    }
+    let folder = Folder::new();
+    let (file, out) = ("scenarios/laboratory/hopper.json", folder.out("out"));
+    let asked = compare(file, "bullet,rapier", &out);
+    let walls = ["pieces[0].shape.hopper.wall_mm", "pieces[2].shape.box.wall_mm"];
+    let expected = walls.map(|wall| format!("{file}: {wall}: in rapier: a wall through which"));
+    program::refused(&asked, 2, &expected.each_ref().map(String::as_str));
+    let set = "pieces.0.shape.hopper.wall_mm=9";
+    let expected = [format!("--set {set}: {}: in rapier: ", walls[0]), expected[1].clone()];
+    let asked = [&asked[..], &["--set", set]].concat();
+    program::refused(&asked, 2, &expected.each_ref().map(String::as_str));
+    assert!(!folder.path("out").exists(), "law: faults are found before anything is written");
+}
+
 /// Law: grains that cannot be read are reported before anything is written.
 #[test]
 fn grains_that_are_not_there_leave_nothing() {
