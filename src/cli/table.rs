@@ -3,8 +3,8 @@
 use super::*;
 use crate::paper::{InterpretationColumn, ResultCounts};
 use crate::record::{
-    AngleOfRepose, Balance, GrainsSummary, LaboratorySummary, Overlap, Settlement, StandingHeight,
-    VibrationSummary,
+    AngleOfRepose, Balance, GrainsSummary, LaboratorySummary, Overlap, Settlement, Site,
+    StandingHeight, VibrationSummary,
 };
 use crate::report::{Calibration, calibration_rows};
 use crate::study::CompareRecord;
@@ -159,33 +159,31 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     let solver = &summary.contact_solver;
     rows.add("engine", format!("{name} {version}, {precision} precision, contacts by {solver}"));
     rows.add("grains", format!("{}, {} g", grains.count, grams(grains.mass_g)));
-    // A pile has no walls: its grains lie, but in no cylinder and with no void ratio.
-    let laboratory = summary.laboratory.as_ref();
-    let is_withheld = |field: &str| summary.withheld.iter().any(|w| w.field == field);
-    let pile = summary.void_ratio.is_none() && grains.in_cylinder > 0 && !is_withheld("void_ratio");
+    let (site, laboratory) = (summary.site(), summary.laboratory.as_ref());
     let GrainsSummary { in_cylinder, spilled, left_in_funnel, escaped, .. } = grains;
-    let places = if laboratory.is_some() {
-        format!(
+    let places = match site {
+        Site::Laboratory => format!(
             "{in_cylinder} in the laboratory, {left_in_funnel} left over, {spilled} fallen out of it, \
              {escaped} escaped through walls"
-        )
-    } else if pile {
-        let mut text = format!("{in_cylinder} on the base, {spilled} fallen off");
-        if left_in_funnel + escaped > 0 {
-            text += &format!(", {left_in_funnel} not fed, {escaped} escaped through the base");
+        ),
+        Site::Base => {
+            let mut text = format!("{in_cylinder} on the base, {spilled} fallen off");
+            if left_in_funnel + escaped > 0 {
+                text += &format!(", {left_in_funnel} not fed, {escaped} escaped through the base");
+            }
+            text
         }
-        text
-    } else {
-        format!(
+        Site::Cylinder => format!(
             "{in_cylinder} in the cylinder, {spilled} spilled, {left_in_funnel} left in the funnel, \
              {escaped} escaped through walls"
-        )
+        ),
     };
     rows.add("", places);
     let ratio = |void_ratio: f64| format!("{void_ratio:.3}");
     rows.add("poured height", summary.poured_height_mm.as_ref().map(standing));
     rows.add("poured void ratio", summary.poured_void_ratio.map(ratio));
-    if !pile && !is_withheld("standing_height_mm") {
+    let is_withheld = summary.withheld.iter().any(|w| w.field == "standing_height_mm");
+    if site == Site::Cylinder && !is_withheld {
         rows.add("standing height", standing(&summary.standing_height_mm));
     }
     if let (Some(void_ratio), Some(porosity)) = (summary.void_ratio, summary.porosity) {

@@ -12,7 +12,7 @@ use super::*;
 ///
 /// Ours. A specimen stands lower by the share of its grains that it lacks. Pours of a few
 /// hundred grains differ by up to 4 % of their height from one realisation to the next
-/// (`HEIGHT_BAND`, `study/compare.rs`): a run that lacks more than 5 % shows its jam, not its
+/// (`HEIGHT_BAND`, `study/compared.rs`): a run that lacks more than 5 % shows its jam, not its
 /// packing. Losses are a few grains or a jam, hardly anything between.
 pub const MOST_MISSING: f64 = 0.05;
 

@@ -114,7 +114,29 @@ pub struct Summary {
     pub warnings: Vec<String>,
 }
 
+/// Where the grains of a run lie at its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Site {
+    /// In the cylinder, where they have a standing height.
+    Cylinder,
+    /// In a pile on its base.
+    Base,
+    /// In a laboratory of pieces.
+    Laboratory,
+}
+
 impl Summary {
+    /// Where its grains lie. A pile has no walls: no void ratio, and no reason why.
+    pub fn site(&self) -> Site {
+        let is_withheld = self.withheld.iter().any(|w| w.field == "void_ratio");
+        let is_pile = self.void_ratio.is_none() && self.grains.in_cylinder > 0 && !is_withheld;
+        match (&self.laboratory, is_pile) {
+            (Some(_), _) => Site::Laboratory,
+            (None, true) => Site::Base,
+            (None, false) => Site::Cylinder,
+        }
+    }
+
     /// From the beginning of the first to the end of the last period of vibration, in s of the
     /// run's time; none where nothing was vibrated.
     pub fn shaken_s(&self) -> Option<(f64, f64)> {

@@ -19,8 +19,12 @@ pub struct CompareRecord {
     pub quantities: Vec<ComparedQuantity>,
     /// Whether every quantity with a band lies within it; null where the bands are not judged.
     pub within_bands: Option<bool>,
-    /// Why the bands are not judged: the runs that are left out of means, with the reasons.
+    /// Why the bands are not judged: the runs that are left out of means, with the reasons, or that
+    /// there is no band for what the runs measure.
     pub not_judged: Option<String>,
+    /// Whether no band is missed and every engine's own run counts in means.
+    #[serde(skip)]
+    pub as_expected: bool,
     /// Whether the scenario vibrates the specimen.
     #[serde(skip)]
     pub vibrated: bool,
@@ -124,9 +128,12 @@ fn lead(of: &CompareRecord) -> String {
     if !against.is_empty() {
         sentences
             .push(format!("NOT counted in means, and no result to quote: {}.", against.join(", ")));
-        if of.quantities.iter().all(|q| q.within_band.is_none()) {
-            sentences.push("So the bands are not judged.".to_owned());
-        }
+    }
+    if let Some(why) = &of.not_judged {
+        // Which runs are left out has been said.
+        let no_band = format!("No band is judged: {why}.");
+        let said = if of.as_expected { no_band } else { "So the bands are not judged.".to_owned() };
+        sentences.push(said);
     }
     sentences.join(" ")
 }
@@ -221,8 +228,8 @@ const SHOWN: [Shown; 4] = [
     Shown {
         stem: "compare-height",
         title: "Mean height of the grains",
-        caption: "Mean height of the grains in the cylinder over the time of each run; dashed where \
-                  the specimen came from another engine.",
+        caption: "Mean height of the grains in place over the time of each run; dashed where the \
+                  specimen came from another engine.",
         axis: "Mean grain height (mm)",
         column: "mean_grain_height_mm",
         is_log: false,

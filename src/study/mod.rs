@@ -7,6 +7,7 @@ mod believed;
 mod calibrate;
 mod checks;
 mod compare;
+mod compared;
 mod converge;
 mod declaration;
 mod density;
@@ -40,7 +41,8 @@ mod variations;
 pub use crate::report::{CompareRecord, CompareRun};
 pub use accuracy::standard;
 pub use calibrate::{CalibrationOptions, CalibrationTarget, GRAIN_FRICTION, calibrate};
-pub use compare::{HEIGHT_BAND, VOID_RATIO_BAND, compare};
+pub use compare::compare;
+pub use compared::{HEIGHT_BAND, VOID_RATIO_BAND};
 pub use converge::{
     ConvergenceDesign, ConvergenceLimits, LadderDesign, RungDesign, StudyOptions, converge,
 };
