@@ -23,8 +23,9 @@ enum StoreAction {
 #[command(after_help = "\
 Reads a whole store and changes nothing. Checks of every stage that it is complete, that its files
 have the recorded hashes, that it is the stage that its folder names, that it continues the stored
-stage before it, and that it has as many bodies as grains; the same of checkpoints. Lists what is
-half written. A damaged stage is never used: the command that needs it reports it and runs it again.
+stage before it, also where that is another run's, and that it has as many bodies as grains; the
+same of checkpoints. Lists what is half written. A damaged stage is never used: the command that
+needs it reports it and runs it again.
 
 Exit codes: 0 nothing is damaged; 1 something is; 2 DIR holds no store; 4 it is not there, or could
 not be read.

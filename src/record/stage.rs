@@ -17,6 +17,10 @@ pub struct StageRecord {
     /// SHA-256 of the `specimen.json` that it began with; none for the first stage of a run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub began_with_sha256: Option<String>,
+    /// Folder of the run with whose specimen it began, where that is another one; none of a stage
+    /// that goes on from one of its own run, and where it was stored before this was recorded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub begun_in: Option<String>,
     /// Name of the stage as in the scenario.
     pub stage: String,
     /// Engine steps taken.

@@ -74,7 +74,7 @@ impl StoredItem {
 
 /// Checks every stage of a store (complete, hashes, its key that of its folder and of what
 /// determined it, the stage before, bodies, finite numbers), every checkpoint, and lists what is
-/// half written. Whether a state can be one of its laboratory is checked when it is used.
+/// half written. Of a specimen that a run began with, the store of its own run is asked. Whether a state can be one of its laboratory is checked when it is used.
 ///
 /// # Errors
 /// When the folder cannot be listed.
@@ -150,24 +150,40 @@ fn judged(name: String, stored: StoredStage) -> (StoredItem, Option<StageRecord>
     (item, is_whole.then_some(record))
 }
 
-/// Whether the stage before is there, and is the one that a stage went on from.
+/// Whether the stage before is there, in this store or in that of the run with whose specimen the
+/// stage began, and is the one that it went on from.
 fn lineage(root: &Path, item: &mut StoredItem, records: &BTreeMap<String, StageRecord>) {
     let (Some(record), Some(parent)) = (records.get(&item.name), item.parent.clone()) else {
         return;
     };
     let folder = StageStore::folder_in(root, &parent);
     let name = folder.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    match records.get(&name) {
-        None => item.note = Some("the stage before it is not there, or damaged".to_owned()),
-        Some(before) => {
-            let grains =
-                |r: &StageRecord| r.identity.as_ref().map(|i| (i.grains, i.grains_sha256.clone()));
-            if record.began_with_sha256.as_deref() != Some(&before.specimen_sha256) {
-                item.damaged("it began with another specimen than the stage before has");
-            } else if grains(record) != grains(before) {
-                item.damaged("it has other grains than the stage before");
+    let elsewhere = match (records.get(&name), &record.begun_in) {
+        (None, Some(run)) => {
+            let stages = run_file(Path::new(run), "stages");
+            match StageStore::stage_in(&stages, &parent, "") {
+                Ok((before, ..)) => {
+                    item.note = Some(format!("it began with the specimen of the run in {run}"));
+                    Some(before)
+                }
+                Err(error) => {
+                    item.note = Some(format!("the specimen that it began with: {error}"));
+                    None
+                }
             }
         }
+        (None, None) => {
+            item.note = Some("the stage before it is not there, or damaged".to_owned());
+            None
+        }
+        (Some(_), _) => None,
+    };
+    let Some(before) = records.get(&name).or(elsewhere.as_ref()) else { return };
+    let grains = |r: &StageRecord| r.identity.as_ref().map(|i| (i.grains, i.grains_sha256.clone()));
+    if record.began_with_sha256.as_deref() != Some(&before.specimen_sha256) {
+        item.damaged("it began with another specimen than the stage before has");
+    } else if grains(record) != grains(before) {
+        item.damaged("it has other grains than the stage before");
     }
 }
 

@@ -123,6 +123,47 @@ fn every_kind_of_damage_is_found() {
     assert!(said.contains("other grains"), "{said}");
 }
 
+/// Law: what a stage began with is looked for in the store of the run that it is of: there it is
+/// known, elsewhere it is said where it was to be, and another one is damage.
+#[test]
+fn the_specimen_of_another_run_is_known() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (run, root) = (folder.path().join("poured"), folder.path().join("rested/stages"));
+    let [_, pour] = store_two(&run.join("stages"));
+    let before = read_record(&StageStore::folder_in(&run.join("stages"), &pour.key));
+    let began_with = before.expect("a record").specimen_sha256;
+    let rest = named("rest", Some(&pour.key));
+    let asked = |began_with| AskedStage { identity: &rest, began_with, plausible: &|_| Ok(()) };
+    let record = StageRecord {
+        stage: rest.stage.clone(),
+        end: Some(StageEnd::default()),
+        begun_in: Some(run.to_string_lossy().into_owned()),
+        ..StageRecord::default()
+    };
+    let state = SpecimenState::before_everything(2);
+    let stage = StoredStage { record, state, series: Vec::new() };
+    let store = StageStore::open(&root).expect("a store");
+    store.save(&asked(Some(&*began_with)), stage.clone(), None).expect("it is stored");
+    let found = || {
+        let mut report = check_store(&root).expect("checked");
+        let item = report.stages.remove(0);
+        (item.state, item.note.unwrap_or_default())
+    };
+    let (state, note) = found();
+    let expected = format!("it began with the specimen of the run in {}", run.display());
+    assert_eq!((state, note), (StoredState::Whole, expected), "law: left what is found");
+    let aside = folder.path().join("aside");
+    fs::rename(&run, &aside).expect("moved");
+    let (state, note) = found();
+    assert_eq!(state, StoredState::Whole, "law: without it the stage is whole, got {note}");
+    assert!(note.contains(&*run.to_string_lossy()), "law: it says where it was, got {note}");
+    fs::rename(&aside, &run).expect("moved back");
+    store.save(&asked(Some("another")), stage, None).expect("it takes the other's place");
+    let (state, note) = found();
+    assert_eq!(state, StoredState::Damaged, "law: it began with another, got {note}");
+    assert!(note.contains("began with another specimen"), "law: and it says so, got {note}");
+}
+
 #[test]
 fn damaged_and_foreign_checkpoints_are_found() {
     let root = tempfile::tempdir().expect("a folder");

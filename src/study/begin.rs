@@ -12,6 +12,8 @@ pub(super) const GRAINS_FILE: &str = "grains.json";
 /// A specimen that a run begins with.
 #[derive(Debug, PartialEq)]
 pub struct Begun {
+    /// Folder of that run.
+    pub run: PathBuf,
     /// Key of the stage at whose end it was.
     pub key: String,
     /// What that stage says of itself.
@@ -29,7 +31,8 @@ impl Begun {
         grains_sha256: &str,
         setup: &Setup,
     ) -> Result<Arc<Self>, StudyError> {
-        let root = run_file(&spec.folder(), "stages");
+        let run = spec.folder();
+        let root = run_file(&run, "stages");
         let key = spec.key.clone().unwrap_or_default();
         let noted = spec.specimen_sha256.as_deref().unwrap_or_default();
         let (record, state, file) = StageStore::stage_in(&root, &key, noted)?;
@@ -54,7 +57,9 @@ impl Begun {
         plausible(&made_in, &specimen, 0.0, 0.0).map_err(unfit)?;
         let recorded = record.end.ok_or_else(|| unfit("it does not say how it ended".into()))?;
         end_of(gravity, &specimen).is(&recorded).map_err(unfit)?;
-        Ok(Arc::new(Self { key, record, state: specimen.state }))
+        // Wherever the store is looked over.
+        let run = std::path::absolute(&run).unwrap_or(run);
+        Ok(Arc::new(Self { run, key, record, state: specimen.state }))
     }
 
     /// Refuses a seed or a configuration of a scenario that is not the specimen's and draws nothing:

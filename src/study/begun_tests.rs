@@ -45,7 +45,8 @@ fn rested(change: impl Fn(&mut SpecimenState)) -> Summary {
     }
     change(&mut state);
     let poured = StageRecord { settling: Some(MOVING), ..StageRecord::default() };
-    let begun = Begun { key: String::new(), record: poured, state: state.clone() };
+    let (from, key) = Default::default();
+    let begun = Begun { run: from, key, record: poured, state: state.clone() };
     let checks = Some(StageChecks { checks: 1, ..StageChecks::default() });
     let record = StageRecord { stage: "rest".to_owned(), checks, ..StageRecord::default() };
     let done = [Arc::new(StoredStage { record, state, series: Vec::new() })];
@@ -102,7 +103,8 @@ fn a_begun_specimen_is_not_called_another_realisation() {
     let made = serde_json::json!({ "seed": 4, "configuration": 2 });
     let identity = Some(StageIdentity::new("pour", (0, ""), None, &made));
     let record = StageRecord { identity, ..StageRecord::default() };
-    let begun = Begun { key: String::new(), record, state: SpecimenState::before_everything(0) };
+    let (run, key) = Default::default();
+    let begun = Begun { run, key, record, state: SpecimenState::before_everything(0) };
     let refusal = |stage: &StageSpec, seed: u64, configuration: u32| {
         let scenario = Scenario { seed, configuration, ..begins(stage.clone()) };
         let refused = begun.refuse_other_name(&scenario).err();

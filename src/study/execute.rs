@@ -292,6 +292,7 @@ impl<'a> Shop<'a> {
         let mut warnings = outcome.warnings;
         warnings.extend(checks::warnings(&checks));
         let record = StageRecord {
+            begun_in: begun.map(|begun| begun.run.to_string_lossy().into_owned()),
             stage: node.stage.name().into(),
             steps: outcome.steps,
             simulated_s: outcome.simulated,

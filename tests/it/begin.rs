@@ -70,6 +70,9 @@ fn shaken_from_a_stored_specimen_is_as_shaken_at_once() {
         assert_eq!(manifest["began_with"]["after"], json!(["fill_funnel", "pour"]), "law: it says");
         assert_eq!(manifest["began_with"]["key"], keys(&from)[1], "law: which specimen it was");
         let exported = folder.path().join(format!("{name}-exported"));
+        let checked = done(&["store", "check", text(&out)]);
+        let known = checked.contains("it began with the specimen of the run in");
+        assert!(known && !checked.contains("not there"), "law: its store knows it, got {checked}");
         // Such a run is read as any other.
         done(&["export", text(&out), "--format", "csv", "--out", text(&exported)]);
     }
