@@ -20,18 +20,29 @@ pub fn write_sweep(out: &Path, of: &Sweep) -> Result<(), ReportError> {
     page(of, figures::of_sweep(of)?).write(out, &["sweep.md", "report.html"])
 }
 
+/// The column of the realisation, and the field that says which it is.
+const CONFIGURATION: &str = "configuration";
+
 /// `sweep.csv`: one row a run, one column a factor and result. The same sweep
 /// gives the same bytes, wherever and in whatever order it was run.
 fn table(of: &Sweep) -> Table {
     let all = all_outcomes(&of.runs);
     let results = || all.iter().copied().filter(|path| *path != WALL_TIME);
-    let factors = of.factors.iter().map(|f| f.path.as_str());
-    let header = ["run", "point", "configuration"].into_iter().chain(factors).chain(results());
+    // Where `configuration` is varied, realisations count up from its value: one column says both.
+    let varied = of.factors.iter().position(|factor| factor.path == CONFIGURATION);
+    let realisation = |run: &SweepRun| {
+        let first = varied.and_then(|n| run.values.get(n)?.as_u64()).unwrap_or(1);
+        let realisation = (first + u64::from(run.configuration)).saturating_sub(1);
+        Cell::number(realisation.to_string())
+    };
+    let factors = of.factors.iter().map(|f| f.path.as_str()).filter(|path| *path != CONFIGURATION);
+    let header = ["run", "point", CONFIGURATION].into_iter().chain(factors).chain(results());
     let mut table =
         Table::new(header.chain(["meets_standard", "valid", "left_out_of_means", "failure"]));
     for run in &of.runs {
-        let mut cells = row![&run.run, &run.point, run.configuration];
-        cells.extend(run.values.iter().map(|value| Cell::from(shown(value))));
+        let mut cells = row![&run.run, &run.point, realisation(run)];
+        let others = run.values.iter().enumerate().filter(|(n, _)| Some(*n) != varied);
+        cells.extend(others.map(|(_, value)| Cell::from(shown(value))));
         cells.extend(results().map(|path| run.outcomes.get(path).copied().into()));
         let why = [&run.left_out_of_means, &run.failure].map(Clone::clone);
         cells.extend(row![run.meets_standard, run.valid]);
@@ -253,6 +264,33 @@ mod tests {
         assert_eq!(got, expected, "law: as each run has it; nothing of one without result");
         let json = serde_json::to_value(sweep()).expect("JSON");
         assert_eq!(json["runs"][2]["valid"], Value::Bool(false), "law: sweep.json says so, too");
+    }
+
+    /// Law: a name is that of one column. Where `configuration` is varied, it has the realisation of
+    /// each run, which counts up from the value of its point.
+    #[test]
+    fn a_varied_configuration_has_one_column() {
+        let mut of = sweep();
+        let place = SweepFactor { path: CONFIGURATION.into(), ..of.factors[0].clone() };
+        of.factors.insert(0, place);
+        for (n, run) in of.runs.iter_mut().enumerate() {
+            let first = if n < 2 { 1 } else { 101 };
+            run.configuration = n as u32 % 2 + 1;
+            run.values = vec![first.into(), 7.into()];
+        }
+        let written = table(&of).csv().expect("written");
+        let mut reader = csv::Reader::from_reader(&written[..]);
+        let names: Vec<String> =
+            reader.headers().expect("names").iter().map(str::to_owned).collect();
+        assert_eq!(names[..4], ["run", "point", CONFIGURATION, "seed"], "law: the factors by path");
+        let named = names.iter().filter(|name| *name == CONFIGURATION).count();
+        assert_eq!(named, 1, "law: columns of this name, expected 1, got {named}");
+        let rows = reader.records().map(|row| row.expect("a row"));
+        let got: Vec<(String, String)> =
+            rows.map(|row| (row[2].to_owned(), row[3].to_owned())).collect();
+        let expected =
+            ["1", "2", "101", "102"].map(|realisation| (realisation.to_owned(), "7".to_owned()));
+        assert_eq!(got, expected, "law: realisation and seed of each run");
     }
 
     #[test]

@@ -193,7 +193,10 @@ pub fn meet_targets(
     };
     let tables: BTreeMap<String, Runs> =
         tables.into_iter().map(with_factors).collect::<Result<_, StudyError>>()?;
-    let is_column = |name: &&String| tables.values().any(|table| table.columns.contains(name));
+    // Every sweep has configurations, and they are always chance.
+    let is_column = |name: &&String| {
+        *name == "configuration" || tables.values().any(|table| table.columns.contains(name))
+    };
     if let Some(name) = chance.iter().find(|name| !is_column(name)) {
         let there = listed(tables.values().flat_map(|table| &table.columns));
         return refused(format!("--chance {name}: no sweep has this factor (there are {there})"));
@@ -238,7 +241,9 @@ fn read(path: &Path, targets: &[&Target], spellings: &mut Spellings) -> Result<R
     let first = place("configuration").ok_or_else(no_sweep)? + 1;
     let is_result = |name: &String| OUTCOMES.iter().any(|(path, _)| path == name);
     let end = names[first..].iter().position(is_result).map(|n| n + first);
-    let end = end.filter(|end| *end > first).ok_or_else(no_sweep)?;
+    // Where nothing but the configuration is varied, its column is the only factor.
+    let has_points = place("point").is_some();
+    let end = end.filter(|end| *end > first || has_points).ok_or_else(no_sweep)?;
     let mut names = names.to_vec();
     for n in first..end {
         let known = spellings.known(&names[n]);

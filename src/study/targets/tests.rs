@@ -190,6 +190,24 @@ fn what_cannot_be_answered_is_refused_with_the_reason() {
     assert!(refused.to_string().contains("no table of a sweep"), "{refused}");
 }
 
+/// Law: a sweep of the configuration alone has no column of a factor, and is one still.
+#[test]
+fn a_sweep_of_the_configuration_alone_is_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sweep.csv");
+    let mut csv = "run,point,configuration,void_ratio,left_out_of_means,failure\n".to_owned();
+    for n in 1..=5_u32 {
+        let _ = writeln!(csv, "p{n}-c1,p{n},{n},{},,", 0.7 + 0.01 * f64::from(n));
+    }
+    std::fs::write(&path, csv).expect("a table");
+    let wanted = [target("t:void_ratio=0.725..0.745")];
+    let chance = ["configuration".to_owned()];
+    let found =
+        meet_targets(&[runs("t", path)], &wanted, &chance).expect("law: a table of a sweep");
+    let met = &found.targets[0];
+    assert_eq!((met.runs_meeting, met.runs_counted), (2, 5), "law: 0.73 and 0.74 of five");
+}
+
 /// A table of 25 runs with one column a factor and a result, from the numbers 0 to 24.
 fn of_numbers(path: &Path, head: &str, row: impl Fn(f64, f64) -> String) {
     let mut csv = format!("run,point,configuration,{head},left_out_of_means,failure\n");
