@@ -79,7 +79,7 @@ pub(super) fn run(args: &CalibrateArgs, context: &Context) -> Result<ExitStatus,
     let run = context.run_options(&args.out, args.jobs);
     let study = calibrate(CalibrationOptions {
         scenario: args.scenario.clone(),
-        changes: args.changes.overrides(),
+        changes: args.changes.overrides()?,
         target,
         unknown: args.unknown.clone().unwrap_or_else(|| GRAIN_FRICTION.to_owned()),
         between: args.between.unwrap_or(FRICTION_RANGE),

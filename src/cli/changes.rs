@@ -41,10 +41,67 @@ where
 
 impl Changes {
     /// As changes of a scenario; `--set` has the last word.
-    pub(super) fn overrides(&self) -> Vec<Override> {
+    ///
+    /// # Errors
+    /// Where several of `--set` change the same value.
+    pub(super) fn overrides(&self) -> Result<Vec<Override>, CliError> {
+        refuse_twice(&self.set)?;
         let backend = self.backend.and_then(|b| serde_json::to_value(b).ok());
         let backend = backend.map(|b| Override::new(&["engine", "backend"], b));
         let seed = self.seed.map(|n| Override::new(&["seed"], n.into()));
-        backend.into_iter().chain(seed).chain(self.set.iter().cloned()).collect()
+        Ok(backend.into_iter().chain(seed).chain(self.set.iter().cloned()).collect())
+    }
+}
+
+/// Refuses changes of the same value, of which only the last would count, however its path is
+/// written.
+pub(super) fn refuse_twice(set: &[Override]) -> Result<(), CliError> {
+    let numbered = set.iter().enumerate();
+    let twice = numbered.filter_map(|(n, change)| {
+        let earlier = set[..n].iter().find(|earlier| change.is_where(earlier))?;
+        Some(format!("`{}` and `{}`", earlier.text(), change.text()))
+    });
+    let twice: Vec<String> = twice.collect();
+    if twice.is_empty() {
+        return Ok(());
+    }
+    Err(CliError::Usage(format!(
+        "--set changes the same value twice: {}; give each path one value",
+        twice.join(", ")
+    )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Law: a value is changed once, whatever its path looks like; what is refused is said with path
+    /// and values. A value and another within it are two.
+    #[test]
+    fn a_value_that_is_set_twice_is_refused() {
+        let said = |texts: &[&str]| {
+            let set: Vec<Override> =
+                texts.iter().map(|text| text.parse().expect("a change")).collect();
+            refuse_twice(&set).err().map(|error| (error.exit_code(), error.to_string()))
+        };
+        for (texts, words) in [
+            (
+                &["engine.rate_hz=480", "seed=2", "engine.rate_hz=960"][..],
+                "`engine.rate_hz=480` and `engine.rate_hz=960`",
+            ),
+            (&["stages[1].x=1", "stages.1.x=1"], "`stages[1].x=1` and `stages.1.x=1`"),
+        ] {
+            let (code, text) = said(texts).expect("law: refused");
+            assert_eq!(code, 2, "law: exit code of {texts:?}, expected 2, got {code}");
+            assert!(text.contains(words), "law: `{words}` is said of {texts:?}, got `{text}`");
+        }
+        for texts in [
+            &["engine.rate_hz=480", "seed=2"][..],
+            &["contact={}", "contact.restitution=0.2"],
+            &["stages[1].x=1", "stages[2].x=1"],
+            &[],
+        ] {
+            assert_eq!(said(texts), None, "law: {texts:?} are different values");
+        }
     }
 }

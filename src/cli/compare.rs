@@ -51,6 +51,7 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
             "--backends needs at least two engines, as in bullet,rapier".to_owned(),
         ));
     }
+    refuse_twice(&args.set)?;
     let loaded = load_scenario(&args.scenario, &args.set)?;
     let study = compare(loaded, &args.set, backends)?;
     let run = context.run_options(&args.out, args.jobs);

@@ -65,7 +65,7 @@ pub(super) fn run(args: &DensityArgs, context: &Context) -> Result<ExitStatus, C
     let run = context.run_options(&args.out, args.jobs);
     let study = density(DensityOptions {
         scenario: args.scenario.clone(),
-        changes: args.changes.overrides(),
+        changes: args.changes.overrides()?,
         configurations: args.configurations,
         surcharge_kpa: args.surcharge_kpa,
         frequency_hz: args.frequency_hz,

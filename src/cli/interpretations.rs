@@ -46,7 +46,7 @@ pub(super) fn run(args: &InterpretationsArgs, context: &Context) -> Result<ExitS
         quick: args.quick,
         configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),
         interpretations: if all { Interpretation::all()? } else { args.only.clone() },
-        changes: args.changes.overrides(),
+        changes: args.changes.overrides()?,
     })?;
     let run = context.run_options(&args.out, args.jobs);
     carry_out(study, &run, context, |outcome| {

@@ -50,7 +50,7 @@ pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus,
         quick: args.quick,
         configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),
         placements: args.placements,
-        changes: args.changes.overrides(),
+        changes: args.changes.overrides()?,
         interpretation: args.interpretation.clone(),
     })?;
     let run = RunOptions { frames: true, ..context.run_options(&args.out, args.jobs) };

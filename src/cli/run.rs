@@ -37,7 +37,7 @@ pub(super) struct RunArgs {
 }
 
 pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let loaded = load_scenario(&args.scenario, &args.changes.overrides())?;
+    let loaded = load_scenario(&args.scenario, &args.changes.overrides()?)?;
     let scenario = &loaded.scenario;
     tracing::info!(files = ?loaded.files, "the scenario `{}` is sound", scenario.name);
     tell_warnings([scenario], context.progress.as_ref());

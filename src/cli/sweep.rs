@@ -148,7 +148,7 @@ pub(super) fn run(args: &SweepArgs, context: &Context) -> Result<ExitStatus, Cli
 }
 
 fn options(args: &SweepArgs) -> Result<SweepOptions, CliError> {
-    let changes = args.changes.overrides();
+    let changes = args.changes.overrides()?;
     if let Some(design) = &args.design {
         return Ok(SweepOptions::of_design(design, args.quick, &changes, args.configurations)?);
     }

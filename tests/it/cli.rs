@@ -64,6 +64,12 @@ fn wrong_usage_ends_with_2() {
         let said = refused(&["run", SCENARIO, "--out", "x", option, value], 2, &[words]);
         assert!(!said.contains("..=") && !said.contains("variant"), "law: no code, got {said}");
     }
+    // Of two values for one path neither is chosen.
+    let twice = ["--set", "engine.rate_hz=480", "--set", "engine.rate_hz=960"];
+    let words = ["engine.rate_hz=480", "engine.rate_hz=960", "twice"];
+    for command in ["run", "compare"] {
+        refused(&[&[command, SCENARIO, "--out", "x"][..], &twice].concat(), 2, &words);
+    }
     // A picture has no frames.
     refused(&["picture", "x", "--out", "x.png", "--every", "1"], 2, &[]);
 }
