@@ -5,6 +5,7 @@ use std::fs;
 
 use super::asked::first_difference;
 use super::*;
+use crate::record::at_work_in;
 use crate::scenario::of_earlier_version;
 
 /// The action that is refused, as errors name it.
@@ -52,17 +53,10 @@ pub(super) fn begin(folder: &Path, scenario: &Scenario, force: bool) -> Result<R
     refuse_study(folder, AtWork::Nobody)?;
     RunLock::take(folder, |at_work| {
         refuse_study(folder, at_work)?;
-        match (held(folder, &own, at_work), at_work) {
-            // Two runs that write over each other would leave the results of neither.
-            (Some(held), AtWork::Somebody) => {
-                let why = format!("{held}, and a command is at work there; name another folder");
-                return Err(error::refused(WRITE, folder, why).into());
-            }
-            (Some(held), _) if !force => return Err(in_the_way(folder, &held)),
-            // What the others of the same run have written is this one's, too.
-            (None, AtWork::Somebody) => {}
-            _ if force => remove(folder)?,
-            _ => {}
+        refuse_held(folder, &own, at_work, force)?;
+        // What the others of the same run have written is this one's, too.
+        if force && at_work != AtWork::Somebody {
+            remove(folder)?;
         }
         if at_work == AtWork::Nobody {
             asked::give_up(folder);
@@ -78,9 +72,9 @@ pub(super) fn begin(folder: &Path, scenario: &Scenario, force: bool) -> Result<R
 /// [`FileError`], refused, that says what the folder holds.
 pub(super) fn refuse(folder: &Path, scenario: &Scenario, force: bool) -> Result<(), CliError> {
     let own = serde_json::to_value(scenario).map_err(std::io::Error::other)?;
-    refuse_study(folder, AtWork::Nobody)?;
-    let held = held(folder, &own, AtWork::Nobody).filter(|_| !force);
-    held.map_or(Ok(()), |held| Err(in_the_way(folder, &held)))
+    let at_work = at_work_in(folder);
+    refuse_study(folder, at_work)?;
+    refuse_held(folder, &own, at_work, force)
 }
 
 /// Refuses the `runs` of a study and every folder in it, there or not yet: what stands there is
@@ -122,9 +116,16 @@ fn refuse_study(folder: &Path, at_work: AtWork) -> Result<(), FileError> {
     Err(error::refused(WRITE, folder, why))
 }
 
-fn in_the_way(folder: &Path, held: &str) -> CliError {
-    let why = format!("{held}; name another folder, or give --force to replace them");
-    error::refused(WRITE, folder, why).into()
+/// Refuses what a folder holds that a run would write over, unless by force; where somebody is at
+/// work there, by force, too: two runs that write over each other would leave the results of neither.
+fn refuse_held(folder: &Path, own: &Value, at_work: AtWork, force: bool) -> Result<(), CliError> {
+    let Some(held) = held(folder, own, at_work) else { return Ok(()) };
+    let why = match at_work {
+        AtWork::Somebody => format!("{held}, and a command is at work there; name another folder"),
+        _ if force => return Ok(()),
+        _ => format!("{held}; name another folder, or give --force to replace them"),
+    };
+    Err(error::refused(WRITE, folder, why).into())
 }
 
 /// Says that the run of a folder is finished.
@@ -272,9 +273,14 @@ mod tests {
         let (own, other) = (scenario("a", 480.0), scenario("b", 480.0));
         let first = begin(out, &own, false).expect("law: nobody is there");
         for force in [false, true] {
-            let said = begin(out, &other, force).expect_err("law: somebody is there").to_string();
-            assert!(said.contains("`a`") && said.contains("at work"), "law: said, got `{said}`");
+            // At once, and after grains were cut.
+            for refused in [refuse(out, &other, force), begin(out, &other, force).map(drop)] {
+                let said = refused.expect_err("law: somebody is there").to_string();
+                assert!(said.contains("`a`") && said.contains("at work"), "law: got `{said}`");
+                assert!(!said.contains("--force"), "law: no force helps, got `{said}`");
+            }
         }
+        assert!(refuse(out, &own, false).is_ok(), "law: the same run may join in");
         fs::write(out.join("series.csv"), "").expect("written");
         let second = begin(out, &own, true).expect("law: the same run goes on together");
         assert!(out.join("series.csv").exists(), "law: and removes nothing of the first");
