@@ -136,6 +136,10 @@ pub struct SweepEffect {
     /// configurations of each one's own slope. None where values are no numbers, or only name
     /// realisations.
     pub slope: Option<f64>,
+    /// Factors that change together with it in all runs, so that nothing tells which of them moves
+    /// the result: there is no slope then.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub together_with: Vec<String>,
     /// Half of its 95 % confidence interval by Student's t; none of one configuration.
     pub slope_half_width: Option<f64>,
     /// Two-sided p-value of no slope.

@@ -2,6 +2,7 @@
 
 use super::sweep_outcomes::all_outcomes;
 use super::*;
+use crate::in_order::each_once;
 
 /// What stands in the place of a change for one unit of values that are no numbers.
 const NO_NUMBERS: &str = "none: its values are no numbers";
@@ -65,7 +66,8 @@ const HOW_TO_READ: &str = "Every point is run in the same configurations, each a
      configurations, by Student's t; sweep.json has those of the bootstrap as well. A change for \
      one unit is the slope of a line through each configuration's own results, its mean and \
      interval over configurations; where values were drawn from ranges, it is the coefficient in a \
-     linear model of all of them. Numbers of seed and configuration only name realisations: nothing \
+     linear model of all of them. Factors that change together in all runs cannot be told apart: \
+     none of them has a change of its own. Numbers of seed and configuration only name realisations: nothing \
      changes for one unit of them, and their points differ by chance. The test by ranks (Page 1963) \
      asks whether results rise or fall from value to value without assuming a line, either of them \
      (two-sided). A run is valid if it meets the accuracy standard, \
@@ -100,15 +102,20 @@ fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
         (not_valid, format!("; not valid: {not_valid} of {done}")),
     ];
     let against = against.into_iter().filter(|(count, _)| *count > 0).map(|(_, said)| said);
+    let together = together(of);
+    let apart = together.iter().map(|factors| {
+        format!("; {} change together, and cannot be told apart", factors.join(" and "))
+    });
     let lead = format!(
-        "{} points in {}: {done} of {} runs have results{}{}.",
+        "{} points in {}: {done} of {} runs have results{}{}{}.",
         of.points.len(),
         counted(of.configurations as usize, "configuration"),
         of.planned,
         against.collect::<String>(),
         left_out_in_words(left_out, done).map_or(String::new(), |said| format!("; {said}")),
+        apart.collect::<String>(),
     );
-    let is_well = failed == 0 && not_valid == 0 && left_out == 0;
+    let is_well = failed == 0 && not_valid == 0 && left_out == 0 && together.is_empty();
     let why_left_out = reasons(of, of.left_out(), |r| r.left_out_of_means.as_ref());
     let why_failed = reasons(of, of.failed(), |r| r.failure.as_ref());
     Page::new(format!("Sweep of {}", plain(&of.scenario)), [Block::lead(lead, is_well)])
@@ -118,6 +125,17 @@ fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
         .section("failures", "Runs without result", [Block::Table(why_failed)])
         .figures("figures", "Figures", figures)
         .section("reading", "How to read it", [Block::Text(HOW_TO_READ.to_owned())])
+}
+
+/// Factors that no run tells apart, set by set, each in the order of the factors.
+fn together(of: &Sweep) -> Vec<Vec<&str>> {
+    let sets = of.effects.iter().filter(|effect| !effect.together_with.is_empty()).map(|effect| {
+        let is_one = |path: &&str| {
+            *path == effect.factor || effect.together_with.iter().any(|other| other == *path)
+        };
+        of.factors.iter().map(|factor| factor.path.as_str()).filter(is_one).collect::<Vec<&str>>()
+    });
+    each_once(sets)
 }
 
 fn probability(p: Option<f64>) -> Cell {
@@ -146,6 +164,9 @@ fn slope(of: &SweepEffect, factors: &[SweepFactor]) -> String {
     match of.slope.map(|slope| mean_within(slope, of.slope_half_width)) {
         Some(shown) if of.left_out > 0 => format!("{shown} (left out: {})", of.left_out),
         Some(shown) => shown,
+        None if !of.together_with.is_empty() => {
+            format!("none: it changes together with {}", of.together_with.join(", "))
+        }
         None if factor.is_some_and(|factor| !factor.numeric) => NO_NUMBERS.to_owned(),
         None if factor.is_some_and(|factor| !factor.has_slope()) => NO_UNIT.to_owned(),
         None if of.left_out > 0 && of.runs > 0 => "too few valid runs".to_owned(),
@@ -317,6 +338,37 @@ mod tests {
         let lead = page.markdown().lines().nth(2).unwrap_or_default().to_owned();
         assert!(lead.ends_with("1 of 1 runs have results."), "law: nothing to warn of, got {lead}");
         assert!(page.html().contains("p class=\"lead\""), "law: no banner");
+    }
+
+    /// Law: of factors that no run tells apart the page says so, and no slope as if it were known.
+    #[test]
+    fn factors_that_change_together_are_said_to() {
+        let mut of = sweep();
+        of.factors = ["a", "b", "c"]
+            .map(|path| SweepFactor { path: path.into(), ..of.factors[0].clone() })
+            .to_vec();
+        let effect = |factor: &str, together_with: &[&str], slope| SweepEffect {
+            factor: factor.into(),
+            outcome: "void_ratio".into(),
+            runs: 6,
+            together_with: together_with.iter().map(|name| (*name).to_owned()).collect(),
+            slope,
+            ..SweepEffect::default()
+        };
+        of.effects =
+            vec![effect("a", &["c"], None), effect("b", &[], Some(2.0)), effect("c", &["a"], None)];
+        of.points.clear();
+        let text = page(&of, vec![]).markdown();
+        let said = "; a and c change together, and cannot be told apart.";
+        assert_eq!(text.matches(said).count(), 1, "law: `{said}` once, got:\n{text}");
+        for (start, said) in [
+            ("| a |", "| none: it changes together with c |"),
+            ("| b |", "| 2 |"),
+            ("| c |", "| none: it changes together with a |"),
+        ] {
+            let got = text.lines().find(|line| line.starts_with(start)).unwrap_or_default();
+            assert!(got.contains(said), "law: `{said}`, got `{got}`");
+        }
     }
 
     /// Law: a mean or slope of which every run is left out is no dash, and no number.

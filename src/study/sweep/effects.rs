@@ -1,5 +1,6 @@
 //! What the runs of a sweep say together.
 
+use super::drawn::{Drawn, drawn};
 use super::*;
 use crate::measure::{
     inference::{page_test, values_needed},
@@ -71,7 +72,10 @@ pub(super) fn effects(
             let runs: Vec<&SweepRun> = counting(&all).collect();
             let found_here = match design {
                 Design::LatinHypercube(_) if factor.has_slope() => {
-                    drawn(factors, n, outcome, &runs)
+                    let Drawn { slopes, together_with } =
+                        drawn(factors, n, outcome, &configurations(&runs), &runs);
+                    let found = effect(factor, outcome, Vec::new(), &slopes, None);
+                    SweepEffect { together_with, ..found }
                 }
                 Design::LatinHypercube(_) if factor.sampled => {
                     effect(factor, outcome, Vec::new(), &[], None)
@@ -186,38 +190,6 @@ fn between_the_ends(
         .collect();
     let tested = effect(factor, outcome, listed.means, &of_each, listed.page_p);
     SweepEffect { slope: Some(slope.mean), slope_half_width: slope.half_width_95(), ..tested }
-}
-
-/// Of a factor whose values were drawn: its coefficient in a linear model of all
-/// factors, fitted to each configuration by itself.
-fn drawn(factors: &[SweepFactor], n: usize, outcome: &str, runs: &[&SweepRun]) -> SweepEffect {
-    let fit = |configuration: u32| -> Option<f64> {
-        let of: Vec<&&SweepRun> =
-            runs.iter().filter(|r| r.configuration == configuration).collect();
-        if of.len() < factors.len() + 2 {
-            return None;
-        }
-        let centre: Vec<f64> = (0..factors.len())
-            .map(|f| mean(&of.iter().map(|r| factors[f].number(&r.values[f])).collect::<Vec<_>>()))
-            .collect::<Option<_>>()?;
-        let model = DMatrix::from_fn(of.len(), factors.len() + 1, |row, column| match column {
-            0 => 1.0,
-            c => factors[c - 1].number(&of[row].values[c - 1]) - centre[c - 1],
-        });
-        let results = DVector::from_iterator(of.len(), of.iter().map(|r| r.outcomes[outcome]));
-        // Columns of very different size are brought to one before they are reported
-        // apart from rounding.
-        let sizes: Vec<f64> = model.column_iter().map(|c| c.norm()).collect();
-        if sizes.contains(&0.0) {
-            return None;
-        }
-        let scaled =
-            DMatrix::from_fn(model.nrows(), model.ncols(), |r, c| model[(r, c)] / sizes[c]);
-        let solved = scaled.svd(true, true).solve(&results, 1e-12).ok()?;
-        Some(solved[n + 1] / sizes[n + 1])
-    };
-    let slopes: Vec<f64> = configurations(runs).into_iter().filter_map(fit).collect();
-    effect(&factors[n], outcome, Vec::new(), &slopes, None)
 }
 
 fn effect(

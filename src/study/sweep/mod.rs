@@ -1,5 +1,6 @@
 //! Sweeps: one scenario at many values of its fields, one table.
 
+mod drawn;
 mod edited;
 mod effects;
 mod factor;
