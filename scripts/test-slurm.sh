@@ -94,5 +94,5 @@ grep -q stopped "$folder"/long/slurm/pluvia-2-*.log ||
 "$program" sweep "${long[@]}" --slurm --time 00:20:00 --out "$folder/long"
 drained 900
 "$program" sweep --status --out "$folder/long" | tee "$folder/long.txt"
-grep -q '1 of 1 runs complete' "$folder/long.txt" || fail "the stage over its limit was not finished"
+grep -q '1 of 1 run complete' "$folder/long.txt" || fail "the stage over its limit was not finished"
 echo 'a stage over its time limit was stopped, submitted again and finished'

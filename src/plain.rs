@@ -54,9 +54,24 @@ pub fn in_shell(argument: &str) -> Cow<'_, str> {
     Cow::Owned(format!("'{}'", argument.replace('\'', r"'\''")))
 }
 
-/// How many of something there are; of one the name without an s.
+/// How many of something there are, its name, which is given as that of one, in the same number.
 pub fn counted(count: usize, one: &str) -> String {
-    if count == 1 { format!("1 {one}") } else { format!("{count} {one}s") }
+    format!("{count} {}", in_number(count, one, &several(one)))
+}
+
+/// Of the forms of a word the one that goes with a number of things.
+pub fn in_number<'a>(count: usize, of_one: &'a str, of_several: &'a str) -> &'a str {
+    if count == 1 { of_one } else { of_several }
+}
+
+/// The name of several of something: runs, bodies, meshes, vertices.
+fn several(one: &str) -> String {
+    match (one.strip_suffix("ex"), one.strip_suffix('y')) {
+        (Some(stem), _) => format!("{stem}ices"),
+        (_, Some(stem)) => format!("{stem}ies"),
+        _ if one.ends_with("sh") => format!("{one}es"),
+        _ => format!("{one}s"),
+    }
 }
 
 /// A decimal number without the zeros at its end; a zero without a sign.
@@ -144,6 +159,24 @@ mod tests {
                 "law: {argument} in quotes where it needs them"
             );
         }
+    }
+
+    /// Law: what is counted has the number of its count.
+    #[test]
+    fn names_follow_their_number() {
+        for (count, one, expected) in [
+            (1, "grain", "1 grain"),
+            (0, "grain", "0 grains"),
+            (2, "point", "2 points"),
+            (1, "body", "1 body"),
+            (3, "body", "3 bodies"),
+            (2, "mesh", "2 meshes"),
+            (8, "vertex", "8 vertices"),
+        ] {
+            assert_eq!(counted(count, one), expected, "law: {count} of `{one}`");
+        }
+        let verbs = [0, 1, 2].map(|count| in_number(count, "lies", "lie"));
+        assert_eq!(verbs, ["lie", "lies", "lie"], "law: of none as of several");
     }
 
     #[test]

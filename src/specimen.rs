@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     geometry::{ConvexPolyhedron, Pose, Vector},
     grains::GrainSet,
+    plain::{counted, in_number},
     world::BodyState,
 };
 
@@ -296,16 +297,15 @@ impl SpecimenState {
     /// What does not fit, for a reader.
     pub fn check(&self, grains: usize) -> Result<(), String> {
         let found = self.bodies.len();
+        let are = in_number(grains, "there is", "there are");
+        let there = format!("{are} {}", counted(grains, "grain"));
         if found != grains {
-            return Err(format!("`bodies` has {found} entries, and there are {grains} grains"));
+            return Err(format!("`bodies` has {}, and {there}", counted(found, "entry")));
         }
         let fixed = self.base.iter().flat_map(|base| &base.fixed_grains);
         for (n, fixed) in fixed.clone().enumerate() {
             if fixed.grain >= grains {
-                return Err(format!(
-                    "`fixed_grains[{n}].grain` is {}, and there are {grains} grains",
-                    fixed.grain
-                ));
+                return Err(format!("`fixed_grains[{n}].grain` is {}, and {there}", fixed.grain));
             }
         }
         let parties = self.contacts.iter().flat_map(|contact| contact.between);
@@ -313,7 +313,7 @@ impl SpecimenState {
             if let Party::Grain(n) = party
                 && n >= grains
             {
-                return Err(format!("a contact is of grain {n}, and there are {grains} grains"));
+                return Err(format!("a contact is of grain {n}, and {there}"));
             }
         }
         if let Some(base) = &self.base {

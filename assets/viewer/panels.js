@@ -12,12 +12,16 @@ function element(name, text, kind) {
   return made;
 }
 
+function counted(count, one) {
+  return `${count} ${one}${count === 1 ? "" : "s"}`;
+}
+
 export function showFacts(run) {
   at("scenario").textContent = run.scenario;
   const mass = Array.from({ length: run.grains }, (_, n) => run.constants[5 * n + 2]).reduce((a, b) => a + b, 0);
-  const stages = run.stages.length === 1 ? "1 stage" : `${run.stages.length} stages`;
-  const seen = run.noneKept ? `the end of ${stages}` : `${run.frames.length} frames of ${stages}`;
-  at("facts").textContent = `${run.grains} grains, ${mass < 100 ? Number(mass.toPrecision(3)) : mass.toFixed(0)} g; ${seen}`;
+  const stages = counted(run.stages.length, "stage");
+  const seen = run.noneKept ? `the end of ${stages}` : `${counted(run.frames.length, "frame")} of ${stages}`;
+  at("facts").textContent = `${counted(run.grains, "grain")}, ${mass < 100 ? Number(mass.toPrecision(3)) : mass.toFixed(0)} g; ${seen}`;
   const note = at("frames-note");
   note.hidden = run.kept;
   const ends = run.stages.filter((stage) => !stage.kept).map((stage) => stage.name).join(", ");

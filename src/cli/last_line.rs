@@ -39,9 +39,9 @@ pub(super) fn of_runs<'a>(runs: impl Iterator<Item = (&'a str, &'a Summary)>) ->
     format!(
         "{}: {}{more}\n",
         paint::bad(format!(
-            "NOT VALID or short of grains, left out of means: {} of {} runs",
+            "NOT VALID or short of grains, left out of means: {} of {}",
             against.len(),
-            all.len()
+            counted(all.len(), "run")
         )),
         against[..against.len().min(MOST)].join(", ")
     )

@@ -150,7 +150,7 @@ pub(super) fn run(args: &PictureArgs, context: &Context) -> Result<ExitStatus, C
     }
     if let Some(frames) = made.frames {
         let plays = frames as f64 / f64::from(args.frames_per_second);
-        text += &format!(": {frames} frames, plays for {}", table::duration(plays));
+        text += &format!(": {}, plays for {}", counted(frames, "frame"), table::duration(plays));
     }
     text += &format!("\n{} ({} kB)\n", plain_path(&made.file), made.bytes.div_ceil(1000));
     context.done(text.trim_start(), &made)

@@ -46,7 +46,7 @@ pub(super) fn run(args: &StageArgs, context: &Context) -> Result<ExitStatus, Cli
         let levels = tasks.levels();
         let missing: Vec<Vec<usize>> = (0..levels.len()).map(|n| tasks.missing(n)).collect();
         let lines = levels.iter().zip(&missing).enumerate().map(|(n, (stages, missing))| {
-            format!("level {n}: {stages} stages, {} not stored\n", missing.len())
+            format!("level {n}: {}, {} not stored\n", counted(*stages, "stage"), missing.len())
         });
         let text: String = lines.collect();
         return context.done(&text, &json!({ "levels": levels, "missing": missing }));

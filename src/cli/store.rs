@@ -87,7 +87,8 @@ fn text(report: &StoreReport) -> String {
         0 => paint::good("nothing is damaged"),
         n => paint::bad(format!("{n} damaged")),
     };
-    text += &format!("\n{whole} of {} stages whole, {verdict}\n", report.stages.len());
+    let stages = counted(report.stages.len(), "stage");
+    text += &format!("\n{whole} of {stages} whole, {verdict}\n");
     text
 }
 

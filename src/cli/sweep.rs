@@ -136,9 +136,8 @@ pub(super) fn run(args: &SweepArgs, context: &Context) -> Result<ExitStatus, Cli
     if args.slurm.slurm {
         return on_slurm(&args.slurm.request, &SweepTasks::read(run)?, context);
     }
-    let runs = plan.runs.len();
-    let word = if runs == 1 { "run" } else { "runs" };
-    let mut text = format!("{runs} {word} planned in {}\n", plain_path(&args.out));
+    let runs = counted(plan.runs.len(), "run");
+    let mut text = format!("{runs} planned in {}\n", plain_path(&args.out));
     if args.snakemake {
         write_snakefile(&SweepTasks::read(run)?, &this_program()?)?;
         let file = args.out.join(SNAKEFILE).display().to_string();
@@ -178,7 +177,9 @@ fn on_slurm(
 ) -> Result<ExitStatus, CliError> {
     let jobs = submit_to_slurm(tasks, &this_program()?, request)?;
     let line = |job: &SlurmJob| match job.level {
-        Some(level) => format!("job {}: {} stages of level {level}\n", job.id, job.tasks),
+        Some(level) => {
+            format!("job {}: {} of level {level}\n", job.id, counted(job.tasks, "stage"))
+        }
         None => format!("job {}: collects the results when all have ended\n", job.id),
     };
     context.done(&jobs.iter().map(line).collect::<String>(), &jobs)
@@ -187,8 +188,11 @@ fn on_slurm(
 fn status(tasks: &SweepTasks, context: &Context) -> Result<ExitStatus, CliError> {
     let status = tasks.status();
     let mut text = format!(
-        "{} of {} stages stored, {} of {} runs complete\n",
-        status.stored, status.stages, status.complete, status.runs
+        "{} of {} stored, {} of {} complete\n",
+        status.stored,
+        counted(status.stages, "stage"),
+        status.complete,
+        counted(status.runs, "run")
     );
     for (stage, why) in &status.failed {
         text += &format!("failed: {stage}: {why}\n");

@@ -228,7 +228,8 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     }
     let Summary { scenario, configuration, seed, simulated_s, steps, .. } = summary;
     let (took, memory) = (duration(summary.wall_s), summary.peak_memory_mib);
-    let mut cost = format!("{simulated_s:.2} s simulated in {steps} steps and {took}");
+    let steps = counted(*steps as usize, "step");
+    let mut cost = format!("{simulated_s:.2} s simulated in {steps} and {took}");
     if memory > 0.0 {
         cost += &format!(", {memory:.0} MiB");
     }

@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::*;
-use crate::plain::{in_shell, plain_path};
+use crate::plain::{counted, in_shell, plain_path};
 use crate::record::{read_file, read_unchanged, refuse_without};
 use crate::scenario::{self, MeantStage, StageSpec};
 
@@ -238,8 +238,8 @@ impl Manifest {
         let Some((mut frames, path)) = kept else { return Ok((end, None)) };
         let expected = grains.grains.len();
         if let Some(other) = frames.iter().find(|frame| frame.grains.len() != expected) {
-            let found = other.grains.len();
-            let reason = format!("it has {found} grains, and grains.json {expected}");
+            let found = counted(other.grains.len(), "grain");
+            let reason = format!("it has {found}, and grains.json {expected}");
             return Err(FileError::unfit(&path, reason));
         }
         let base = end.base.clone().map(Arc::new);

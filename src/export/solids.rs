@@ -5,11 +5,12 @@ use std::io;
 
 use super::*;
 use crate::grains::{obj_of, write_ply_of, write_stl_of};
+use crate::plain::counted;
 
 /// The grains that take part, `grain_00000` and so on by their numbers.
 pub fn grains_obj(specimen: &Specimen) -> String {
     let shapes = in_place(specimen);
-    let title = format!("{} grains, lengths in metres, z up", shapes.len());
+    let title = format!("{}, lengths in metres, z up", counted(shapes.len(), "grain"));
     obj_of(&title, shapes.iter().map(|(n, shape)| (grain_name(*n), shape)))
 }
 

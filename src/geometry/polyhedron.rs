@@ -241,7 +241,7 @@ impl ConvexPolyhedron {
         for (face, corners) in self.faces.iter().enumerate() {
             let fault = |reason: String| Err(PolyhedronError::BadFace { face, reason });
             if corners.len() < 3 {
-                return fault(format!("it has {} corners, at least 3 are needed", corners.len()));
+                return fault(format!("it needs at least 3 corners, and has {}", corners.len()));
             }
             if let Some(c) = corners.iter().find(|&&c| c as usize >= self.vertices.len()) {
                 return fault(format!(

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::*;
 use crate::geometry::Sphere;
+use crate::plain::counted;
 
 /// Relative difference between stated and computed properties that is
 /// accepted: files may hold rounded numbers, but not those of another grain.
@@ -175,7 +176,8 @@ fn read_block(index: usize, json: &BlockJson) -> Result<Block, GrainsError> {
     }
     let (points, cells) = (json.points_m.len(), json.cells.len());
     if points != cells && points != 0 {
-        return fault(format!("it has {points} points for {cells} cells"));
+        let (points, cells) = (counted(points, "point"), counted(cells, "cell"));
+        return fault(format!("it has {points} for {cells}"));
     }
     let origin = Vector::from(json.origin_m);
     // Rounding of origin + side.

@@ -4,6 +4,7 @@ use std::fmt::{Display, Write as _};
 use std::io::{BufWriter, Write};
 
 use super::*;
+use crate::plain::counted;
 
 fn cells(grains: &GrainSet) -> impl Iterator<Item = &ConvexPolyhedron> + Clone + '_ {
     grains.blocks.iter().flat_map(|block| &block.cells)
@@ -14,7 +15,7 @@ fn cells(grains: &GrainSet) -> impl Iterator<Item = &ConvexPolyhedron> + Clone +
 /// # Errors
 /// When writing fails.
 pub fn write_obj(grains: &GrainSet, mut into: impl Write) -> std::io::Result<()> {
-    let title = format!("{} grains, lengths in metres", cells(grains).count());
+    let title = format!("{}, lengths in metres", counted(cells(grains).count(), "grain"));
     let named = cells(grains).enumerate().map(|(index, cell)| (grain_name(index), cell));
     into.write_all(obj_of(&title, named).as_bytes())
 }
@@ -68,10 +69,10 @@ pub fn write_ply_of<'a>(
     let faces: usize = all().map(|c| c.faces().len()).sum();
     writeln!(
         out,
-        "ply\nformat ascii 1.0\ncomment {} grains, lengths in metres\nelement vertex {vertices}\n\
+        "ply\nformat ascii 1.0\ncomment {}, lengths in metres\nelement vertex {vertices}\n\
          property double x\nproperty double y\nproperty double z\nelement face {faces}\n\
          property list uchar int vertex_indices\nproperty int grain\nend_header",
-        all().count()
+        counted(all().count(), "grain")
     )?;
     for v in all().flat_map(ConvexPolyhedron::vertices) {
         writeln!(out, "{} {} {}", v.x, v.y, v.z)?;

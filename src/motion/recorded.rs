@@ -212,7 +212,7 @@ fn faults(rows: &[[f64; 4]]) -> Vec<RowFault> {
         return vec![fault(
             None,
             "a motion of too few or too many rows".into(),
-            format!("{} rows", rows.len()),
+            if rows.len() == 1 { "1 row".to_owned() } else { format!("{} rows", rows.len()) },
             "2 to 100000 rows",
         )];
     }

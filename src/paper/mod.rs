@@ -46,7 +46,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::measure::{Interval, inference::MeanTest, statistics::mean};
-use crate::plain::{counted, without_zeros};
+use crate::plain::{counted, in_number, without_zeros};
 use crate::record::{NO_VALID_RUN, RunKind, RunRecord, Settlement, left_out_in_words, write_json};
 use crate::report::{
     Figure, Look, Picture, Plot, ReportError, Standard,

@@ -8,7 +8,7 @@ use super::paint::paint;
 use super::sheet::sheet;
 use super::*;
 use crate::grains::Grain;
-use crate::plain::{grams, without_zeros};
+use crate::plain::{counted, grams, without_zeros};
 use crate::units::to_g;
 
 /// Rows of each fraction, at most.
@@ -51,7 +51,7 @@ pub fn loose_grains(grains: &GrainSet, shot: &Shot) -> Result<Image, PictureErro
         key,
         things: vec![(Colour::BAR, format!("bar: {} mm", number(to_mm(bar))))],
         lines: vec![
-            format!("{} grains", grains.grains.len()),
+            counted(grains.grains.len(), "grain"),
             format!("{shown} shown"),
             mass(grains.total_mass()),
         ],

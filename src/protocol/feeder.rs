@@ -5,6 +5,7 @@ use rand_pcg::Pcg64;
 
 use super::*;
 use crate::grains::{self, Realisation};
+use crate::plain::counted;
 
 /// Places under the spout that are tried before a grain waits for the next check.
 const TRIES: usize = 16;
@@ -133,7 +134,8 @@ impl Fed {
     /// What does not fit, for a reader.
     pub(super) fn check(&self, grains: usize) -> Result<(), String> {
         if self.count > grains {
-            return Err(format!("`fed.count` is {}, and there are {grains} grains", self.count));
+            let of = counted(grains, "grain");
+            return Err(format!("`fed.count` is {}, more than {of}", self.count));
         }
         Ok(())
     }

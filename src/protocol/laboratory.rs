@@ -1,7 +1,7 @@
 //! Stages of a laboratory of pieces: deposit, move, press, remove.
 
 use super::*;
-use crate::plain::three_decimals;
+use crate::plain::{counted, in_number, three_decimals};
 use crate::scenario::{
     DepositKind, DepositSpec, MoveSpec, PIECE_DENSITY, PressSpec, ReleaseSpec, RemoveSpec,
 };
@@ -64,8 +64,9 @@ impl Laboratory<'_> {
         if fallen > 0 {
             let all = fallen + outcome.specimen.present().count();
             outcome.warnings.push(format!(
-                "{fallen} of {all} grains fell out during the deposit: they missed the pieces, or \
-                 ran over them"
+                "{fallen} of {} fell out during the deposit: {} missed the pieces, or ran over them",
+                counted(all, "grain"),
+                in_number(fallen, "it", "they")
             ));
         }
         Ok(outcome)
@@ -134,9 +135,9 @@ impl Laboratory<'_> {
             .collect();
         if places.len() < chosen.len() {
             return Err(StageError::Placing(format!(
-                "the area of the deposit has room for {} of {} grains, clear of the pieces",
+                "the area of the deposit has room for {} of {}, clear of the pieces",
                 places.len(),
-                chosen.len()
+                counted(chosen.len(), "grain")
             )));
         }
         for (&grain, place) in chosen.iter().zip(places) {

@@ -1,6 +1,7 @@
 //! Whether a state that was read from a file can be that of a specimen in this laboratory.
 
 use super::*;
+use crate::plain::counted;
 
 /// How far the length of a quaternion may be from 1: engines keep some in single precision.
 const UNIT: f64 = 1e-3;
@@ -38,7 +39,8 @@ pub fn plausible(
     let Specimen { grains, state } = specimen;
     let (found, expected) = (state.bodies.len(), grains.grains.len());
     if found != expected {
-        return Err(format!("it has {found} bodies, and there are {expected} grains"));
+        let [bodies, of] = [(found, "body"), (expected, "grain")].map(|(n, one)| counted(n, one));
+        return Err(format!("it has {bodies} for {of}"));
     }
     finite(state)?;
     let of_grains = state.bodies.iter().map(|g| (g.fate == Fate::Present).then_some(g.body));
@@ -55,7 +57,8 @@ pub fn plausible(
     let pieces = setup.pieces.len();
     if !state.pieces.is_empty() && state.pieces.len() != pieces {
         let found = state.pieces.len();
-        return Err(format!("it has {found} pieces of apparatus, and the scenario {pieces}"));
+        let found = counted(found, "piece");
+        return Err(format!("it has {found} of apparatus, and the scenario {pieces}"));
     }
     let mut walls = Whereabouts::of(setup, specimen, funnel.as_ref());
     if pieces > 0 {

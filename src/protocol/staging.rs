@@ -3,6 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use super::*;
+use crate::plain::counted;
 
 pub(super) type StageResult = Result<StageOutcome, StageError>;
 
@@ -102,10 +103,11 @@ impl<'a> Laboratory<'a> {
         if stuck {
             stand.warn(format!(
                 "the stage ended after {time:.2} s, before its limit of {limit} s: everything was at \
-                 rest, and no place was free for the next of {waiting} grains that were still to come"
+                 rest, and no place was free for the next of {} still to come",
+                counted(waiting, "grain")
             ));
         } else if waiting > 0 {
-            stand.warn(format!("after {limit} s {waiting} grains {left}"));
+            stand.warn(format!("after {limit} s {} {left}", counted(waiting, "grain")));
         } else if !settled {
             stand.warn(not_settled(what, limit));
         }

@@ -295,7 +295,8 @@ fn read_stored(path: &Path) -> Result<Stored, FileError> {
 fn check_midway(path: &Path, stored: &Stored) -> Result<(), FileError> {
     let (bodies, grains) = (stored.midway.state.bodies.len(), stored.identity.grains);
     if bodies != grains {
-        let why = format!("it has {bodies} bodies, and its stage {grains} grains");
+        let (bodies, grains) = (counted(bodies, "body"), counted(grains, "grain"));
+        let why = format!("it has {bodies}, and its stage {grains}");
         return Err(FileError::unfit(path, why));
     }
     if path.file_name().is_none_or(|found| found != name(stored.midway.steps).as_str()) {

@@ -375,7 +375,7 @@ fn frames_of(bytes: &[u8]) -> Result<Vec<Frame>, String> {
     let (length, grains) = frame_length(bytes)?;
     let frames = bytes[HEAD..].chunks_exact(length);
     if !frames.remainder().is_empty() {
-        return Err(format!("its last frame of {grains} grains is cut off"));
+        return Err(format!("its last frame of {} is cut off", counted(grains, "grain")));
     }
     frames.map(|frame| Frame::sound(frame, grains)).collect()
 }

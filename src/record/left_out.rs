@@ -93,17 +93,20 @@ impl GrainsSummary {
             let deposited = self.count.saturating_sub(self.left_in_funnel);
             return (missing as f64 > MOST_MISSING * deposited as f64).then(|| {
                 format!(
-                    "of {deposited} grains that were deposited {missing} fell out beside the \
-                     container, which was not full: at most {:.0} % may",
+                    "of {} that {} deposited {missing} fell out beside the container, which was not \
+                     full: at most {:.0} % may",
+                    counted(deposited, "grain"),
+                    in_number(deposited, "was", "were"),
                     100.0 * MOST_MISSING
                 )
             });
         }
         (missing as f64 > MOST_MISSING * self.count as f64).then(|| {
             format!(
-                "{missing} of {} grains are missing in the specimen, of which {:.0} % may be: {} left \
-                 in the funnel, {} spilled, {} escaped",
-                self.count,
+                "{missing} of {} {} missing in the specimen, of which {:.0} % may be: {} left in the \
+                 funnel, {} spilled, {} escaped",
+                counted(self.count, "grain"),
+                in_number(missing, "is", "are"),
                 100.0 * MOST_MISSING,
                 self.left_in_funnel,
                 self.spilled,
@@ -152,9 +155,8 @@ impl RunRow {
 
 /// How many runs with a result are left out of means, in a sentence; none where none is.
 pub fn left_out_in_words(left_out: usize, with_result: usize) -> Option<String> {
-    let are = if left_out == 1 { "is" } else { "are" };
-    (left_out > 0)
-        .then(|| format!("{left_out} of {with_result} runs with a result {are} left out of means"))
+    let (runs, are) = (counted(with_result, "run"), in_number(left_out, "is", "are"));
+    (left_out > 0).then(|| format!("{left_out} of {runs} with a result {are} left out of means"))
 }
 
 #[cfg(test)]
@@ -427,6 +429,8 @@ mod tests {
     fn what_is_left_out_is_counted_in_words() {
         assert_eq!(left_out_in_words(0, 3), None);
         let words = |left_out| left_out_in_words(left_out, 3).expect("words");
+        let one = left_out_in_words(1, 1).unwrap_or_default();
+        assert_eq!(one, "1 of 1 run with a result is left out of means");
         assert_eq!(words(1), "1 of 3 runs with a result is left out of means");
         assert_eq!(words(2), "2 of 3 runs with a result are left out of means");
     }

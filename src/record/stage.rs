@@ -165,7 +165,8 @@ pub(super) fn read_state(folder: &Path, record: &StageRecord) -> Result<Specimen
     let found = state.bodies.len();
     match &record.identity {
         Some(identity) if identity.grains != found => {
-            let why = format!("it has {found} bodies, and the stage {} grains", identity.grains);
+            let (found, grains) = (counted(found, "body"), counted(identity.grains, "grain"));
+            let why = format!("it has {found}, and the stage {grains}");
             Err(FileError::unfit(&path, why))
         }
         _ => Ok(state),

@@ -62,7 +62,8 @@ pub fn found(of: &Calibration) -> Vec<(String, String)> {
         let there = known_to(of.wanted, s.result_half_width_95);
         row(&format!("{target} there"), there);
         let per_unit = known_to(s.slope, s.slope_half_width_95);
-        row("change for one unit", format!("{per_unit}, {} configurations", s.configurations));
+        let configurations = counted(s.configurations, "configuration");
+        row("change for one unit", format!("{per_unit}, {configurations}"));
     }
     if let Some(scatter) = of.scatter {
         row("scatter of a single run (standard deviation, at all values)", unit(scatter));

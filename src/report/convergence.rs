@@ -222,7 +222,7 @@ fn page(of: &Convergence, figures: Vec<Figure>) -> Page {
 
 /// Which specimen a study is of.
 pub(super) fn specimen(scenario: &str, grains: Option<usize>, quick: bool) -> String {
-    let grains = grains.map_or_else(|| "grains".to_owned(), |n| format!("{n} grains"));
+    let grains = grains.map_or_else(|| "grains".to_owned(), |n| counted(n, "grain"));
     format!("Scenario `{scenario}`, {grains}{}", if quick { ", the smaller specimen" } else { "" })
 }
 

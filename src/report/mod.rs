@@ -38,7 +38,7 @@ use serde_json::Value;
 use crate::{
     grains::{self, GrainShape, ParticleSizeDistribution, SieveAnalysis},
     measure::{Estimate, Interval, statistics::mean},
-    plain::{counted, plain},
+    plain::{counted, in_number, plain},
     record::{
         AngleOfRepose, FileError, GradationSummary, LaboratoryNames, RunRecord, SeriesRow,
         VariationRow, left_out_in_words, write_file, write_json,

@@ -190,7 +190,7 @@ fn without_a_change(default: &VariationRow) -> String {
     };
     let left_out = match default.left_out {
         0 => String::new(),
-        n => format!("; left out of these means: {n} of {} runs", default.runs),
+        n => format!("; left out of these means: {n} of {}", counted(default.runs, "run")),
     };
     format!(
         "Without a change, over configurations, in mm: height {}, settlement of the plate {}, of the \

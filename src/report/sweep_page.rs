@@ -107,10 +107,11 @@ fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
         format!("; {} change together, and cannot be told apart", factors.join(" and "))
     });
     let lead = format!(
-        "{} points in {}: {done} of {} runs have results{}{}{}.",
-        of.points.len(),
+        "{} in {}: {done} of {} {} results{}{}{}.",
+        counted(of.points.len(), "point"),
         counted(of.configurations as usize, "configuration"),
-        of.planned,
+        counted(of.planned, "run"),
+        in_number(done, "has", "have"),
         against.collect::<String>(),
         left_out_in_words(left_out, done).map_or(String::new(), |said| format!("; {said}")),
         apart.collect::<String>(),
@@ -336,7 +337,8 @@ mod tests {
         };
         let page = super::page(&valid, vec![]);
         let lead = page.markdown().lines().nth(2).unwrap_or_default().to_owned();
-        assert!(lead.ends_with("1 of 1 runs have results."), "law: nothing to warn of, got {lead}");
+        assert!(lead.contains("1 point in 4 configurations"), "law: one of them, got {lead}");
+        assert!(lead.ends_with("1 of 1 run has results."), "law: nothing to warn of, got {lead}");
         assert!(page.html().contains("p class=\"lead\""), "law: no banner");
     }
 

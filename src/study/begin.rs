@@ -44,8 +44,8 @@ impl Begun {
         }
         state.check(grains.grains.len()).map_err(unfit)?;
         if state.pieces.len() != setup.pieces.len() {
-            let (there, asked) = (state.pieces.len(), setup.pieces.len());
-            return Err(unfit(format!("it has {there} pieces, the scenario {asked}")).into());
+            let (there, asked) = (counted(state.pieces.len(), "piece"), setup.pieces.len());
+            return Err(unfit(format!("it has {there}, the scenario {asked}")).into());
         }
         let specimen = Specimen { grains: grains.clone(), state };
         // It has come to its end under the gravity of its own run, which may be another.

@@ -209,7 +209,8 @@ impl Mould {
             Container { centre_x: 0.0, radius: self.diameter / 2.0, height: 2.0 * self.filled };
         let missing = specimen.grains.grains.len() - container.members(&specimen).len();
         if 20 * missing > specimen.grains.grains.len() {
-            return Ok(Err(format!("{missing} grains are not in the mould")));
+            let are = in_number(missing, "is", "are");
+            return Ok(Err(format!("{} {are} not in the mould", counted(missing, "grain"))));
         }
         let map =
             HeightMap::of(&specimen, &container, height_cell_over(&container, &specimen.grains))

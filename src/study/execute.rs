@@ -103,8 +103,9 @@ impl<'a> Shop<'a> {
                 let thread = thread::Builder::new().name("stages".to_owned());
                 if let Err(error) = thread.spawn_scoped(scope, work) {
                     self.progress.message(&format!(
-                        "warning: only {at_once} of {} stages run in parallel: {error}",
-                        self.cores
+                        "warning: only {at_once} of {} stages {} in parallel: {error}",
+                        self.cores,
+                        in_number(at_once, "runs", "run")
                     ));
                     break;
                 }

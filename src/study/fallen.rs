@@ -111,8 +111,9 @@ pub(super) fn unexplained(
             };
             let there = with_fate(&stage.state, Fate::Present) + fell;
             found.push(format!(
-                "{place}: {fell} of {there} grains fell out of the laboratory, and no opening \
-                 measures them"
+                "{place}: {fell} of {} fell out of the laboratory, and no opening measures {}",
+                counted(there, "grain"),
+                in_number(fell, "it", "them")
             ));
         }
         before = Some(&stage.state);

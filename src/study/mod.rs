@@ -89,6 +89,7 @@ use crate::measure::{
     overlap_statistics, paired_difference, pairs_within, stress_in, void_ratio, void_ratio_in,
 };
 use crate::motion::MotionFacts;
+use crate::plain::{counted, in_number};
 use crate::protocol::{Midway, Progress, Setup, Work, WorldMaker, plausible};
 use crate::record::{
     AskedStage, Beside, Checkpoints, EnergyRow, FabricSummary, FileError, FrameWriter,

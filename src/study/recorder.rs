@@ -153,7 +153,7 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
 
 /// What matters most of a row, in a few words for a progress line; `all` is the number of grains.
 pub fn note(row: &SeriesRow, all: usize) -> String {
-    let grains = format!("{} of {all} grains", row.grains_in_cylinder);
+    let grains = format!("{} of {}", row.grains_in_cylinder, counted(all, "grain"));
     let surface = row.mean_surface_mm.filter(|surface| *surface > 0.0);
     match (row.settlement_mm, row.pile_height_mm, surface) {
         (Some(settlement), _, _) => format!("settlement {settlement:.1} mm"),

@@ -104,7 +104,10 @@ const LEAST_PRESENT: f64 = 0.5;
 /// of `count` lie in the cylinder.
 fn no_height(inside: usize, count: usize) -> Option<String> {
     ((inside as f64) < LEAST_PRESENT * count as f64).then(|| {
-        format!("only {inside} of {count} grains lie in the cylinder: they are not the specimen")
+        let lie = in_number(inside, "lies", "lie");
+        let are = in_number(inside, "it is", "they are");
+        let of = counted(count, "grain");
+        format!("only {inside} of {of} {lie} in the cylinder: {are} not the specimen")
     })
 }
 
@@ -186,11 +189,10 @@ pub(super) struct Pressed {
 impl Pressed {
     /// What a reader must know; none where no grain was pressed.
     pub(super) fn warning(&self) -> Option<String> {
-        let (who, them) = match self.grains {
-            0 => return None,
-            1 => ("1 grain".to_owned(), "it"),
-            grains => (format!("{grains} grains"), "them"),
-        };
+        if self.grains == 0 {
+            return None;
+        }
+        let (who, them) = (counted(self.grains, "grain"), in_number(self.grains, "it", "them"));
         let ends = self.at_ends.iter().map(|(end, grains)| format!("{grains} at the end of {end}"));
         let ends = ends.collect::<Vec<_>>().join(", ");
         Some(format!(

@@ -165,9 +165,13 @@ pub fn summarise(
         .and_then(|last| secondary_sieve(&known.sieved, &specimen.state, &last.record));
     if let Some(s) = sieve.secondary.as_ref().filter(|s| !s.unchanged) {
         warnings.push(format!(
-            "the secondary sieve analysis does not find the grains as they were: {} of {} have \
-             another sieve size (by up to {:.2e} %), {} are lost",
-            s.changed, s.grains, s.largest_change_percent, s.lost
+            "the secondary sieve analysis does not find the grains as they were: {} of {} {} \
+             another sieve size (by up to {:.2e} %), lost: {}",
+            s.changed,
+            s.grains,
+            in_number(s.changed, "has", "have"),
+            s.largest_change_percent,
+            s.lost
         ));
     }
     let fates = fates_of(&specimen, &container, setup);

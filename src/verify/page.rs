@@ -7,6 +7,7 @@ use maud::html;
 
 use super::{Case, Verdict};
 use crate::measure::Interval;
+use crate::plain::{counted, in_number};
 use crate::report::{
     Axis, Figure, Look, Plot, ReportError,
     page::{Block, Page},
@@ -48,14 +49,19 @@ fn page(cases: &[Found], figures: Vec<Figure>) -> Page {
     let met = rows().filter(|v| v.pass).count();
     let unexpected = cases.iter().filter(|(_, of)| of.iter().any(|v| !v.status.as_expected()));
     let unexpected: Vec<String> = unexpected.map(|(case, _)| case.id.clone()).collect();
+    let missed = rows().filter(|v| !v.pass && v.status.as_expected()).count();
     let lead = format!(
-        "Of {} runs of analytical benchmarks, {met} meet the known solution within the stated \
-         tolerance. {} do not, for reasons that are known and given below; {}.",
-        rows().count(),
-        rows().filter(|v| !v.pass && v.status.as_expected()).count(),
+        "Of {} of analytical benchmarks, {met} {} the known solution within the stated \
+         tolerance. {missed} {} not, for reasons that are known and given below; {}.",
+        counted(rows().count(), "run"),
+        in_number(met, "meets", "meet"),
+        in_number(missed, "does", "do"),
         match unexpected.len() {
             0 => "no outcome is unexpected".to_owned(),
-            n => format!("{n} cases have an unexpected outcome"),
+            n => {
+                let have = in_number(n, "has", "have");
+                format!("{} {have} an unexpected outcome", counted(n, "case"))
+            }
         }
     );
     let unexpected = listed("Unexpected:", &unexpected);

@@ -24,7 +24,7 @@ pub use report::{MeshRecord, meshes_csv};
 use std::path::{Path, PathBuf};
 
 use super::*;
-use crate::plain::without_zeros;
+use crate::plain::{counted, without_zeros};
 use crate::scenario::{Fault, MeshGrains, MeshUnit, ScenarioErrors};
 use {object::*, surface::*};
 

@@ -77,11 +77,7 @@ impl MeshRecord {
         if hulls > 0 {
             notes.push(format!(
                 "replaced by convex hulls: {hulls} of {}, with at most {} % more volume",
-                if records.len() == 1 {
-                    "1 mesh".to_owned()
-                } else {
-                    format!("{} meshes", records.len())
-                },
+                counted(records.len(), "mesh"),
                 rounded(largest(Self::hull_adds_percent))
             ));
         }

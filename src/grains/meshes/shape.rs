@@ -33,7 +33,7 @@ pub(super) fn convex(
     let unmade = || {
         Fault::new(
             "no convex hull can be made of its vertices",
-            format!("{} vertices", surface.vertices.len()),
+            counted(surface.vertices.len(), "vertex"),
             "a grain as thick as a hundredth of its length",
         )
     };

@@ -39,7 +39,7 @@ pub(super) fn surfaces(
     if faces.is_empty() {
         return Err(vec![Fault::new(
             "no face of the object has an area",
-            format!("{} faces", object.faces.len()),
+            counted(object.faces.len(), "face"),
             "a closed surface",
         )]);
     }

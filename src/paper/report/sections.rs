@@ -329,6 +329,7 @@ fn counting(study: &StudyView) -> Block {
         study.runs.iter().filter(|r| !r.counts_in_means()).map(|r| r.name.as_str()).collect();
     let all = study.runs.len();
     match left_out_in_words(left_out.len(), all) {
+        None if all == 1 => Block::Text("The one run is valid and counts in means.".to_owned()),
         None => Block::Text(format!("All {all} runs are valid and count in means.")),
         Some(said) => Block::Banner(format!("{said}, ranges and claims: {}.", left_out.join(", "))),
     }
@@ -372,10 +373,10 @@ fn checks(runs: &[RunRecord]) -> Vec<Block> {
     };
     let said: Vec<String> = runs.iter().filter_map(said).collect();
     let passed = format!(
-        "{} of {} runs passed every check: numbers, grains, walls, speeds, energy, overlap and numerical \
+        "{} of {} passed every check: numbers, grains, walls, speeds, energy, overlap and numerical \
          creep are watched while a run goes on (docs/accuracy.md).",
         runs.len() - said.len(),
-        runs.len()
+        counted(runs.len(), "run")
     );
     vec![Block::Heading("Checks".to_owned()), Block::Text(passed), Block::List(said)]
 }

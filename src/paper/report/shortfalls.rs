@@ -171,10 +171,10 @@ fn grains_lost(study: &StudyView) -> Vec<String> {
         let lost =
             runs.iter().map(|r| r.summary.grains.mass_g - r.summary.grains.mass_in_cylinder_g);
         format!(
-            "{grains} {fate} ({} of {} runs); a cylinder lacks at most {} g of its grains. Void ratios \
+            "{grains} {fate} ({} of {}); a cylinder lacks at most {} g of its grains. Void ratios \
              count only what is in the cylinder.",
             runs.len(),
-            study.runs.len(),
+            counted(study.runs.len(), "run"),
             number(lost.fold(0.0, f64::max), 1)
         )
     };

@@ -139,7 +139,7 @@ impl RowCounts {
         let all: usize = always.iter().chain(&others).map(|(count, _)| count).sum();
         let shown = always.into_iter().chain(others.into_iter().filter(|(count, _)| *count > 0));
         let parts: Vec<String> = shown.map(|(count, what)| format!("{count} {what}")).collect();
-        format!("{all} rows: {}", parts.join(", "))
+        format!("{}: {}", counted(all, "row"), parts.join(", "))
     }
 }
 

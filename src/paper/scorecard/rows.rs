@@ -135,15 +135,16 @@ impl Measured {
             return Self::under_one_plate(own);
         };
         let means: Vec<f64> = placed.specimens.iter().filter_map(|s| mean(&s.values)).collect();
-        let count: usize = placed.specimens.iter().map(|s| s.values.len()).sum();
+        let count = placed.specimens.iter().map(|s| s.values.len()).sum();
+        let placements = counted(count, "placement");
         let left_out: usize = placed.specimens.iter().map(|s| s.left_out.len()).sum();
         let note = match placed.interval {
             Some(_) => format!(
-                "Mean of {} specimens' means over {count} placements of the plate; its interval \
+                "Mean of {} specimens' means over {placements} of the plate; its interval \
                  holds the scatter of both.",
                 means.len()
             ),
-            None => format!("Mean over {count} placements of the plate on one specimen."),
+            None => format!("Mean over {placements} of the plate on one specimen."),
         };
         Self {
             mean: mean(&means),

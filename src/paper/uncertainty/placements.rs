@@ -125,7 +125,8 @@ fn note(groups: &[Vec<f64>], nested: Option<&Nested>) -> String {
     }
     let least = groups.iter().map(Vec::len).filter(|n| *n > 0).min().unwrap_or(0);
     if least < ENOUGH {
-        notes.push(format!("Only {least} placements on a specimen; {ENOUGH} are asked for."));
+        let least = counted(least, "placement");
+        notes.push(format!("Only {least} on a specimen; {ENOUGH} are asked for."));
     }
     if nested.groups < 3 {
         notes.push("Two specimens: their scatter is hardly known.".to_owned());
@@ -179,7 +180,7 @@ mod tests {
             let got = got.expect("a number");
             assert!((got - expected).abs() < 1e-12, "law: {what}, expected {expected}, got {got}");
         }
-        assert!(plate.note.contains("Only 1 placements"), "{}", plate.note);
+        assert!(plate.note.contains("Only 1 placement on"), "{}", plate.note);
         let interval = plate.interval.expect("an interval");
         assert!(interval.low < 0.0 && interval.high > 13.0, "law: 5.33 ± 4.30 · 3.51/√3");
     }

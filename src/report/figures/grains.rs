@@ -84,12 +84,12 @@ pub(crate) fn of_shapes(shapes: &[GrainShape]) -> Result<Figure, ReportError> {
         shapes.iter().map(|s| value(s) as f64).sum::<f64>() / shapes.len() as f64
     };
     let caption = format!(
-        "Shape of the {} grains, by number. L, I and S are the longest, intermediate and shortest \
+        "Shape of the {}, by number. L, I and S are the longest, intermediate and shortest \
          side of the box of the smallest volume that holds the grain; elongation is L/I and \
          flatness I/S (after Zingg 1935), sphericity the surface of the sphere of the grain's volume \
          over the grain's surface (Wadell 1932). Median, and 10th to 90th percentile: {}. A grain \
          has {} faces and {} vertices on average.",
-        shapes.len(),
+        counted(shapes.len(), "grain"),
         medians.join(", "),
         number(mean(|s| s.faces), 1),
         number(mean(|s| s.vertices), 1),

@@ -26,7 +26,7 @@ use serde::de::DeserializeOwned;
 use super::*;
 use crate::geometry::Point;
 use crate::motion::TableMotion;
-use crate::plain::{misleads, without_zeros};
+use crate::plain::{counted, in_number, misleads, without_zeros};
 
 /// The parts of a scenario that could be read.
 struct Parts {

@@ -47,7 +47,7 @@ fn check_fields(stage: &VibrateSpec, faults: &mut Faults) {
     let first = "it begins with its first row";
     let both =
         stage.motion_rows.as_ref().and(stage.motion_file.as_ref()).map(|_| "both".to_owned());
-    let rows = stage.motion_rows.as_ref().map(|rows| format!("{} rows", rows.len()));
+    let rows = stage.motion_rows.as_ref().map(|rows| counted(rows.len(), "row"));
     let how = stage.interpolation.map(|how| format!("{how:?}").to_lowercase());
     let full = (stage.stroke != StrokeKind::HalfStroke).then(|| "full_stroke".to_owned());
     let turning = (stage.start != Start::Middle).then(|| "turning_point".to_owned());

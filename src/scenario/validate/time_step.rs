@@ -123,7 +123,8 @@ fn find_coarse_frames(parts: &Parts, faults: &mut Faults) {
             as_typed(size)
         );
         let field = format!("stages[{i}].video_frames.frames_per_s");
-        let allowed = format!("at least {least} frames a second");
+        let frames = in_number(least as usize, "frame", "frames");
+        let allowed = format!("at least {least} {frames} a second");
         faults.add_if(way > from_mm(size), &field, rate, allowed, why);
     }
 }

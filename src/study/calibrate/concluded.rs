@@ -173,9 +173,10 @@ fn notes(of: &Calibration, kept: &Kept) -> Vec<String> {
     let failed = of.runs.iter().filter(|r| r.result.is_none()).count();
     if failed > 0 && of.ending != Ending::Failed {
         notes.push(format!(
-            "{failed} of {} runs have no result and are left out, with their configuration in the \
-             line",
-            of.runs.len()
+            "{failed} of {} {} no result and {} left out, with their configuration in the line",
+            counted(of.runs.len(), "run"),
+            in_number(failed, "has", "have"),
+            in_number(failed, "is", "are")
         ));
     }
     let left_out: Vec<&CalibrationRun> = of.runs.iter().filter(|r| r.is_left_out()).collect();

@@ -36,7 +36,7 @@ pub(super) fn told(
             to_mm(mould.diameter)
         );
         let allowed = "more grains, as by a larger total_mass_g";
-        return Fault::new(message, format!("{grains} grains"), allowed)
+        return Fault::new(message, counted(grains, "grain"), allowed)
             .at("grains")
             .of(options.scenario.display());
     }

@@ -326,10 +326,12 @@ fn model(target: &Target, table: &Runs) -> Result<(LinearModel, TargetFound), St
     }
     let fitted = LinearModel::fit(&rows).ok_or_else(|| {
         StudyError::Scenario(format!(
-            "--target {title}: {} runs that count have it, too few to tell the {} factors {} \
-             apart (at least {} are needed, not all along one line)",
-            rows.len(),
-            table.factors.len(),
+            "--target {title}: {} that {} and {} it, too few to tell {} apart: {} (at least {} are \
+             needed, not all along one line)",
+            counted(rows.len(), "run"),
+            in_number(rows.len(), "counts", "count"),
+            in_number(rows.len(), "has", "have"),
+            counted(table.factors.len(), "factor"),
             table.factors.join(", "),
             table.factors.len() + 3
         ))

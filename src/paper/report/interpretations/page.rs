@@ -14,17 +14,22 @@ fn belief(c: &InterpretationColumn, standard: Standard) -> String {
     }
     if met == c.runs.len() {
         let said = sentence_of_left_out(c.left_out(), c.runs.len(), "");
-        return format!("All {met} runs meet the accuracy standard.{said}");
+        let runs = match met {
+            1 => "The one run meets".to_owned(),
+            met => format!("All {met} runs meet"),
+        };
+        return format!("{runs} the accuracy standard.{said}");
     }
     let worst = |value: &dyn Fn(&RunRecord) -> f64| {
         c.runs.iter().map(value).filter(|v| v.is_finite()).fold(0.0, f64::max)
     };
     format!(
-        "{met} of {} runs meet the accuracy standard: grains overlap by up to {} % of their \
+        "{met} of {} {} the accuracy standard: grains overlap by up to {} % of their \
          diameter on average ({} % allowed) and {} % at the 99th percentile ({} %), and a specimen \
          left alone sinks by up to {} µm/s ({}). Where it agrees with the paper, grains that sink \
          into each other may be what agrees.",
-        c.runs.len(),
+        counted(c.runs.len(), "run"),
+        in_number(met, "meets", "meet"),
         number(worst(&|r| r.summary.overlap.mean_percent), 2),
         standard.overlap_mean_percent,
         number(worst(&|r| r.summary.overlap.p99_percent), 1),
