@@ -37,7 +37,6 @@ pub(super) struct StageArgs {
 pub(super) fn run(args: &StageArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let options = context.run_options(&args.folder, Jobs::default());
     let tasks = SweepTasks::read(RunOptions { jobs: 1, ..options })?;
-    remove_abandoned(&args.folder);
     let asked = match &args.key {
         Some(key) => Some(tasks.find(key)?),
         None => args.level.zip(args.task),
@@ -51,6 +50,7 @@ pub(super) fn run(args: &StageArgs, context: &Context) -> Result<ExitStatus, Cli
         let text: String = lines.collect();
         return context.done(&text, &json!({ "levels": levels, "missing": missing }));
     };
+    remove_abandoned(&args.folder);
     context.stop_on_ctrl_c();
     let label = tasks.carry_out(level, task)?;
     context.done(&format!("{label}: stored\n"), &json!({ "stored": label }))

@@ -18,8 +18,8 @@ pub(super) const PART: &str = ".part-";
 pub struct StageStore {
     root: PathBuf,
     frames: bool,
-    /// Held, shared with others, as long as somebody may be writing.
-    _lock: Arc<File>,
+    /// Held, shared with others, as long as somebody may be writing; none of who only reads.
+    _lock: Option<Arc<File>>,
 }
 
 impl StageStore {
@@ -43,7 +43,12 @@ impl StageStore {
         }
         wait_shared(&lock);
         remove_abandoned_in(root);
-        Ok(Self { root: root.to_owned(), frames: false, _lock: Arc::new(lock) })
+        Ok(Self { root: root.to_owned(), frames: false, _lock: Some(Arc::new(lock)) })
+    }
+
+    /// A store that is only to be read, there or not yet: nothing is made or removed.
+    pub fn to_be_read(root: &Path) -> Self {
+        Self { root: root.to_owned(), frames: false, _lock: None }
     }
 
     /// The same, keeping the frames of stages that are run, where that is

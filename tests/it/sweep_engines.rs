@@ -278,6 +278,30 @@ fn folders_with_blanks_and_quotes_come_through_slurm_and_snakemake() {
     refused(&no_level, 2, &["no stage 0 on level 9: level 0 has ", ", level 1 has "]);
 }
 
+/// Law: who asks how far a sweep is writes nothing into its folder, which may be one that he may only
+/// read: no store is made, and nothing that others left is removed.
+#[test]
+fn what_is_stored_is_asked_without_writing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write(folder.path(), "small.json", &small::layer(30.0));
+    let out = folder.path().join("out");
+    swept(&scenario, &out, &["--over", "contact.restitution=0.2,0.3", "--plan-only"]);
+    fs::write(out.join(".pluvia-Ab12cd.part"), "half").expect("a leftover");
+    let before = content(&out);
+    let list = ["stage", text(&out), "--list"];
+    let status = ["sweep", "--status", "--out", text(&out)];
+    for args in [&list[..], &status[..]] {
+        let printed = done(args);
+        let after = content(&out);
+        assert!(after == before, "law: {args:?} changes no file");
+        assert!(!out.join("stages").exists(), "law: {args:?} makes no store");
+        assert_holds(&printed, &["stage"]);
+    }
+    done(&["stage", text(&out), "--level", "0", "--task", "0", "--quiet"]);
+    assert_eq!(stored(&out).len(), 1, "law: a stage that is run is stored");
+    assert!(!out.join(".pluvia-Ab12cd.part").exists(), "law: who writes removes leftovers");
+}
+
 /// Law: collecting runs nothing. A stage whose files were changed counts as not stored, there and in
 /// the lists of what is to be done.
 #[test]

@@ -10,6 +10,7 @@ pub struct SweepTasks {
     study: SweepStudy,
     run: RunOptions,
     plan: Plan,
+    /// To be read: who asks what is stored writes nothing.
     store: StageStore,
     levels: Vec<Vec<usize>>,
 }
@@ -41,7 +42,7 @@ pub struct SweepStatus {
 }
 
 impl SweepTasks {
-    /// Reads the plan of a folder and makes its stages again.
+    /// Reads the plan of a folder and makes its stages again; nothing is written.
     ///
     /// # Errors
     /// [`StudyError`]; [`StudyError::Scenario`] where the scenario, or the
@@ -61,7 +62,7 @@ impl SweepTasks {
             levels.resize(levels.len().max(depth[n] + 1), Vec::new());
             levels[depth[n]].push(n);
         }
-        let store = StageStore::open(&run.out.join("stages"))?.with_frames(run.frames);
+        let store = StageStore::to_be_read(&run.out.join("stages")).with_frames(run.frames);
         Ok(Self { study, run, plan, store, levels })
     }
 
@@ -139,12 +140,13 @@ impl SweepTasks {
             StudyError::Scenario(what)
         })?;
         let (chain, label) = (self.chain(node), self.plan.nodes[node].label.clone());
-        let is_held = held(&chain, &self.store);
+        let store = StageStore::open(&self.run.out.join("stages"))?.with_frames(self.run.frames);
+        let is_held = held(&chain, &store);
         let before = chain.nodes.len() - 1;
         if let Some(needed) = (0..before).find(|n| !is_held[*n]).map(|n| &chain.nodes[n]) {
             return refused(format!("{label} needs {}, which is not stored", needed.label));
         }
-        let shop = Shop::new(&self.store, &crate::world::create, &self.run);
+        let shop = Shop::new(&store, &crate::world::create, &self.run);
         Shop { cores: 1, ..shop }.execute(&chain)?;
         Ok(label)
     }
