@@ -27,7 +27,8 @@ pub struct BeginSpec {
     pub specimen_sha256: Option<String>, skip "Option::is_none",
         schemars(extend("x-filled-in" = true));
     /// Paths of contact settings that are as in the run, or, where they were automatic there,
-    /// larger if the scenario's own loads ask for that. Filled in when the scenario is loaded.
+    /// larger if the scenario's own loads ask for that. Filled in when the scenario is loaded; a path
+    /// with another value than that is refused.
     pub taken_over: Vec<String>, skip "Vec::is_empty",
         schemars(length(max = 10), extend("x-filled-in" = true));
 }
@@ -81,9 +82,12 @@ pub(super) fn read(document: &mut Document) -> (Option<Map<String, Value>>, Vec<
             {
                 fields.remove("grains");
             }
-            // A scenario that was loaded before says so itself.
-            if spec.taken_over.is_empty() {
-                spec.taken_over = begun::taken_over(&scenario, &document.value);
+            // A scenario that was loaded before has values, too, and says itself which of them are
+            // taken over: whether they are is seen by `begun::stiffen`.
+            for path in begun::taken_over(&scenario, &document.value) {
+                if !spec.taken_over.contains(&path) {
+                    spec.taken_over.push(path);
+                }
             }
             let faults = found.into_iter().map(|fault| document.with_origin(fault)).collect();
             take_over(document, scenario.clone(), &spec);

@@ -87,30 +87,64 @@ fn automatic_value(value: &Value, path: &str, grading: &Grading) -> f64 {
 /// that it begins with, and nobody typed how stiff. Values that were automatic there grow with the
 /// scenario's own loads, and never shrink: with softer contacts, or in longer sub-steps, a pressed
 /// specimen would sink into itself. Deposits before the first load stay calm.
-pub(super) fn stiffen(value: &mut Value, run: &Map<String, Value>, grading: &Grading) {
+///
+/// The faults of paths that are listed as taken over and have a value of their own: they would keep
+/// it from being judged, or lose it.
+pub(super) fn stiffen(
+    value: &mut Value,
+    run: &Map<String, Value>,
+    grading: &Grading,
+) -> Vec<Fault> {
     let run = Value::Object(run.clone());
     let listed = |value: &Value, path: &str| {
         let paths = value["begin"]["taken_over"].as_array();
         paths.is_some_and(|paths| paths.iter().any(|of| of == path))
     };
+    let mut faults = unknown_taken_over(value);
     let mut is_speed_automatic = false;
     for path in BY_LOAD {
         let there = number_at(value, path).filter(|_| listed(value, path));
-        let Some(there) = there else { continue };
-        let was_automatic =
-            listed(&run, path) || (there / automatic_value(&run, path, grading) - 1.0).abs() < 1e-9;
+        let (Some(there), Some(of_run)) = (there, number_at(&run, path)) else { continue };
+        let was_automatic = listed(&run, path)
+            || (of_run / automatic_value(&run, path, grading) - 1.0).abs() < 1e-9;
         is_speed_automatic |= was_automatic && path == DEPENETRATION;
         let asked = automatic_value(value, path, grading);
-        if was_automatic
-            && asked > there
-            && let Some(field) = value.pointer_mut(&pointer(path))
-        {
+        let grows = was_automatic && asked > of_run;
+        let taken = if grows { asked } else { of_run };
+        if there != of_run && there != taken {
+            faults.push(typed_and_taken_over(path, there, taken));
+        } else if grows && let Some(field) = value.pointer_mut(&pointer(path)) {
             *field = automatic::written(path, asked).map_or(Value::Null, Value::Number);
         }
     }
     if let Some(scale) = automatic::scale_of(value, grading).filter(|_| is_speed_automatic) {
         calm_begun(value, &run, grading, &scale);
     }
+    faults
+}
+
+/// Where the paths of what is taken over are listed.
+const TAKEN_OVER: &str = "begin.taken_over";
+
+/// The fault of a value that is listed as taken over and is another: it was typed.
+fn typed_and_taken_over(path: &str, typed: f64, taken: f64) -> Fault {
+    let message = format!(
+        "the list is filled in when a scenario is loaded, and this value is not the one that is \
+         taken over: leave {path} out of it"
+    );
+    let allowed = format!("{taken}, or the value left out, or {TAKEN_OVER} without it");
+    Fault::new(message, format!("{path} = {typed}"), allowed).at(TAKEN_OVER)
+}
+
+/// The faults of listed paths of which no value is taken over.
+fn unknown_taken_over(value: &Value) -> Vec<Fault> {
+    let paths = elements(&value["begin"], "taken_over").filter_map(Value::as_str);
+    let unknown = paths.filter(|path| !BY_LOAD.contains(path));
+    let fault = |path: &str| {
+        let message = "the list is filled in when a scenario is loaded: leave the field out";
+        Fault::new(message, path, BY_LOAD.join(", ")).at(TAKEN_OVER)
+    };
+    unknown.map(fault).collect()
 }
 
 #[cfg(test)]
@@ -183,7 +217,8 @@ mod tests {
             let run = of(there, &rest);
             let mut value = of(there, stage);
             value["begin"] = json!({ "specimen": "run", "taken_over": [STIFFNESS] });
-            stiffen(&mut value, run.as_object().expect("an object"), &grading);
+            let faults = stiffen(&mut value, run.as_object().expect("an object"), &grading);
+            assert!(faults.is_empty(), "law: what is taken over is no fault, got {faults:?}");
             number_at(&value, STIFFNESS).expect("a stiffness")
         };
         assert_eq!(stiffness(own, &rest), own, "law: a rest asks for no more");
@@ -193,6 +228,49 @@ mod tests {
         assert!(pressed > 1e5, "law: some hundred kN/m under 100 kPa, got {pressed}");
         assert_eq!(stiffness(own / 2.0, &press), own / 2.0, "law: what was typed stays");
     }
+
+    /// Law: what is listed as taken over has the run's value, or the larger one that loads ask for;
+    /// another one was typed, and would be lost or not judged, and what follows from no load is not
+    /// taken over.
+    #[test]
+    fn what_is_typed_is_not_taken_over() {
+        let grains = json!({ "total_mass_g": 100, "density_kg_per_m3": 2650, "sieve_table":
+            [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }] });
+        let grading = Grading::of_json(&grains).expect("a grading");
+        let of = |stiffness: f64| {
+            let load = json!({ "piece": "lid", "stress_kpa": 100 });
+            json!({
+                "grains": grains,
+                "engine": { "native": { "contact_stiffness_n_per_m": stiffness } },
+                "pieces": [{ "name": "lid", "shape": { "plate": { "size_mm": [50, 50, 10] } } }],
+                "stages": [{ "stage": "press", "loads": [load] }]
+            })
+        };
+        let mut unloaded = of(1.0);
+        unloaded["stages"] = json!([{ "stage": "rest", "duration_s": 1 }]);
+        let own = automatic_value(&unloaded, STIFFNESS, &grading);
+        unloaded["engine"]["native"]["contact_stiffness_n_per_m"] = json!(own);
+        let run = unloaded.as_object().expect("an object");
+        // The value that a scenario ends with, and its faults.
+        let after = |typed: f64, listed: &str| {
+            let mut value = of(typed);
+            value["begin"] = json!({ "specimen": "run", "taken_over": [listed] });
+            let faults = stiffen(&mut value, run, &grading);
+            (number_at(&value, STIFFNESS).expect("a stiffness"), faults)
+        };
+        let (loaded, faults) = after(own, STIFFNESS);
+        assert!(loaded > 2.0 * own && faults.is_empty(), "law: it grows, got {loaded}, {faults:?}");
+        let again = after(loaded, STIFFNESS);
+        assert_eq!(again, (loaded, Vec::new()), "law: a scenario that was loaded loads again");
+        for (typed, listed) in [(own / 3.0, STIFFNESS), (9.0 * loaded, STIFFNESS), (own, RATE)] {
+            let (left, faults) = after(typed, listed);
+            let at: Vec<&str> = faults.iter().map(|fault| fault.path.as_str()).collect();
+            assert_eq!(at, [TAKEN_OVER], "law: {typed} N/m is typed, listed is {listed}");
+            assert!(faults[0].to_string().contains(listed), "law: it is named, got {faults:?}");
+            assert_eq!(left, typed, "law: what was typed stays");
+        }
+    }
+
     /// Law: deposits onto a specimen that no load has been on are calm before the first load, whichever
     /// scenario has it, as in a single run; after a load, and where the speed was typed, they have the
     /// engine's.
@@ -223,7 +301,8 @@ mod tests {
             let mut value = of(there, stages);
             value["begin"] =
                 json!({ "specimen": "run", "after": after, "taken_over": [DEPENETRATION] });
-            stiffen(&mut value, run.as_object().expect("an object"), &grading);
+            let faults = stiffen(&mut value, run.as_object().expect("an object"), &grading);
+            assert!(faults.is_empty(), "law: what is taken over is no fault, got {faults:?}");
             let both = [number_at(&value, DEPENETRATION), value["stages"][0][OWN_SPEED].as_f64()];
             both.map(|speed| speed.map(|m_per_s| (m_per_s * 1e6).round()))
         };

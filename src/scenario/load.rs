@@ -110,7 +110,8 @@ fn load_document_with(
     let is_filled = match &grading {
         Some(grading) => {
             if let Some(run) = &begun_with {
-                begun::stiffen(&mut document.value, run, grading);
+                let found = begun::stiffen(&mut document.value, run, grading);
+                faults.extend(found.into_iter().map(|fault| document.with_origin(fault)));
             }
             automatic::fill(&mut document.value, grading);
             true

@@ -229,6 +229,31 @@ fn other_grains_than_those_of_the_specimen_are_no_second_fault() {
     assert_one(&scenario, "grains.total_mass_g", "leave the field out");
 }
 
+/// Law: which settings are taken over is for the program to say: a scenario that was loaded loads
+/// again as it is, a list that is not whole is made whole, and a value of its own is not listed.
+#[test]
+fn a_typed_list_of_what_is_taken_over_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let loaded = |value: &Value| {
+        let path = write(folder.path(), "rests.json", value);
+        load_scenario(&path, &[]).unwrap_or_else(|e| panic!("{e}")).scenario
+    };
+    let stiffness = "engine.native.contact_stiffness_n_per_m";
+    let mut scenario = json!({
+        "name": "rests", "begin": { "specimen": whole(), "stage": "pour" },
+        "stages": [{ "stage": "rest", "duration_s": 0.1 }]
+    });
+    let first = loaded(&scenario);
+    let mut value = json!(first);
+    assert_eq!(loaded(&value), first, "law: what was loaded loads again as it is");
+    scenario["begin"]["taken_over"] = json!([stiffness]);
+    assert_eq!(loaded(&scenario).begin, first.begin, "law: a list is made whole");
+    value["engine"]["native"]["contact_stiffness_n_per_m"] = json!(1234);
+    assert_one(&value, "begin.taken_over", stiffness);
+    scenario["begin"]["taken_over"] = json!(["engine.rate_hz"]);
+    assert_one(&scenario, "begin.taken_over", "engine.rate_hz");
+}
+
 /// Law: a name that several stages have means none of them, unless a key says which; each has its
 /// number.
 #[test]
