@@ -146,6 +146,30 @@ impl PieceMotion {
         }
     }
 
+    /// Height in m that a point never gets below on its path, from where it begins: of a sine that of
+    /// its whole stroke, of a recorded motion that of all its rows.
+    pub fn lowest(&self, from: &Point) -> f64 {
+        let (axis, about, speed) = match &self.path {
+            Path::Velocity(_) => return from.z.min((self.displacement(self.duration) * from).z),
+            Path::Recorded { rows, .. } => return from.z + rows.lowest(),
+            Path::Sine { amplitude, .. } => return from.z - amplitude.z.abs(),
+            Path::Rotation { axis, about, speed } => (axis, about, speed),
+        };
+        // r = k (k·r) + r⊥ cos φ + (k × r) sin φ, seen along z.
+        let arm = from - about;
+        let along = axis.into_inner() * axis.dot(&arm);
+        let (across, ahead) = ((arm - along).z, axis.cross(&arm).z);
+        let turned = speed * self.elapsed(self.duration);
+        // From a place against (r⊥, k × r) on it rises, whichever way it turns.
+        let to_lowest = ahead.atan2(across) + PI;
+        let way = if turned < 0.0 { -to_lowest } else { to_lowest };
+        let ends = from.z.min((self.displacement(self.duration) * from).z);
+        match way.rem_euclid(2.0 * PI) <= turned.abs() {
+            true => ends.min(about.z + along.z - across.hypot(ahead)),
+            false => ends,
+        }
+    }
+
     /// Largest speed in m/s of a point that is so far (m) from the axis of a rotation.
     pub fn peak_speed(&self, from_axis: f64) -> f64 {
         match &self.path {
@@ -268,6 +292,56 @@ mod tests {
             assert!(fastest <= peak * (1.0 + 1e-6), "law: at most {peak} m/s, got {fastest}");
         }
     }
+
+    /// Law: no point gets below its lowest place, and it gets there: also where motions repeat 64
+    /// times, so that 64 evenly spaced moments see none of them, and where a spline swings beyond its
+    /// rows.
+    #[test]
+    fn no_point_gets_below_its_lowest_place() {
+        let sine = |frequency: f64| Path::Sine { amplitude: -0.01 * Vector::z(), frequency };
+        let turn = |axis: [f64; 3], speed: f64| Path::Rotation {
+            axis: Unit::new_normalize(Vector::from(axis)),
+            about: Point::new(0.02, -0.01, 0.3),
+            speed,
+        };
+        let rows = |how| {
+            let rows = [
+                [0.0, 0.0, 0.0, 0.0],
+                [0.4, 3.0, 0.0, -20.0],
+                [0.5, 3.0, 0.0, -20.0],
+                [1.0, 0.0, 1.0, 30.0],
+            ];
+            let recorded = RecordedMotion::of_piece(&rows, how).expect("sound rows");
+            Path::Recorded { rows: Arc::new(recorded), slows_from: None }
+        };
+        let y = [0.0, 1.0, 0.0];
+        for (name, path, ramp) in [
+            ("down", Path::Velocity(Vector::new(0.1, 0.0, -0.2)), 0.3),
+            ("up", Path::Velocity(Vector::new(0.1, 0.0, 0.2)), 0.3),
+            ("sine of 64 cycles", sine(64.0), 0.0),
+            ("sine of 3 cycles", sine(3.0), 0.0),
+            ("64 turns", turn(y, 128.0 * PI), 0.0),
+            ("64 turns back about a slanting axis", turn([1.0, 2.0, 3.0], -128.0 * PI), 0.0),
+            ("a quarter turn", turn(y, PI / 2.0), 0.0),
+            ("a quarter turn back", turn(y, -PI / 2.0), 0.0),
+            ("a tenth of a turn", turn([-3.0, 1.0, 0.5], PI / 5.0), 0.2),
+            ("rows and straight lines", rows(super::super::Interpolation::Linear), 0.0),
+            ("rows and splines", rows(super::super::Interpolation::Cubic), 0.0),
+        ] {
+            let motion = PieceMotion { path, duration: 1.0, ramp };
+            for from in [[0.05, 0.0, 0.27], [-0.04, 0.02, 0.31], [0.02, -0.03, 0.36]] {
+                let from = Point::from(from);
+                let places = (0..=40_000).map(|n| f64::from(n) / 40_000.0);
+                let places = places.map(|time| (motion.displacement(time) * from).z);
+                let (expected, got) = (places.fold(f64::MAX, f64::min), motion.lowest(&from));
+                assert!(
+                    got <= expected + 1e-12 && got > expected - 1e-5,
+                    "law: {name} from {from} gets down to {expected} m within 10 µm, got {got}"
+                );
+            }
+        }
+    }
+
     /// Law: a recorded motion goes through its rows, counted from the first, and stays at its last.
     #[test]
     fn a_recorded_motion_goes_through_its_rows_and_stays_at_the_last() {

@@ -160,6 +160,28 @@ impl RecordedMotion {
         most.norm()
     }
 
+    /// Height in m that it never gets below, from the first row: at a row, or where a spline turns.
+    pub(super) fn lowest(&self) -> f64 {
+        let mut lowest = self.places.iter().map(|place| place.z).fold(f64::INFINITY, f64::min);
+        for (i, bends) in self.bends.windows(2).enumerate() {
+            let (h, m, n) = (self.interval(i), bends[0].z, bends[1].z);
+            let line = (self.places[i + 1].z - self.places[i].z) / h;
+            // The vertical velocity within the interval, 6/h times: a parabola in b, the share of it
+            // that has passed.
+            let (square, single) = (3.0 * (n - m), 6.0 * m);
+            let constant = 6.0 * line / h - n - 2.0 * m;
+            let root = (single * single - 4.0 * square * constant).sqrt();
+            let q = -0.5 * (single + root.copysign(single));
+            // What is no number is no place within the interval.
+            for b in [q / square, constant / q] {
+                if b > 0.0 && b < 1.0 {
+                    lowest = lowest.min(self.in_interval(i, b * h).displacement.z);
+                }
+            }
+        }
+        lowest
+    }
+
     /// Largest acceleration upwards in m/s²: of splines, whose is largest at a row; of straight lines,
     /// whose velocity jumps, the mean from the middle of a line to the middle of the next.
     pub fn upward_acceleration(&self) -> f64 {

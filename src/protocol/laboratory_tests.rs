@@ -2,6 +2,7 @@
 
 use super::testing::*;
 use super::*;
+use crate::motion::{Path, PieceMotion};
 use crate::scenario::Scenario;
 use crate::world::scripted::ScriptedWorld;
 
@@ -37,6 +38,32 @@ fn in_engine(specimen: Specimen, stage: &StageSpec) -> StageOutcome {
 
 fn present(specimen: &Specimen) -> Vec<usize> {
     specimen.present().collect()
+}
+
+/// Law: grains are followed as far down as a piece is moved, also by 64 cycles, and as far as a
+/// pressed one has sunk, with which grains go.
+#[test]
+fn pieces_reach_as_low_as_they_are_moved_and_have_sunk() {
+    let setup = Setup::new(&scenario()).expect("a laboratory");
+    let mut state = laboratory::begun(&setup, specimen()).state;
+    let pieces_of = |state: &SpecimenState, drive: Option<Drive>| {
+        let mut world = ScriptedWorld::still(STEP);
+        let mut parties = HashMap::new();
+        Pieces::add(&mut world, &setup, state, &state.pieces, drive, &mut parties).expect("pieces")
+    };
+    let still = pieces_of(&state, None).lowest(&state);
+    near("the box where it stands, m", still, -setup.pieces[0].radius, 1e-12);
+    let path = Path::Sine { amplitude: Vector::new(0.0, 0.0, 0.08), frequency: 64.0 };
+    let motion = PieceMotion { path, duration: 1.0, ramp: 0.0 };
+    let shaken = pieces_of(&state, Some(Drive { pieces: vec![0], motion })).lowest(&state);
+    near("the box in its lowest place, m", shaken, still - 0.08, 1e-12);
+    let press = PressState { direction: -Vector::z(), mass_kg: 0.2, ..PressState::default() };
+    state.pieces[1].press = Some(press);
+    let pieces = pieces_of(&state, None);
+    near("the pressed gate stands above, m", pieces.lowest(&state), still, 1e-12);
+    state.pieces[1].pose.translation.vector.z -= 0.5;
+    let sunk = -0.5 - setup.pieces[1].radius;
+    near("the gate has sunk, m", pieces.lowest(&state), sunk, 1e-12);
 }
 
 #[test]

@@ -7,9 +7,6 @@ use super::*;
 use crate::motion::PieceMotion;
 use crate::world::{Contact, World};
 
-/// Moments at which the path of a piece is looked at for its lowest place.
-const SAMPLES_OF_PATH: u32 = 64;
-
 /// Pieces that move as one in a stage.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Drive {
@@ -40,6 +37,9 @@ pub(super) struct Pieces {
     drive: Option<Drive>,
     /// Where the pieces were when the stage began.
     began: Vec<PieceState>,
+    /// Of each that stands whether it falls, and the height in m below which it does not reach as it
+    /// stood then and is moved as prescribed.
+    reach: Vec<(bool, f64)>,
     /// Where each was at the beginning of the last step.
     before: Vec<Pose>,
     loads: Vec<Load>,
@@ -99,9 +99,11 @@ impl Pieces {
             }
             parts.push(bodies);
         }
+        let solids = Solids::of(setup);
         Ok(Self {
             parts,
-            solids: Solids::of(setup),
+            reach: reach(began, &solids.radii, drive.as_ref()),
+            solids,
             of_body,
             drive,
             began: began.to_vec(),
@@ -166,22 +168,15 @@ impl Pieces {
         pieces.iter().map(angle).sum::<f64>() / pieces.len().max(1) as f64
     }
 
-    /// Height in m below which nothing of the pieces reaches in this stage; of those that fall,
-    /// only where there are no others.
-    pub(super) fn lowest(&self) -> f64 {
-        let still = self.began.iter().zip(&self.solids.radii).enumerate();
-        let reach = still.filter(|(_, (piece, _))| piece.present).map(|(n, (piece, radius))| {
-            let paths = self.drive.iter().filter(|drive| drive.pieces.contains(&n));
-            let paths = paths.flat_map(|drive| {
-                (0..=SAMPLES_OF_PATH).map(|k| {
-                    let time = drive.motion.duration * f64::from(k) / f64::from(SAMPLES_OF_PATH);
-                    (drive.motion.displacement(time) * piece.pose).translation.z
-                })
-            });
-            let low = paths.fold(piece.pose.translation.z, f64::min) - radius;
-            (piece.free.is_some(), low)
+    /// Height in m below which nothing of the pieces reaches, as they are moved in this stage and as
+    /// far as pressed ones have sunk so far, which nothing prescribes; of those that fall, only where
+    /// there are no others.
+    pub(super) fn lowest(&self, state: &SpecimenState) -> f64 {
+        let sunk = self.pressed.iter().map(|pressed| {
+            let n = pressed.piece;
+            (false, state.pieces[n].pose.translation.z - self.solids.radii[n])
         });
-        lowest_of(reach)
+        lowest_of(self.reach.iter().copied().chain(sunk))
     }
 
     /// Largest speed in m/s of any point of the pieces in this stage.
@@ -368,6 +363,19 @@ impl Pieces {
     pub(super) fn is_moved(&self, piece: usize) -> bool {
         self.drive.as_ref().is_some_and(|drive| drive.pieces.contains(&piece))
     }
+}
+
+/// Of each piece that stands whether it falls, and the height in m below which it does not reach,
+/// from where it is when a stage begins.
+fn reach(began: &[PieceState], radii: &[f64], drive: Option<&Drive>) -> Vec<(bool, f64)> {
+    let stand = began.iter().zip(radii).enumerate().filter(|(_, (piece, _))| piece.present);
+    let low = stand.map(|(n, (piece, radius))| {
+        let origin = Point::from(piece.pose.translation.vector);
+        let path = drive.filter(|drive| drive.pieces.contains(&n));
+        let lowest = path.map_or(origin.z, |drive| drive.motion.lowest(&origin));
+        (piece.free.is_some(), lowest - radius)
+    });
+    low.collect()
 }
 
 /// Velocity and angular velocity of a body that is pressed, in m/s and rad/s.

@@ -138,7 +138,7 @@ impl<'a> Stand<'a> {
         world.recall(&remembered).map_err(|source| failed(source, &specimen))?;
         let mut whereabouts = Whereabouts::of(setup, &specimen, funnel.as_ref());
         if !setup.pieces.is_empty() {
-            whereabouts.floor_at(pieces.lowest());
+            whereabouts.floor_at(pieces.lowest(state));
         }
         if under_way {
             // Whoever leaves must have been seen inside.

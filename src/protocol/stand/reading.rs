@@ -83,6 +83,10 @@ impl Stand<'_> {
             let what = format!("{} is no longer in the engine", self.name_of(*lost));
             return Err(unphysical(what));
         }
+        if !self.setup.pieces.is_empty() {
+            // What is pressed may have sunk, with grains on it.
+            self.whereabouts.floor_at(self.pieces.lowest(&self.specimen.state));
+        }
         let lowest = self.whereabouts.lowest();
         if let Some(what) = self.pieces.lost(self.setup, lowest, &self.specimen.state) {
             return Err(unphysical(what));
