@@ -9,8 +9,8 @@ use pluvia::{
     geometry::{Pose, Vector},
     scenario::EngineSettings,
     world::{
-        Body, BodyId, Contact, EffectiveSettings, HeldShape, PairCoefficients, PairTable,
-        PhaseTimes, RememberedContact, Snapshot, World, WorldError,
+        Body, BodyId, BodyState, Contact, EffectiveSettings, HeldShape, PairCoefficients,
+        PairTable, PhaseTimes, RememberedContact, Snapshot, World, WorldError,
         bullet::{BulletBackend, SubstepRecord},
     },
 };
@@ -64,6 +64,12 @@ impl World for Tapped {
     }
     fn recall_drive(&mut self, id: BodyId, ends: &[Pose; 3]) -> Result<(), WorldError> {
         self.world.recall_drive(id, ends)
+    }
+    fn press(&mut self, id: BodyId, force: f64) -> Result<(), WorldError> {
+        self.world.press(id, force)
+    }
+    fn read_body(&self, id: BodyId) -> Result<BodyState, WorldError> {
+        self.world.read_body(id)
     }
     fn step(&mut self) -> Result<(), WorldError> {
         self.world.step()?;

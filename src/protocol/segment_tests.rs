@@ -8,7 +8,7 @@ use crate::geometry::{ConvexPolyhedron, MassProperties};
 use crate::scale::Scale;
 use crate::scenario::{BaseKind, BaseSpec, Scenario, SlowPluviationSpec};
 use crate::world::{
-    self, Contact, PairCoefficients, RememberedContact, World, scripted::ScriptedWorld,
+    self, Contact, PairCoefficients, PhaseTimes, RememberedContact, World, scripted::ScriptedWorld,
 };
 
 fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
@@ -91,6 +91,18 @@ impl World for Spy {
         self.inner.recall_drive(id, ends)
     }
 
+    fn press(&mut self, id: BodyId, force: f64) -> Result<(), WorldError> {
+        self.inner.press(id, force)
+    }
+
+    fn join(&mut self, part: BodyId, whole: BodyId) -> Result<(), WorldError> {
+        self.inner.join(part, whole)
+    }
+
+    fn read_body(&self, id: BodyId) -> Result<BodyState, WorldError> {
+        self.inner.read_body(id)
+    }
+
     fn step(&mut self) -> Result<(), WorldError> {
         self.inner.step()?;
         let mut states = Snapshot::new();
@@ -120,6 +132,18 @@ impl World for Spy {
     fn recall(&mut self, contacts: &[RememberedContact]) -> Result<(), WorldError> {
         self.log().recalled = contacts.to_vec();
         self.inner.recall(contacts)
+    }
+
+    fn corners(&self, into: &mut Vec<Option<HeldShape>>) {
+        self.inner.corners(into);
+    }
+
+    fn phases(&self) -> Option<PhaseTimes> {
+        self.inner.phases()
+    }
+
+    fn solver_residual(&self) -> Option<f64> {
+        self.inner.solver_residual()
     }
 
     fn pair_coefficients(&self, a: BodyId, b: BodyId) -> Result<PairCoefficients, WorldError> {

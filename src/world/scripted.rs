@@ -21,6 +21,10 @@ pub struct ScriptedWorld {
     script: Script,
     /// Every pose that was driven, in order.
     pub driven: Vec<(BodyId, Pose)>,
+    /// Every force in N, or moment in N m, that was set on a body, in order; none moves it.
+    pub pressed: Vec<(BodyId, f64)>,
+    /// Parts with their wholes, in order: they are where these are.
+    pub joined: Vec<(BodyId, BodyId)>,
     /// Bodies removed, in order.
     pub removed: Vec<BodyId>,
     /// Number of steps after which the last body is no longer read.
@@ -37,6 +41,8 @@ impl ScriptedWorld {
             corners: Vec::new(),
             script,
             driven: Vec::new(),
+            pressed: Vec::new(),
+            joined: Vec::new(),
             removed: Vec::new(),
             forgets_after: u64::MAX,
         }
@@ -90,6 +96,25 @@ impl World for ScriptedWorld {
         }
     }
 
+    fn press(&mut self, id: BodyId, force: f64) -> Result<(), WorldError> {
+        match self.bodies.get(id.0 as usize) {
+            Some(Some((Motion::Pressed { .. } | Motion::Turned { .. }, _))) => {
+                self.pressed.push((id, force));
+                Ok(())
+            }
+            Some(Some(_)) => Err(WorldError::NotPressed(id)),
+            _ => Err(WorldError::NoSuchBody(id)),
+        }
+    }
+
+    fn join(&mut self, part: BodyId, whole: BodyId) -> Result<(), WorldError> {
+        for id in [part, whole] {
+            self.read_body(id)?;
+        }
+        self.joined.push((part, whole));
+        Ok(())
+    }
+
     fn step(&mut self) -> Result<(), WorldError> {
         self.steps += 1;
         for (index, slot) in self.bodies.iter_mut().enumerate() {
@@ -107,6 +132,11 @@ impl World for ScriptedWorld {
     fn read(&self, into: &mut Snapshot) {
         into.clear();
         into.extend(self.bodies.iter().map(|slot| slot.as_ref().map(|(_, state)| *state)));
+        for (part, whole) in &self.joined {
+            if into[part.0 as usize].is_some() {
+                into[part.0 as usize] = into[whole.0 as usize];
+            }
+        }
         if self.steps > self.forgets_after
             && let Some(last) = into.last_mut()
         {
@@ -130,5 +160,45 @@ impl World for ScriptedWorld {
 
     fn effective(&self) -> EffectiveSettings {
         [("engine".to_string(), serde_json::Value::from("scripted"))].into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::super::Material;
+    use super::*;
+    use crate::geometry::ConvexPolyhedron;
+
+    /// Law: the double is told what an engine is told, and refuses what an engine refuses: forces on
+    /// bodies that are not pressed, and parts of what is not there.
+    #[test]
+    fn what_is_pressed_and_joined_is_kept() {
+        let mut world = ScriptedWorld::falling(0.01, Vector::new(0.0, 0.0, -10.0));
+        let cube = ConvexPolyhedron::cuboid(Vector::repeat(0.01)).expect("a cube");
+        let cube = Arc::new(cube);
+        let mut add = |motion: Motion| {
+            let state = BodyState::at_rest(Pose::identity());
+            let (shape, material) = (cube.clone(), Material::Grain);
+            world.add(&Body { shape, motion, material, state }).expect("a body")
+        };
+        let free = Motion::Free { mass: 1.0, inertia: Vector::repeat(1.0) };
+        let lid = add(Motion::Pressed { mass: 1.0, direction: -Vector::z() });
+        let (whole, part) = (add(free), add(free));
+        let nobody = BodyId(7);
+        world.press(lid, 3.0).expect("law: it is pressed");
+        world.press(lid, 4.0).expect("law: and again");
+        assert_eq!(world.pressed, [(lid, 3.0), (lid, 4.0)], "law: in order");
+        let not_pressed = world.press(whole, 3.0);
+        assert!(matches!(not_pressed, Err(WorldError::NotPressed(id)) if id == whole));
+        assert!(matches!(world.press(nobody, 3.0), Err(WorldError::NoSuchBody(_))));
+        world.join(part, whole).expect("law: they are one");
+        assert_eq!(world.joined, [(part, whole)], "law: as it was told");
+        assert!(matches!(world.join(nobody, whole), Err(WorldError::NoSuchBody(_))));
+        world.step().expect("a step");
+        let [of_whole, of_part] = [whole, part].map(|id| world.read_body(id).expect("there"));
+        assert_eq!(of_part, of_whole, "law: a part is where its whole is");
+        assert!(of_part.pose.translation.z < 0.0, "law: it falls, got {of_part:?}");
     }
 }

@@ -241,6 +241,49 @@ fn files_of_a_module_use_each_other_one_way() {
     assert!(told.is_empty(), "law: no file uses one that uses it, got\n{}", told.join("\n"));
 }
 
+/// Names of the functions in the block after each place where these words stand.
+fn functions_after(words: &[&str], tokens: &[Token]) -> Vec<Vec<String>> {
+    let stands = |place: &usize| {
+        let mut each = words.iter().enumerate();
+        each.all(|(n, word)| tokens.get(place + n).is_some_and(|token| token.text == *word))
+    };
+    let in_block = |place: usize| {
+        let (mut depth, mut names) = (0, Vec::new());
+        for (n, token) in tokens.iter().enumerate().skip(place) {
+            match token.text.as_str() {
+                "{" => depth += 1,
+                "}" if depth == 1 => break,
+                "}" => depth -= 1,
+                "fn" if depth == 1 => names.extend(tokens.get(n + 1).map(|name| name.text.clone())),
+                _ => {}
+            }
+        }
+        names
+    };
+    (0..tokens.len()).filter(stands).map(in_block).collect()
+}
+
+/// Law: a world that stands before another hands on every call: the default of the trait, which is
+/// for engines that lack something, would hide it.
+#[test]
+fn worlds_before_others_hand_on_every_call() {
+    let trait_of = functions_after(&["trait", "World"], &tokens(&page(SEAM)));
+    let [all] = &trait_of[..] else { panic!("one trait, got {trait_of:?}") };
+    assert!(all.len() > 15, "the check sees the trait, got {all:?}");
+    let mut seen = 0;
+    for (path, text) in files(&["src", "tests", "benches"], &["rs"]) {
+        if path.starts_with("src/world/") || !text.contains("impl World for") {
+            continue;
+        }
+        for own in functions_after(&["impl", "World", "for"], &tokens(&text)) {
+            seen += 1;
+            let left: Vec<&String> = all.iter().filter(|name| !own.contains(name)).collect();
+            assert!(left.is_empty(), "law: all are handed on, {path} leaves out {left:?}");
+        }
+    }
+    assert_eq!(seen, 3, "the check sees the worlds of tests and of the referee");
+}
+
 /// Law: the programs of `benches/` are linked to what was built for pluvia, since they take only
 /// crates that it takes, with the same features.
 #[test]

@@ -3,8 +3,8 @@
 use pluvia::geometry::{Pose, Vector};
 use pluvia::scenario::EngineSettings;
 use pluvia::world::{
-    Body, BodyId, Contact, EffectiveSettings, Motion, PairCoefficients, PairTable,
-    RememberedContact, Snapshot, World, WorldError, create,
+    Body, BodyId, BodyState, Contact, EffectiveSettings, HeldShape, Motion, PairCoefficients,
+    PairTable, PhaseTimes, RememberedContact, Snapshot, World, WorldError, create,
 };
 
 /// What is wrong.
@@ -65,6 +65,14 @@ struct Defective {
     free: Vec<bool>,
 }
 
+impl Defective {
+    /// How far free bodies seem to have sunk, in m.
+    fn sunk(&self) -> Vector {
+        let drift = if self.defect == Defect::Drift { DRIFT } else { 0.0 };
+        self.down * (drift * f64::from(self.steps) * self.inner.time_step())
+    }
+}
+
 impl World for Defective {
     fn add(&mut self, body: &Body) -> Result<BodyId, WorldError> {
         let mut body = body.clone();
@@ -87,6 +95,26 @@ impl World for Defective {
         self.inner.drive(id, pose)
     }
 
+    fn recall_drive(&mut self, id: BodyId, ends: &[Pose; 3]) -> Result<(), WorldError> {
+        self.inner.recall_drive(id, ends)
+    }
+
+    fn press(&mut self, id: BodyId, force: f64) -> Result<(), WorldError> {
+        self.inner.press(id, force)
+    }
+
+    fn join(&mut self, part: BodyId, whole: BodyId) -> Result<(), WorldError> {
+        self.inner.join(part, whole)
+    }
+
+    fn read_body(&self, id: BodyId) -> Result<BodyState, WorldError> {
+        let mut state = self.inner.read_body(id)?;
+        if self.free[id.0 as usize] {
+            state.pose.translation.vector += self.sunk();
+        }
+        Ok(state)
+    }
+
     fn step(&mut self) -> Result<(), WorldError> {
         self.steps += 1;
         self.inner.step()
@@ -99,7 +127,7 @@ impl World for Defective {
     fn read(&self, into: &mut Snapshot) {
         self.inner.read(into);
         if self.defect == Defect::Drift {
-            let sunk = self.down * (DRIFT * f64::from(self.steps) * self.time_step());
+            let sunk = self.sunk();
             for (body, free) in into.iter_mut().zip(&self.free) {
                 if let (Some(state), true) = (body, free) {
                     state.pose.translation.vector += sunk;
@@ -118,6 +146,18 @@ impl World for Defective {
 
     fn recall(&mut self, contacts: &[RememberedContact]) -> Result<(), WorldError> {
         self.inner.recall(contacts)
+    }
+
+    fn corners(&self, into: &mut Vec<Option<HeldShape>>) {
+        self.inner.corners(into);
+    }
+
+    fn phases(&self) -> Option<PhaseTimes> {
+        self.inner.phases()
+    }
+
+    fn solver_residual(&self) -> Option<f64> {
+        self.inner.solver_residual()
     }
 
     fn pair_coefficients(&self, a: BodyId, b: BodyId) -> Result<PairCoefficients, WorldError> {
