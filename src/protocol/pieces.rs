@@ -197,7 +197,7 @@ impl Pieces {
     pub(super) fn pressed_motion(&self, state: &SpecimenState) -> Option<(f64, f64)> {
         let of = |pressed: &Pressed| state.pieces[pressed.piece].press;
         let sums = self.pressed.iter().filter_map(of).fold((0.0, 0.0_f64), |(energy, fast), p| {
-            (energy + p.kinetic_energy(), fast.max(p.of_points(p.speed_m_per_s)))
+            (energy + p.kinetic_energy(), faster(fast, p.of_points(p.speed_m_per_s)))
         });
         (!self.pressed.is_empty()).then_some(sums)
     }

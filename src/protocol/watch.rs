@@ -108,15 +108,20 @@ impl Tally {
                 energy: sum.energy + kinetic + mass * gravity * state.pose.translation.z,
                 momentum: sum.momentum + mass * state.linear_velocity,
                 mass: sum.mass + mass,
-                fastest: sum.fastest.max(square.sqrt()),
+                fastest: faster(sum.fastest, square.sqrt()),
             }
         })
     }
 
     /// With a kinetic energy in J beside, of what moves at up to a speed in m/s.
     pub(super) fn and(self, kinetic: f64, fastest: f64) -> Self {
-        Self { energy: self.energy + kinetic, fastest: self.fastest.max(fastest), ..self }
+        Self { energy: self.energy + kinetic, fastest: faster(self.fastest, fastest), ..self }
     }
+}
+
+/// The larger of two speeds; no number where one of them is none, which `f64::max` passes over.
+pub(super) fn faster(one: f64, other: f64) -> f64 {
+    if one.is_nan() || other <= one { one } else { other }
 }
 
 /// `Ok` with what a reader must know, where a stage has it for the first time; `Err` with why the
@@ -291,11 +296,14 @@ impl Budget {
         balance.dissipated += work_of_table + self.energy - now.energy;
         let mut rise = now.energy - self.energy - work;
         if let Some(stored) = &mut self.stored {
-            let back = rise.clamp(0.0, *stored);
+            // Of what is no number nothing comes back.
+            let back = rise.max(0.0).min(*stored);
             *stored -= back;
             rise -= back;
         }
-        self.gained = (self.gained + rise).max(0.0);
+        // Not `max`, which passes over what is no number.
+        let gained = self.gained + rise;
+        self.gained = if gained < 0.0 { 0.0 } else { gained };
         (self.energy, self.momentum, self.mass) = (now.energy, now.momentum, now.mass);
         (self.table, self.time) = (table, time);
     }

@@ -110,6 +110,35 @@ fn impossible_speeds_are_told_and_then_end_it() {
     assert_eq!((watch.speed.looks, watch.speed.beyond), (4, 3));
 }
 
+/// Law: an energy or a speed that is no number ends the stage, also where the springs of contacts
+/// might have given it back, and where the next body has a number: it is not passed over.
+#[test]
+fn what_is_no_number_ends_it() {
+    let still = moving(0.0, 0.0);
+    let one = || Tally::of(std::iter::once(body(&still)), GRAVITY);
+    let begun = || {
+        let mut watch = Watch::default();
+        let first = std::iter::once(body(&still));
+        watch.begin(first, -0.05, GRAVITY, (0.0, Vector::zeros()), 0.0);
+        watch.press(0.0, 1e-3);
+        watch
+    };
+    let mut watch = begun();
+    watch.given(f64::NAN);
+    // Twice, as between two checks under a fast table.
+    watch.follow(&one(), Vector::zeros(), 0.5);
+    let found = watch.look(&one(), Vector::zeros(), 1.0);
+    let told = found.expect_err("law: work that is no number is no work");
+    assert!(told.contains("unexplained energy gain: NaN J"), "law: it is said, got {told}");
+    for speeds in [[f64::NAN, 0.0], [0.0, f64::NAN]] {
+        let [first, second] = speeds;
+        let now = one().and(0.0, first).and(0.0, second);
+        let found = begun().look(&now, Vector::zeros(), 1.0);
+        let told = found.expect_err("law: a speed that is no number is none");
+        assert!(told.contains("a speed of NaN m/s"), "law: it is said, got {told}");
+    }
+}
+
 #[test]
 fn a_fast_table_is_looked_at_sixteen_times_a_cycle() {
     for (frequency, expected) in [(3.0, 10), (10.0, 3), (30.0, 1), (400.0, 1)] {

@@ -278,8 +278,8 @@ pub fn sieve_summary() -> SieveSummary {
             lost: 0,
             spilled: 1,
             left_in_funnel: 1,
-            largest_change_percent: 3e-6,
-            gradation,
+            largest_change_percent: Some(3e-6),
+            gradation: Some(gradation),
             unchanged: true,
         }),
     }

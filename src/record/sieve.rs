@@ -121,10 +121,10 @@ pub struct SecondarySieve {
     pub spilled: usize,
     /// Grains that hung in the funnel when it was taken away, which are not sieved.
     pub left_in_funnel: usize,
-    /// Largest change of any grain's sieve size, in percent of it.
-    pub largest_change_percent: f64,
-    /// Of the grains that were sieved.
-    pub gradation: GradationSummary,
+    /// Largest change of any grain's sieve size, in percent of it; null where one is no number.
+    pub largest_change_percent: Option<f64>,
+    /// Of the grains that were sieved; null where there are none.
+    pub gradation: Option<GradationSummary>,
     /// Whether no grain changed and none was lost.
     pub unchanged: bool,
 }
@@ -135,7 +135,7 @@ impl SecondarySieve {
     /// beyond the grains before counts as changed.
     pub fn of(before: &[Sieved], found: &[Result<f64, Fate>]) -> Self {
         let mut after = Vec::with_capacity(before.len());
-        let (mut changed, mut largest) = (0, 0.0_f64);
+        let (mut grains, mut changed, mut largest) = (0, 0, Some(0.0_f64));
         for (grain, size_mm) in
             before.iter().zip(found).filter_map(|(g, f)| Some((g, *f.as_ref().ok()?)))
         {
@@ -144,8 +144,12 @@ impl SecondarySieve {
             if !(change <= UNCHANGED) {
                 changed += 1;
             }
-            largest = if change.is_nan() { f64::NAN } else { largest.max(change) };
-            after.push(Sieved { size: from_mm(size_mm), mass: grain.mass });
+            // `max` passes over what is no number, and a curve has no place for it.
+            largest = largest.filter(|_| change.is_finite()).map(|most| most.max(change));
+            if size_mm.is_finite() {
+                after.push(Sieved { size: from_mm(size_mm), mass: grain.mass });
+            }
+            grains += 1;
         }
         let count = |fates: &[Fate]| {
             found.iter().filter(|f| f.is_err_and(|fate| fates.contains(&fate))).count()
@@ -156,14 +160,14 @@ impl SecondarySieve {
             count(&[Fate::Present, Fate::ThroughWall]) + before.len().saturating_sub(found.len());
         changed += added;
         Self {
-            grains: after.len() + added,
+            grains: grains + added,
             changed,
             lost,
             spilled: count(&[Fate::Spilled]),
             // What was not fed was left behind as well.
             left_in_funnel: count(&[Fate::LeftInFunnel, Fate::Waiting]),
-            largest_change_percent: 100.0 * largest,
-            gradation: SieveAnalysis::new(after).gradation().into(),
+            largest_change_percent: largest.map(|most| 100.0 * most),
+            gradation: (!after.is_empty()).then(|| SieveAnalysis::new(after).gradation().into()),
             unchanged: changed == 0 && lost == 0,
         }
     }
@@ -249,7 +253,8 @@ mod tests {
         let secondary = SecondarySieve::of(&grains(), &found());
         assert!(secondary.unchanged, "{secondary:?}");
         assert_eq!((secondary.grains, secondary.changed, secondary.lost), (10, 0, 0));
-        assert_eq!(secondary.gradation, SieveAnalysis::new(grains()).gradation().into());
+        let gradation: GradationSummary = SieveAnalysis::new(grains()).gradation().into();
+        assert_eq!(secondary.gradation, Some(gradation), "law: that of the grains before");
         // Grains whose whereabouts are known are not lost.
         let mut some = found();
         (some[2], some[5]) = (Err(Fate::Spilled), Err(Fate::LeftInFunnel));
@@ -285,6 +290,29 @@ mod tests {
         let secondary = SecondarySieve::of(&grains(), &broken);
         assert!(!secondary.unchanged && secondary.changed == 2, "{secondary:?}");
         assert_eq!(secondary.grains, 11);
+    }
+
+    /// Law: a size that is no number is a change, wherever it stands: it is not passed over for the
+    /// next grain's, and numbers of the summary stay numbers, or are null, so that it can be read
+    /// again; also where no grain was sieved.
+    #[test]
+    fn what_is_no_number_is_not_passed_over() {
+        let read_again = |secondary: &SecondarySieve| {
+            let text = serde_json::to_string(secondary).expect("JSON");
+            serde_json::from_str::<SecondarySieve>(&text).map_err(|e| e.to_string())
+        };
+        for (place, size) in [(0, f64::NAN), (4, f64::NAN), (9, f64::NAN), (4, f64::INFINITY)] {
+            let mut found = found();
+            found[place] = Ok(size);
+            let secondary = SecondarySieve::of(&grains(), &found);
+            let case = format!("grain {place} of {size} mm: {secondary:?}");
+            assert_eq!((secondary.grains, secondary.changed), (10, 1), "law: it changed, {case}");
+            assert_eq!(secondary.largest_change_percent, None, "law: by no number, {case}");
+            assert_eq!(read_again(&secondary), Ok(secondary.clone()), "law: it reads, {case}");
+        }
+        let spilled = SecondarySieve::of(&grains(), &[Err(Fate::Spilled); 10]);
+        assert_eq!((spilled.grains, spilled.gradation.clone()), (0, None), "law: none was sieved");
+        assert_eq!(read_again(&spilled), Ok(spilled.clone()), "law: it reads without grains");
     }
 
     /// Law: sieves have the openings that were typed.

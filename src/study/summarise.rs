@@ -164,13 +164,14 @@ pub fn summarise(
         .last()
         .and_then(|last| secondary_sieve(&known.sieved, &specimen.state, &last.record));
     if let Some(s) = sieve.secondary.as_ref().filter(|s| !s.unchanged) {
+        let most = s.largest_change_percent;
+        let most = most.map_or("what is no number".to_owned(), |most| format!("{most:.2e} %"));
         warnings.push(format!(
             "the secondary sieve analysis does not find the grains as they were: {} of {} {} \
-             another sieve size (by up to {:.2e} %), lost: {}",
+             another sieve size (by up to {most}), lost: {}",
             s.changed,
             s.grains,
             in_number(s.changed, "has", "have"),
-            s.largest_change_percent,
             s.lost
         ));
     }

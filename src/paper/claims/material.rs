@@ -63,7 +63,8 @@ fn no_crushing(study: &StudyView) -> Claim {
     // A run that was not sieved anew shows nothing.
     let each: Option<Vec<usize>> = study.runs.iter().map(others).collect();
     let largest = each.as_ref().and_then(|each| each.iter().max());
-    let change = study.runs.iter().filter_map(|r| Some(secondary(r)?.largest_change_percent));
+    let change = study.runs.iter().filter_map(secondary);
+    let change = change.map(|s| s.largest_change_percent.unwrap_or(f64::NAN));
     let change = change.fold(0.0_f64, |most, c| if most.is_nan() || c <= most { most } else { c });
     Draft::of("no-crushing")
     .ours(largest.map(|n| *n as f64))
