@@ -88,6 +88,26 @@ pub fn three_decimals(value: f64) -> String {
     without_zeros(&format!("{value:.3}")).to_owned()
 }
 
+/// A number for people: four significant digits, no zeros at its end; with an exponent where it is
+/// longer than twelve digits.
+pub fn four_digits(value: f64) -> String {
+    let [text] = components([value]);
+    text
+}
+
+/// Numbers of one quantity, such as the components of a force, for people: with as many decimals as
+/// give the largest of them four significant digits.
+pub fn components<const N: usize>(values: [f64; N]) -> [String; N] {
+    let largest = values.iter().map(|value| value.abs()).fold(0.0, f64::max);
+    let exponent = if largest > 0.0 { largest.log10().floor() } else { 0.0 };
+    let decimals = (3.0 - exponent).clamp(0.0, 12.0) as usize;
+    values.map(|value| match value.abs() < 1e12 {
+        true => without_zeros(&format!("{value:.decimals$}")).to_owned(),
+        false if value.is_finite() => format!("{value:.3e}"),
+        false => value.to_string(),
+    })
+}
+
 /// A mass in g for people: to a tenth, or of small ones to three digits.
 pub fn grams(mass: f64) -> String {
     if !(mass > 0.0 && mass < 10.0) {
@@ -192,6 +212,22 @@ mod tests {
             assert_eq!(three_decimals(value), expected, "law: {value} to three decimals");
         }
         assert_eq!(without_zeros("-0"), "0", "law: also where nothing follows the point");
+    }
+
+    /// Law: forces between grains of sand have digits; what is small beside the largest component is
+    /// not told more exactly than that.
+    #[test]
+    fn components_have_the_digits_of_the_largest() {
+        for (values, expected) in [
+            ([0.0, -0.0, 0.0], ["0", "0", "0"]),
+            ([1.2e-9, -0.25, -24.0123], ["0", "-0.25", "-24.01"]),
+            ([1.234_56e-5, -2e-6, 0.0], ["0.00001235", "-0.000002", "0"]),
+            ([123_456.7, -0.4, 12.3], ["123457", "0", "12"]),
+            ([f64::NAN, 2.0, f64::INFINITY], ["NaN", "2", "inf"]),
+            ([-3e300, 0.0, 1.0], ["-3.000e300", "0", "1"]),
+        ] {
+            assert_eq!(components(values), expected, "law: {values:?} for people");
+        }
     }
 
     #[test]

@@ -65,7 +65,10 @@ use crate::caught::{caught, note_panics};
 use crate::export::ExportError;
 use crate::grains::load_scenario;
 use crate::paper::Interpretation;
-use crate::plain::{counted, grams, plain, plain_lines, plain_path, three_decimals, without_zeros};
+use crate::plain::{
+    components, counted, four_digits, grams, plain, plain_lines, plain_path, three_decimals,
+    without_zeros,
+};
 use crate::protocol::Progress;
 use crate::record::{
     AtWork, FileError, RunLock, Summary, read_file, read_json, remove_abandoned, write_file,

@@ -118,14 +118,14 @@ fn relative_density(of: f64) -> String {
 fn of_laboratory(of: &LaboratorySummary, rows: &mut Rows) {
     let pieces = of.pieces.iter().filter(|piece| piece.present).map(|p| (&p.name, p.force_n));
     for (name, force) in pieces.chain(of.groups.iter().map(|group| (&group.name, group.force_n))) {
-        let [x, y, z] = force.map(|force| rounded(force, 3));
-        rows.add(&format!("force on {name}"), format!("({x:.3}, {y:.3}, {z:.3}) N"));
+        let [x, y, z] = components(force);
+        rows.add(&format!("force on {name}"), format!("({x}, {y}, {z}) N"));
     }
     let Balance { weight_n, carried_n, difference_percent, .. } = of.balance;
     let balance = match difference_percent.map(|off| rounded(off, 2)) {
         Some(off) => {
-            let carried_n = rounded(carried_n, 3);
-            format!("{carried_n:.3} N carried of {weight_n:.3} N of grains, {off:+.2} %")
+            let [carried, weight] = components([carried_n, weight_n]);
+            format!("{carried} N carried of {weight} N of grains, {off:+.2} %")
         }
         None => "no grain is left".to_owned(),
     };
@@ -144,9 +144,8 @@ fn of_laboratory(of: &LaboratorySummary, rows: &mut Rows) {
         rows.add(&format!("relative density, {}", region.name), relative);
         if let Some(stress) = &region.stress {
             let [[xx, _, _], [_, yy, _], [_, _, zz]] = stress.tensor_kpa;
-            let [xx, yy, zz] = [xx, yy, zz].map(|stress| rounded(stress, 4));
-            let text = format!("xx {xx:.4}, yy {yy:.4}, zz {zz:.4} kPa");
-            rows.add(&format!("stress, {}", region.name), text);
+            let [xx, yy, zz] = components([xx, yy, zz]);
+            rows.add(&format!("stress, {}", region.name), format!("xx {xx}, yy {yy}, zz {zz} kPa"));
         }
     }
 }
@@ -267,8 +266,10 @@ pub(super) fn columns<R: AsRef<[String]>>(rows: &[R]) -> String {
 pub(super) fn of_comparison(record: &CompareRecord) -> String {
     let names: Vec<String> = record.runs.iter().map(|r| r.name.clone()).collect();
     let mut rows = vec![[vec!["quantity".to_owned()], names, vec!["unit".to_owned()]].concat()];
+    // Of what sand weighs three decimals say little.
+    let number = |v: f64| if v.abs() < 0.1 { four_digits(v) } else { three_decimals(v) };
     for q in &record.quantities {
-        let values = q.values.iter().map(|v| v.map_or_else(|| "-".to_owned(), three_decimals));
+        let values = q.values.iter().map(|v| v.map_or_else(|| "-".to_owned(), number));
         let verdict = match q.within_band {
             Some(true) => paint::good(" (agree)"),
             Some(false) => paint::bad(" (DIFFER)"),
@@ -454,7 +455,9 @@ mod tests {
             assert!(!text.contains(hidden), "`{hidden}` does not apply, in:\n{text}");
         }
         let laboratory = json!({
-            "pieces": [], "groups": [], "openings": [],
+            "pieces": [{ "name": "lid", "present": true, "force_n": [0.0, -2e-7, 1.5e-4],
+                "moment_n_m": [0.0, 0.0, 0.0], "at_mm": [0.0, 0.0, 0.0] }],
+            "groups": [], "openings": [],
             "regions": [{ "name": "core", "void_ratio": 0.8, "relative_density": -0.003 }],
             "balance": { "weight_n": 0.0, "carried_n": 0.0, "sideways_n": 0.0,
                 "difference_percent": null }
@@ -467,6 +470,7 @@ mod tests {
             "no grain is left",
             "met while grains touched",
             "relative density, core  0.00",
+            "(0, -0.0000002, 0.00015) N",
         ] {
             assert!(text.contains(shown), "law: `{shown}` of a laboratory, in:\n{text}");
         }

@@ -1,6 +1,7 @@
 //! Conditions that end a stage: what is watched, and when it holds.
 
 use super::*;
+use crate::plain::four_digits;
 use crate::scenario::{ConditionSpec, OpeningSpec, UntilSpec};
 use crate::specimen::Opening;
 use crate::units::{from_deg, to_g, to_mm};
@@ -257,10 +258,10 @@ impl Found {
     /// With its unit.
     fn value(&self) -> String {
         match *self {
-            Self { force_n: Some(n), .. } => format!("a force of {n:.3} N"),
-            Self { moved_mm: Some(mm), .. } => format!("{mm:.3} mm moved"),
+            Self { force_n: Some(n), .. } => format!("a force of {} N", four_digits(n)),
+            Self { moved_mm: Some(mm), .. } => format!("{} mm moved", four_digits(mm)),
             Self { turned_deg: Some(deg), .. } => format!("{deg:.2}° turned"),
-            Self { flow_g_per_s: Some(rate), .. } => format!("a flow of {rate:.2} g/s"),
+            Self { flow_g_per_s: Some(g), .. } => format!("a flow of {} g/s", four_digits(g)),
             Self { change_percent: Some(p), .. } => format!("a change of {p:.2} %"),
             _ => "nothing to tell".to_owned(),
         }

@@ -1,6 +1,6 @@
 //! Conditions that end stages: by themselves, on a scripted world, and in the engine.
 
-use super::ending::{Condition, Ending, Endings, Rule, Subject};
+use super::ending::{Condition, Ending, Endings, Found, Rule, Subject};
 use super::testing::*;
 use super::*;
 use crate::scenario::Scenario;
@@ -68,6 +68,21 @@ fn first(ending: &Ending, amounts: &[f64]) -> Option<(usize, f64)> {
     let mut judged = Judged::default();
     let at = amounts.iter().position(|amount| judged.look(ending, *amount, EVERY))?;
     Some((at + 1, judged.last.expect("a number")))
+}
+
+/// Law: what is found of a few grains of sand is told with its digits.
+#[test]
+fn small_forces_ways_and_flows_are_told_with_their_digits() {
+    let none = Found::default;
+    for (found, expected) in [
+        (Found { force_n: Some(1.2346e-5), ..none() }, "a force of 0.00001235 N"),
+        (Found { force_n: Some(24.01), ..none() }, "a force of 24.01 N"),
+        (Found { moved_mm: Some(3.21e-4), ..none() }, "0.000321 mm moved"),
+        (Found { flow_g_per_s: Some(0.00125), ..none() }, "a flow of 0.00125 g/s"),
+    ] {
+        let line = UntilFound { found, ..UntilFound::default() }.line();
+        assert!(line.contains(expected), "law: `{expected}` is told, got `{line}`");
+    }
 }
 
 #[test]

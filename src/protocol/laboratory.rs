@@ -1,7 +1,7 @@
 //! Stages of a laboratory of pieces: deposit, move, press, remove.
 
 use super::*;
-use crate::plain::{counted, in_number, three_decimals};
+use crate::plain::{components, counted, in_number, three_decimals};
 use crate::scenario::{
     DepositKind, DepositSpec, MoveSpec, PIECE_DENSITY, PressSpec, ReleaseSpec, RemoveSpec,
 };
@@ -340,10 +340,10 @@ fn fallen_out(specimen: &Specimen) -> usize {
 }
 
 /// What a pressed piece lacks of its load.
-fn lacking(name: &str, press: PressState) -> Option<String> {
+pub(super) fn lacking(name: &str, press: PressState) -> Option<String> {
     let bears = press.arrived || press.target_n == 0.0;
     let unit = if press.turns.is_some() { "N m" } else { "N" };
-    let [force, target] = [press.force_n, press.target_n].map(three_decimals);
+    let [force, target] = components([press.force_n, press.target_n]);
     (!(press.is_reached() && bears)).then(|| match press.is_reached() {
         true => format!("`{name}` is pressed with {target} {unit}, but nothing carries it yet"),
         false => format!("`{name}` is pressed with {force} {unit} of the {target} asked for"),

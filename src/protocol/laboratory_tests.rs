@@ -66,6 +66,15 @@ fn pieces_reach_as_low_as_they_are_moved_and_have_sunk() {
     near("the gate has sunk, m", pieces.lowest(&state), sunk, 1e-12);
 }
 
+/// Law: a load on sand that is not reached is told with its digits.
+#[test]
+fn what_a_small_load_lacks_has_digits() {
+    let press = PressState { force_n: 1.25e-5, target_n: 2e-4, ..PressState::default() };
+    let told = laboratory::lacking("lid", press).expect("law: it is lacking");
+    let expected = "`lid` is pressed with 0.0000125 N of the 0.0002 asked for";
+    assert_eq!(told, expected, "law: not 0 N of 0");
+}
+
 #[test]
 fn a_layer_takes_its_own_sieve_fraction_and_the_rest_waits() {
     let lattice = |sizes: [f64; 2]| {

@@ -16,6 +16,7 @@ mod stages;
 mod time_step;
 mod until;
 
+pub(super) use crate::plain::four_digits as short;
 pub(super) use time_step::least_rate_hz;
 
 // What the checks are made of, too.
@@ -26,7 +27,7 @@ use serde::de::DeserializeOwned;
 use super::*;
 use crate::geometry::Point;
 use crate::motion::TableMotion;
-use crate::plain::{counted, in_number, misleads, without_zeros};
+use crate::plain::{counted, in_number, misleads};
 
 /// The parts of a scenario that could be read.
 struct Parts {
@@ -199,19 +200,6 @@ pub fn warnings(scenario: &Scenario) -> Vec<String> {
         warnings.extend(coarse.iter().map(words));
     }
     warnings
-}
-
-/// A number for people: four significant digits, no trailing zeros; with an exponent where it is
-/// longer than twelve digits.
-pub(super) fn short(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return value.to_string();
-    }
-    if value.abs() >= 1e12 {
-        return format!("{value:.3e}");
-    }
-    let digits = (3 - value.abs().log10().floor() as i32).clamp(0, 12) as usize;
-    without_zeros(&format!("{value:.digits$}")).to_owned()
 }
 
 /// A number with all its digits, as somebody typed it, unless these are zeros by the dozen.
