@@ -42,9 +42,9 @@ pub struct RunRow {
     /// How many of them are not in the cylinder at the end: left in the
     /// funnel, spilled or escaped. The specimen is lower without them.
     pub grains_outside: Option<usize>,
-    /// Height of the mean surface after pouring in mm.
+    /// Height of the mean surface after pouring in mm; none where the run pours nothing.
     pub poured_height_mm: Option<f64>,
-    /// Void ratio after pouring.
+    /// Void ratio after pouring, likewise.
     pub void_ratio: Option<f64>,
     /// Settlement of the top plate at the end in mm.
     pub plate_settlement_mm: Option<f64>,
@@ -111,8 +111,8 @@ impl RunRow {
         Self {
             grains: Some(s.grains.count),
             grains_outside: Some(s.grains.count.saturating_sub(s.grains.in_cylinder)),
-            poured_height_mm: s.poured_height_mm.unwrap_or(s.standing_height_mm).mean(),
-            void_ratio: s.poured_void_ratio.or(s.void_ratio),
+            poured_height_mm: s.poured_height_mm.and_then(|height| height.mean()),
+            void_ratio: s.poured_void_ratio,
             plate_settlement_mm: plate.map(|p| p.final_mm),
             plate_settlement_after_5_s_mm: plate.and_then(|p| p.after_5_s),
             surface_settlement_mm: surface.map(|p| p.final_mm),
@@ -337,6 +337,28 @@ mod tests {
         assert_eq!(creep, 1.0, "law: -1 and 1 µm/s are a numerical creep of 1, not of 0");
         let none = VariationRow::of(&[row("c", 1, None)]);
         assert_eq!(none[0].poured_height_mm, None, "nothing ran, nothing is made up");
+    }
+
+    /// Law: a run that pours nothing, as one that begins with a specimen and shakes it, has no height
+    /// after pouring: its height at the end is another.
+    #[test]
+    fn a_run_without_a_pour_has_no_height_after_pouring() {
+        let of = |mean_surface: f64| StandingHeight { mean_surface, ..StandingHeight::default() };
+        let shaken =
+            Summary { standing_height_mm: of(150.0), void_ratio: Some(0.7), ..Summary::default() };
+        let got = |summary: &Summary| {
+            let row = row("a", 1, None).with_results(summary);
+            (row.poured_height_mm, row.void_ratio)
+        };
+        assert_eq!(got(&shaken), (None, None), "law: nothing was poured");
+        let poured = Summary {
+            poured_height_mm: Some(of(160.0)),
+            poured_void_ratio: Some(0.8),
+            ..shaken.clone()
+        };
+        assert_eq!(got(&poured), (Some(160.0), Some(0.8)), "law: as it was poured");
+        let withheld = Summary { poured_height_mm: Some(StandingHeight::withheld()), ..shaken };
+        assert_eq!(got(&withheld).0, None, "law: nor where it is withheld");
     }
 
     #[test]

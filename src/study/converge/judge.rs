@@ -24,6 +24,7 @@ pub(super) fn judge(
         runs.iter().filter(|r| r.variation == name && r.precision == precision).collect()
     };
     let of_study = ladders.iter().find(|l| l.title == reference);
+    let is_poured = runs.iter().any(|r| r.poured_height_mm.is_some());
     let mut rows = Vec::new();
     for precision in precisions {
         let study = of_study.and_then(|l| finest(runs, l, precision));
@@ -54,6 +55,7 @@ pub(super) fn judge(
                         meets: None,
                         open: None,
                     },
+                    is_poured,
                     standard,
                 ));
             }
@@ -124,13 +126,17 @@ fn deviation_percent(here: &[(u32, f64)], there: &[(u32, f64)]) -> Option<Estima
     (reference != 0.0).then(|| difference.scaled(100.0 / reference.abs()))
 }
 
-/// Holds a row against everything that is asked of it.
-fn judged(row: ConvergenceRow, standard: &Standard) -> ConvergenceRow {
+/// Holds a row against everything that is asked of it; `is_poured` says whether runs of the study
+/// pour their specimens.
+fn judged(row: ConvergenceRow, is_poured: bool, standard: &Standard) -> ConvergenceRow {
     let v = &row.result;
-    // A deviation that cannot be measured because nothing was shaken is not asked for.
+    // A deviation that cannot be measured because nothing was poured or shaken is not asked for;
+    // without a run that counts the height is, and is not known.
+    let asks_height = is_poured || v.has_no_valid_run();
     let shaken = v.plate_settlement_mm.is_some() || v.surface_settlement_mm.is_some();
     let asked = |d: &Deviations| -> Vec<Deviation> {
-        if shaken { vec![d.height, d.plate, d.surface] } else { vec![d.height] }
+        let height = asks_height.then_some(d.height);
+        height.into_iter().chain([d.plate, d.surface].into_iter().filter(|_| shaken)).collect()
     };
     let deviations = [asked(&row.from_ladder), asked(&row.from_study)].concat();
     let quality = quality(v, standard);

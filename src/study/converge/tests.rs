@@ -283,6 +283,29 @@ fn single_precision_is_held_against_double() {
     assert!(alone[1].finest_of_ladder);
 }
 
+/// Law: of specimens that no run pours, as those that a study begins with, no height after pouring is
+/// asked for: settings are judged by what they have. Without a run that counts nothing is shown.
+#[test]
+fn heights_are_not_asked_of_runs_that_pour_nothing() {
+    let ladders = [ladder("rate", &["coarse", "fine"])];
+    let mut runs = [three("coarse", 160.0, 1.0), three("fine", 160.0, 4.0)].concat();
+    for run in &mut runs {
+        run.poured_height_mm = None;
+    }
+    let meets = |runs: &[RunRow]| {
+        judged(runs, &ladders).iter().map(|row| row.meets).collect::<Vec<Option<bool>>>()
+    };
+    assert_eq!(meets(&runs), [Some(true); 2], "law: by settlements, overlap and numerical creep");
+    for run in &mut runs {
+        (run.plate_settlement_mm, run.surface_settlement_mm) = (None, None);
+    }
+    assert_eq!(meets(&runs), [Some(true); 2], "law: by overlap and numerical creep");
+    for run in &mut runs[..3] {
+        run.left_out_of_means = Some("a jam".into());
+    }
+    assert_eq!(meets(&runs), [None, Some(true)], "law: nothing is shown by what is left out");
+}
+
 /// Law: ladders differ by their titles on the page, their runs by both names together.
 #[test]
 fn ladders_and_runs_are_told_apart() {
