@@ -50,7 +50,10 @@ impl<'a> Laboratory<'a> {
             match end.map_err(|source| failed(source, &stand.specimen))? {
                 SegmentEnd::OfPart { settled } if part < course.last_part() => {
                     if !settled {
-                        stand.warn(not_settled("seating the top plate", course.until.limit));
+                        // Said at once: no summary will, if a later part fails.
+                        let text = not_settled("seating the top plate", course.until.limit);
+                        self.observer.warn(&text);
+                        stand.warn(text);
                     }
                     midway = stand.pause(feeder);
                     midway.next_part();

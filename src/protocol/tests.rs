@@ -1,12 +1,12 @@
 //! The stages, on a world that follows a script.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use super::testing::*;
 use super::*;
 use crate::scenario::Scenario;
 use crate::specimen::FunnelState;
-use crate::world::scripted::ScriptedWorld;
+use crate::world::{World, scripted::ScriptedWorld};
 
 fn scenario() -> Scenario {
     scenario_of(json!({ "grains": { "total_mass_g": 30, "density_kg_per_m3": 2673.9 } }))
@@ -284,6 +284,37 @@ fn an_unphysical_world_ends_the_stage_and_keeps_the_last_good_specimen() {
     let good = &last_good.state;
     assert!(good.time > 0.1 && good.time < 0.22, "kept from before step 100: {} s", good.time);
     assert!(good.bodies.iter().all(|g| g.body.linear_velocity.iter().all(|v| v.is_finite())));
+}
+
+/// Keeps what it is warned of.
+struct Warned(Vec<String>);
+
+impl Observer for Warned {
+    fn observe(&mut self, _: &Specimen, _: Moment) {}
+
+    fn warn(&mut self, finding: &str) {
+        self.0.push(finding.to_owned());
+    }
+}
+
+/// Law: that grains had not settled under the plate is said once its first part has ended, and not
+/// lost where a later part of the stage fails.
+#[test]
+fn a_warning_of_the_seating_outlives_the_failure_of_a_later_part() {
+    let (worlds, restless) = (AtomicU32::new(0), restless());
+    let make = |_: &EngineSettings, _: Vector, _: &PairTable| {
+        if worlds.fetch_add(1, Ordering::Relaxed) > 0 {
+            return Err(WorldError::Engine("refused".to_owned()));
+        }
+        Ok(Box::new(restless()) as Box<dyn World + Send>)
+    };
+    let seated = json!({ "stage": "place_top_plate", "time_limit_s": 0.5, "seating_load_n": 2 });
+    let mut heard = Warned(Vec::new());
+    let outcome = run_stage(&scenario(), &make, poured(&[]), &stage(seated), None, &mut heard);
+    let error = outcome.expect_err("law: no world for the weight").to_string();
+    assert!(error.contains("refused"), "law: it fails as it did, got `{error}`");
+    let told = heard.0.iter().filter(|text| text.contains("of seating the top plate")).count();
+    assert_eq!(told, 1, "law: said once, got {:?}", heard.0);
 }
 
 #[test]
