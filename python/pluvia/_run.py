@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import pandas as pd
 
+from . import _table
 from ._command import Shown, command
 from ._errors import FileError, NotValidWarning
 from ._scenario import Scenario, as_file, options
@@ -90,7 +91,7 @@ class Run:
         return f"<pluvia.Run {self.record.get('scenario')} in {self.folder}, {grains} grains{valid}>"
 
     def __getitem__(self, field: str) -> Any:
-        """A field of the summary by its path, such as `run["standing_height_mm.mean_surface"]`."""
+        """A field of the summary by its path, such as `run["standing_height_mm.mean_surface"]`; None where it is null."""
         value: Any = self.record
         for step in field.split("."):
             if isinstance(value, list) and step.isdigit() and int(step) < len(value):
@@ -121,17 +122,18 @@ class Run:
     @cached_property
     def summary(self) -> pd.DataFrame:
         """The summary as one row, with a column per field, named by its path (`standing_height_mm.mean_surface`):
-        `pandas.concat` joins the rows of many runs. Lists stay in `record`."""
+        `pandas.concat` joins the rows of many runs. What is missing is NaN. Lists stay in `record`."""
         row = pd.json_normalize(self.record)
-        flat = row[[name for name in row.columns if not isinstance(row[name].iloc[0], list)]]
-        return flat.set_axis([self.folder.name])
+        values = {name: row[name].iloc[0] for name in row.columns}
+        flat = {name: value for name, value in values.items() if not isinstance(value, list)}
+        return _table.of([flat]).set_axis([self.folder.name])
 
     @cached_property
     def series(self) -> pd.DataFrame:
         """The course of the run, `series.csv`: one row every 0.08 s of simulated time, with `time_s`,
         `mean_surface_mm`, `settlement_mm`, `kinetic_energy_j` and more."""
         try:
-            return pd.read_csv(self.folder / "series.csv")
+            return _table.read(self.folder / "series.csv")
         except OSError as error:
             raise FileError(str(error)) from None
 

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from . import _pluvia
+from . import _pluvia, _table
 from ._errors import FileError, ScenarioError
 
 Array = npt.NDArray[np.float64]
@@ -49,7 +49,7 @@ class Specimen:
         orientation (`rotation_*`, a unit quaternion) and velocities at the end of the stage."""
         here = _frame(self._native.grains_csv())
         try:
-            own = pd.read_csv(self.folder / "grains.csv")
+            own = _table.read(self.folder / "grains.csv")
         except OSError:
             return here
         # What is of another moment is left out.
@@ -204,4 +204,4 @@ def _tensor(numbers: bytes | None) -> Array:
 
 
 def _frame(table: bytes) -> pd.DataFrame:
-    return pd.read_csv(io.BytesIO(table))
+    return _table.read(io.BytesIO(table))

@@ -11,6 +11,7 @@ from typing import Any
 
 import pandas as pd
 
+from . import _table
 from ._command import Shown, command
 from ._errors import FileError
 from ._run import Run
@@ -124,7 +125,7 @@ class _Study:
 
     def _csv(self, name: str) -> pd.DataFrame:
         try:
-            return pd.read_csv(self.folder / name)
+            return _table.read(self.folder / name)
         except OSError as error:
             raise FileError(str(error)) from None
 
@@ -153,13 +154,13 @@ class Sweep(_Study):
             for point in self.record["points"]
             for outcome, estimate in point["outcomes"].items()
         ]
-        return pd.DataFrame(rows)
+        return _table.of(rows)
 
     @cached_property
     def effects(self) -> pd.DataFrame:
         """One row per field and result: the change of the result for one unit of the field, `slope`, with half of its 95 %
         confidence interval, `slope_half_width`."""
-        return pd.DataFrame(self.record["effects"]).drop(columns="means", errors="ignore")
+        return _table.of(self.record["effects"]).drop(columns="means", errors="ignore")
 
 
 class Calibration(_Study):
@@ -201,7 +202,7 @@ class Calibration(_Study):
     @cached_property
     def values(self) -> pd.DataFrame:
         """One row per value that was tried: the mean result of its realisations and its interval."""
-        return pd.DataFrame(self.record["values"])
+        return _table.of(self.record["values"])
 
     @cached_property
     def table(self) -> pd.DataFrame:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import warnings
 from pathlib import Path
@@ -12,6 +13,7 @@ import pandas as pd
 import pytest
 
 import pluvia
+from pluvia import _table
 
 
 def rotated(points: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
@@ -40,6 +42,22 @@ def test_the_summary_is_that_of_the_file(poured: pluvia.Run) -> None:
     assert row["standing_height_mm.mean_surface"].iloc[0] == content["standing_height_mm"]["mean_surface"]
     both = pd.concat([row, row])
     assert len(both) == 2 and both["standing_height_mm.mean_surface"].nunique() == 1
+
+
+def test_what_is_missing_is_nan_in_every_frame(poured: pluvia.Run, vibrated: pluvia.Run) -> None:
+    """Law: what is null in JSON or empty in CSV is NaN in frames, and None in nested records; a text is a text."""
+    assert poured.record["settlement_mm"] is None and poured["settlement_mm"] is None, "law: nothing was shaken"
+    assert np.isnan(poured.summary["settlement_mm"].iloc[0]), "law: no settlement is NaN"
+    assert poured.summary["settlement_mm"].dtype == float, "law: as in columns that have numbers"
+    assert not any(value is None for value in poured.summary.iloc[0]), f"law: no None, got {poured.summary.iloc[0]}"
+    both = pd.concat([poured.summary, vibrated.summary])
+    assert both["settlement_mm.final"].dtype == float and both["settlement_mm.final"].isna().tolist() == [True, False]
+    assert poured.series["settlement_mm"].dtype == float and poured.series["settlement_mm"].isna().all()
+    table = _table.read(io.BytesIO(b"piece,force_n,void_ratio\nNA,1.5,\nNone,,0.5\nnull,NaN,0.7\n"))
+    assert table["piece"].tolist() == ["NA", "None", "null"], "law: pieces are called as they like"
+    assert table["force_n"].isna().tolist() == [False, True, True] and table["void_ratio"].dtype == float
+    rows = _table.of([{"t_low": None, "mean": 2.0}, {"t_low": None, "mean": None}])
+    assert rows["t_low"].dtype == float and rows["t_low"].isna().all(), "law: also where all are missing"
 
 
 def test_the_series_has_units_in_its_names(vibrated: pluvia.Run) -> None:
