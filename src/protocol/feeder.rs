@@ -77,19 +77,32 @@ impl Area {
 
     /// Places for balls of a radius in m side by side, from its height upwards without end.
     pub(super) fn lattice(&self, radius: f64) -> impl Iterator<Item = Vector> + use<> {
-        let Self { middle, half, round } = *self;
-        let counts = half.map(|half| ((half / radius).floor() as i64).max(1));
+        let (area, counts) = (*self, self.counts(radius));
         (0..i64::MAX).flat_map(move |level| {
-            (0..counts[0] * counts[1]).filter_map(move |n| {
-                let along = |k: i64, count: i64| (2 * k + 1 - count) as f64 * radius;
-                let x = along(n % counts[0], counts[0]);
-                let y = along(n / counts[0], counts[1]);
-                let room = half.map(|half| (half - radius).max(radius / 2.0));
-                let within = (x / room[0]).powi(2) + (y / room[1]).powi(2) <= 1.0;
-                let up = (2 * level + 1) as f64 * radius;
-                (within || !round).then(|| middle + Vector::new(x, y, up))
-            })
+            let up = (2 * level + 1) as f64 * radius;
+            let place = move |[x, y]: [f64; 2]| area.middle + Vector::new(x, y, up);
+            (0..counts[0] * counts[1])
+                .filter_map(move |n| area.in_layer(n, counts, radius).map(place))
         })
+    }
+
+    /// Numbers of balls in a layer along x and y.
+    fn counts(&self, radius: f64) -> [i64; 2] {
+        let counts = self.half.map(|half| ((half / radius).floor() as i64).max(1));
+        let mut all = 0..counts[0] * counts[1];
+        // Two by two stand in the corners: a circle that just holds two side by side has none of them.
+        let has_any = all.any(|n| self.in_layer(n, counts, radius).is_some());
+        if has_any { counts } else { [1; 2] }
+    }
+
+    /// Where a ball of a layer is, off its middle; none where that is not within the area.
+    fn in_layer(&self, n: i64, counts: [i64; 2], radius: f64) -> Option<[f64; 2]> {
+        let along = |k: i64, count: i64| (2 * k + 1 - count) as f64 * radius;
+        let x = along(n % counts[0], counts[0]);
+        let y = along(n / counts[0], counts[1]);
+        let room = self.half.map(|half| (half - radius).max(radius / 2.0));
+        let within = (x / room[0]).powi(2) + (y / room[1]).powi(2) <= 1.0;
+        (within || !self.round).then_some([x, y])
     }
 }
 
@@ -273,5 +286,33 @@ impl Feeder {
                 present && released.iter().all(|(i, pose)| clear(*i, &pose.translation.vector));
             (place_is_clear && clear_of_apparatus(&place, radius)).then_some(place)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Law: a lattice has places on every level, however little of a grid lies within a round area.
+    #[test]
+    fn every_layer_of_a_lattice_has_a_place() {
+        for round in [false, true] {
+            for tenths in 1..=100 {
+                let half = f64::from(tenths) / 10.0;
+                let area = Area { middle: Vector::zeros(), half: [half; 2], round };
+                let counts = area.counts(1.0);
+                let all = 0..counts[0] * counts[1];
+                let layer: Vec<[f64; 2]> =
+                    all.filter_map(|n| area.in_layer(n, counts, 1.0)).collect();
+                assert!(!layer.is_empty(), "law: one at least, half {half} radii, round {round}");
+                let beyond = layer.iter().find(|[x, y]| x.hypot(*y) + 1.0 > half + 1e-12);
+                let fits = !round || half < 1.0 || beyond.is_none();
+                assert!(fits, "law: all lie in a circle of {half} radii, got {beyond:?}");
+            }
+        }
+        let area = Area { middle: Vector::new(0.0, 0.0, 5.0), half: [2.2; 2], round: true };
+        let places: Vec<Vector> = area.lattice(1.0).take(2).collect();
+        let expected = [Vector::new(0.0, 0.0, 6.0), Vector::new(0.0, 0.0, 8.0)];
+        assert_eq!(places, expected, "law: one above the other, side by side there is no room");
     }
 }
