@@ -1,7 +1,7 @@
 //! Whether a state that was read from a file can be that of a specimen in this laboratory.
 
 use super::*;
-use crate::plain::counted;
+use crate::plain::{components, counted};
 
 /// How far the length of a quaternion may be from 1: engines keep some in single precision.
 const UNIT: f64 = 1e-3;
@@ -73,11 +73,8 @@ pub fn plausible(
         let down = -body.linear_velocity.z;
         let falls = down > 0.0 && down * down / 2.0 >= FALL_SHARE * fallen;
         if at.z < walls.lowest() || walls.is_outside(&at, state.table_x) && !falls {
-            let (grain, at) = (grain_name(index), at * 1e3);
-            return Err(format!(
-                "{grain} is outside of the apparatus, at ({:.1}, {:.1}, {:.1}) mm",
-                at.x, at.y, at.z
-            ));
+            let (grain, [x, y, z]) = (grain_name(index), components::<3>((at * 1e3).into()));
+            return Err(format!("{grain} is outside of the apparatus, at ({x}, {y}, {z}) mm"));
         }
     }
     Ok(())
@@ -196,6 +193,19 @@ mod tests {
             let said = plausible(&setup, &specimen, 0.0, 0.0).expect_err("law: it cannot be");
             assert!(said.contains(word), "law: case {index} names {word}, got {said}");
         }
+    }
+
+    /// Law: places in a laboratory of sand are told with their digits.
+    #[test]
+    fn a_place_in_a_small_laboratory_has_digits() {
+        let (mut setup, mut specimen) = laboratory();
+        setup.cylinder.radius = 1e-4;
+        setup.funnel.wall_thickness_mm = 0.01;
+        let at = &mut specimen.state.bodies[1].body.pose.translation.vector;
+        *at = Vector::new(1.2346e-3, -2e-5, 0.0);
+        let said = plausible(&setup, &specimen, 0.0, 0.0).expect_err("law: it is in no cylinder");
+        assert!(said.contains("grain_00001"), "law: it is named, got {said}");
+        assert!(said.contains("at (1.235, -0.02, 0) mm"), "law: not (1.2, -0.0, 0.0), got {said}");
     }
 
     #[test]

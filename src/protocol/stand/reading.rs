@@ -4,6 +4,7 @@ use super::{
     BodyId, BodyState, Fate, Grain, GrainState, HashMap, Party, SavedContact, Specimen, Stand,
     Tally, Vector, WorldError, grain_name, level, name_of, spring_energy,
 };
+use crate::plain::components;
 
 impl Stand<'_> {
     /// The loaded contacts between what is still present.
@@ -124,11 +125,9 @@ impl Stand<'_> {
             self.world.remove(id)?;
             if fate == Fate::ThroughWall {
                 self.midway.watch.through_walls += 1;
-                let (grain, at) = (grain_name(index), at * 1e3);
+                let (grain, [x, y, z]) = (grain_name(index), components::<3>((at * 1e3).into()));
                 self.midway.warnings.push(format!(
-                    "{grain} passed through a wall at {now_s:.3} s, last seen at \
-                     ({:.1}, {:.1}, {:.1}) mm",
-                    at.x, at.y, at.z
+                    "{grain} passed through a wall at {now_s:.3} s, last seen at ({x}, {y}, {z}) mm"
                 ));
             }
         }
