@@ -83,3 +83,24 @@ pub(super) fn figure_block(figure: &Figure) -> Markup {
     let files = [("svg", "SVG"), ("png", "PNG"), ("csv", "numbers (CSV)")];
     block(stem, title, caption, &drawing, &files)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::CSS;
+
+    /// The line of a rule in the part of the style sheet that begins with these words.
+    fn rule(part: &str, selector: &str) -> &'static str {
+        let within = CSS.split_once(part).map_or("", |(_, within)| within);
+        within.lines().find(|line| line.trim_start().starts_with(selector)).unwrap_or_default()
+    }
+
+    /// Law: a name of a row that is longer than its column breaks; it does not cover the numbers
+    /// beside it.
+    #[test]
+    fn long_names_of_rows_break_on_a_narrow_page() {
+        let names = rule("@media (max-width: 46rem)", ".scroll tbody th");
+        for expected in ["white-space: normal", "overflow-wrap: break-word", "max-width"] {
+            assert!(names.contains(expected), "law: expected `{expected}`, got `{names}`");
+        }
+    }
+}
