@@ -103,4 +103,19 @@ mod tests {
             assert!(names.contains(expected), "law: expected `{expected}`, got `{names}`");
         }
     }
+    /// Law: in print all sizes follow one, heads of tables are no larger than their numbers, and
+    /// names break, so that no table makes the browser shrink the page.
+    #[test]
+    fn print_has_one_scale_of_sizes() {
+        let print = |selector| rule("@media print", selector);
+        for (selector, expected) in [
+            ("html {", "font-size: 10pt"),
+            ("body {", "font-size: 1rem"),
+            (".scroll table, .scroll th, .scroll .verdict {", "font-size: 7pt"),
+            (".scroll th, .scroll td, .scroll tbody th {", "white-space: normal"),
+        ] {
+            let got = print(selector);
+            assert!(got.contains(expected), "law: `{expected}` of `{selector}`, got `{got}`");
+        }
+    }
 }
