@@ -103,6 +103,7 @@ mod tests {
             assert!(names.contains(expected), "law: expected `{expected}`, got `{names}`");
         }
     }
+
     /// Law: in print all sizes follow one, heads of tables are no larger than their numbers, and
     /// names break, so that no table makes the browser shrink the page.
     #[test]
@@ -117,5 +118,12 @@ mod tests {
             let got = print(selector);
             assert!(got.contains(expected), "law: `{expected}` of `{selector}`, got `{got}`");
         }
+    }
+
+    /// Law: what stands in brackets below a number of a wide table is no larger than the number.
+    #[test]
+    fn brackets_are_no_larger_than_their_number() {
+        let got = rule(".scroll table", ".scroll .soft");
+        assert!(got.contains("font-size: inherit"), "law: the table's own size, got `{got}`");
     }
 }
