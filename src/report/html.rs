@@ -33,11 +33,28 @@ pub(crate) fn name(name: &str) -> Markup {
 /// Keeps numbers and their units on one line, and shows characters that would turn the text's
 /// direction by their code points.
 pub(crate) fn glue(text: &str) -> String {
-    let text = &*plain_lines(text);
-    const UNITS: [&str; 6] = [" %", " mm", " cm", " s ", " g ", " µm"];
-    UNITS.iter().fold(text.to_owned(), |text, unit| {
+    const UNITS: [&str; 4] = [" %", " mm", " cm", " µm"];
+    let glued = UNITS.iter().fold(plain_lines(text).into_owned(), |text, unit| {
         text.replace(unit, &format!("\u{a0}{}", unit.trim_start()))
-    })
+    });
+    after_numbers(&glued)
+}
+
+/// Keeps units that may be words of their own on the line of the number before them, at the end of
+/// a sentence, too.
+fn after_numbers(text: &str) -> String {
+    const UNITS: [&str; 6] = ["s", "g", "m", "N", "kPa", "Hz"];
+    let mut glued = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some((before, after)) = rest.split_once(' ') {
+        let end = after.find(|c: char| !c.is_alphabetic()).unwrap_or(after.len());
+        let is_unit = UNITS.contains(&&after[..end]);
+        let follows_number = before.ends_with(|c: char| c.is_ascii_digit());
+        glued += before;
+        glued.push(if is_unit && follows_number { '\u{a0}' } else { ' ' });
+        rest = after;
+    }
+    glued + rest
 }
 
 /// A drawing with its title, its caption and links to its files in `figures/`.
@@ -86,7 +103,7 @@ pub(super) fn figure_block(figure: &Figure) -> Markup {
 
 #[cfg(test)]
 mod tests {
-    use super::CSS;
+    use super::{CSS, glue};
 
     /// The line of a rule in the part of the style sheet that begins with these words.
     fn rule(part: &str, selector: &str) -> &'static str {
@@ -125,5 +142,20 @@ mod tests {
     fn brackets_are_no_larger_than_their_number() {
         let got = rule(".scroll table", ".scroll .soft");
         assert!(got.contains("font-size: inherit"), "law: the table's own size, got `{got}`");
+    }
+    /// Law: a number and its unit stand on one line, whatever follows the unit.
+    #[test]
+    fn units_stay_with_their_numbers() {
+        for (text, expected) in [
+            ("Periods of 0.67 s.", "Periods of 0.67\u{a0}s."),
+            ("2343 g, or 0.3 m/s", "2343\u{a0}g, or 0.3\u{a0}m/s"),
+            ("after 5 s, mm", "after 5\u{a0}s,\u{a0}mm"),
+            ("95 % of 14 mm", "95\u{a0}% of 14\u{a0}mm"),
+            ("200 kPa (12 Hz)", "200\u{a0}kPa (12\u{a0}Hz)"),
+            ("4 settled; Student's t, in s", "4 settled; Student's t, in s"),
+            ("3  grains", "3  grains"),
+        ] {
+            assert_eq!(glue(text), expected, "law: of `{text}` (got left)");
+        }
     }
 }
