@@ -237,6 +237,14 @@ impl Plot {
         }
     }
 
+    /// Marks how far a value may be from zero to either side, with one entry in the legend. The
+    /// horizontal axis reaches beyond both, so that neither lies on the frame.
+    pub fn mark_bounds(&mut self, label: &str, most: f64) {
+        const BEYOND: f64 = 1.1;
+        self.mark_upright(label, [most, -most]);
+        self.x = std::mem::take(&mut self.x).holding([BEYOND * most, -BEYOND * most]);
+    }
+
     /// Hatches the laboratory's range on the vertical axis.
     pub fn add_band(&mut self, label: &str, between: (f64, f64)) {
         self.bands.push(BandArea { label: label.to_owned(), between });
@@ -300,5 +308,18 @@ mod tests {
         let svg = plot.svg().expect("drawn");
         assert!(svg.contains("a &lt; b &amp; c"), "labels are escaped");
         assert!(!svg.contains("NaN"), "no NaN reaches the file");
+    }
+    /// Law: bounds stand inside of the frame, where all values are within them and where none is.
+    #[test]
+    fn bounds_are_not_on_the_frame() {
+        for values in [vec![], vec![(0.01, 0.0)], vec![(-4.9, 0.0), (40.0, 1.0)]] {
+            let mut plot = Plot::new(Axis::linear("x"), Axis::linear("y"));
+            plot.add("", Look::points(0), values.clone());
+            plot.mark_bounds("Standard", 5.0);
+            let (x, _) = plot.scales();
+            let places = [-5.0, 5.0].map(|bound| x.place(bound).expect("a place"));
+            let inside = places.iter().all(|place| (0.01..=0.99).contains(place));
+            assert!(inside, "law: by a hundredth at least, of {values:?} got {places:?}");
+        }
     }
 }

@@ -188,7 +188,7 @@ fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
         plot.add(label, Look::points(n), points);
     }
     for limit in [of.height_limit_percent, of.settlement_limit_percent] {
-        plot.mark_upright(&format!("± {limit} %"), [limit, -limit]);
+        plot.mark_bounds(&format!("± {limit} %"), limit);
     }
     let title = "Deviation of every setting from the finest of its ladder";
     let caption = format!(

@@ -26,7 +26,7 @@ pub(super) fn creep(study: &StudyView, standard: &Standard) -> Result<Figure, Re
     let runs = study.runs;
     let limit = standard.creep_um_per_s;
     let mut plot = by_run(runs, Axis::linear("Numerical creep of the resting specimen (µm/s)"));
-    plot.mark_upright(&format!("Standard: within ±{limit} µm/s"), [limit, -limit]);
+    plot.mark_bounds(&format!("Standard: within ±{limit} µm/s"), limit);
     let label = "Sinking rate of the mean grain height";
     add_dots(&mut plot, runs, 0, label, |r| r.summary.creep_um_per_s);
     let table = table!(runs.iter().map(|r| (r, r.summary.rest_test)), |(r, c)| {
