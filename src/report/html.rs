@@ -143,6 +143,7 @@ mod tests {
         let got = rule(".scroll table", ".scroll .soft");
         assert!(got.contains("font-size: inherit"), "law: the table's own size, got `{got}`");
     }
+
     /// Law: a number and its unit stand on one line, whatever follows the unit.
     #[test]
     fn units_stay_with_their_numbers() {

@@ -66,9 +66,10 @@ impl Look {
         Self { line: None, ..Self::of(style::LIMIT).thin().marker(Marker::Ring) }
     }
 
-    /// A mark across the frame: a limit, or an event.
-    fn mark() -> Self {
-        Self { width: 4, ..Self::of(style::LIMIT).dash(style::DOTTED) }
+    /// The n-th mark across the frame: a limit, or an event.
+    fn mark(n: usize) -> Self {
+        let dash = if n % 2 == 0 { style::DOTTED } else { style::DASH_DOTTED };
+        Self { width: 4, ..Self::of(style::LIMIT).dash(dash) }
     }
 
     /// The same, dashed so.
@@ -250,6 +251,17 @@ impl Plot {
         self.bands.push(BandArea { label: label.to_owned(), between });
     }
 
+    /// The marks, each with its look: those of one entry in the legend look alike, those of the next
+    /// do not.
+    fn looks_of_marks(&self) -> Vec<(&Mark, Look)> {
+        let mut entries = 0usize;
+        let marks = self.marks.iter().map(|mark| {
+            entries += usize::from(!mark.label.is_empty());
+            (mark, Look::mark(entries.saturating_sub(1)))
+        });
+        marks.collect()
+    }
+
     /// Both axes, divided for all that is drawn.
     pub(super) fn scales(&self) -> (Scale, Scale) {
         let points = self.series.iter().flat_map(|series| &series.points);
@@ -309,6 +321,7 @@ mod tests {
         assert!(svg.contains("a &lt; b &amp; c"), "labels are escaped");
         assert!(!svg.contains("NaN"), "no NaN reaches the file");
     }
+
     /// Law: bounds stand inside of the frame, where all values are within them and where none is.
     #[test]
     fn bounds_are_not_on_the_frame() {
@@ -321,5 +334,17 @@ mod tests {
             let inside = places.iter().all(|place| (0.01..=0.99).contains(place));
             assert!(inside, "law: by a hundredth at least, of {values:?} got {places:?}");
         }
+    }
+
+    /// Law: two limits in one figure can be told apart in it as in its legend; the two sides of one
+    /// look alike.
+    #[test]
+    fn marks_of_two_entries_do_not_look_alike() {
+        let mut plot = Plot::new(Axis::linear("x"), Axis::linear("y"));
+        plot.mark_upright("1 %", [1.0, -1.0]);
+        plot.mark_upright("5 %", [5.0, -5.0]);
+        let looks: Vec<Look> = plot.looks_of_marks().into_iter().map(|(_, look)| look).collect();
+        assert_eq!([looks[0], looks[2]], [looks[1], looks[3]], "law: both sides of one limit");
+        assert_ne!(looks[0].line, looks[2].line, "law: the second limit is dashed otherwise");
     }
 }

@@ -105,6 +105,8 @@ pub const SOLID: Dash = &[];
 pub const DASHED: Dash = &[28.0, 18.0];
 /// For limits.
 pub const DOTTED: Dash = &[6.0, 12.0];
+/// For limits beside dotted ones.
+pub const DASH_DOTTED: Dash = &[28.0, 12.0, 6.0, 12.0];
 
 /// Width of a text in SVG units. Estimated for DejaVu Sans, whose mean
 /// character is 0.6 of its size; wide rather than narrow.

@@ -65,7 +65,8 @@ const SHOWN: [Shown; 5] = [
         title: "Overlap against the step rate",
         axis: "Overlap (% of the equivalent diameter)",
         caption: "Overlap at the end, exact, measured outside the engine: mean (solid) and 99th \
-                  percentile (dashed). Dotted: what the accuracy standard allows.",
+                  percentile (dashed). What the accuracy standard allows: dotted in the mean, dashed \
+                  and dotted at the percentile.",
         value: |v| v.overlap_mean_percent,
         percentile: Some(|v| v.overlap_p99_percent),
         limits: |s| {
@@ -193,7 +194,7 @@ fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
     let title = "Deviation of every setting from the finest of its ladder";
     let caption = format!(
         "Deviations from the finest rung of each ladder, paired by configuration, ± standard \
-         error. Dotted: {} % for the height, {} % for the settlements.",
+         error. Dotted: {} % for the height; dashed and dotted: {} % for the settlements.",
         of.height_limit_percent, of.settlement_limit_percent
     );
     Figure::new("convergence-deviations", title, caption, &[plot], &table)

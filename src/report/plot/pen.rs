@@ -56,8 +56,8 @@ impl Plot {
     fn legend_rows(&self) -> Vec<Vec<Entry<'_>>> {
         let bands = self.bands.iter().map(|b| Entry { label: &b.label, key: Key::Band });
         let areas = self.envelopes.iter().map(|e| Entry { label: &e.label, key: Key::Envelope });
-        let mark = Key::Look(Look::mark());
-        let marks = self.marks.iter().map(|m| Entry { label: &m.label, key: mark });
+        let marks = self.looks_of_marks().into_iter();
+        let marks = marks.map(|(m, look)| Entry { label: &m.label, key: Key::Look(look) });
         let series = self.series.iter().map(|s| Entry { label: &s.label, key: Key::Look(s.look) });
         let mut rows: Vec<Vec<Entry>> = Vec::new();
         let mut used = f64::INFINITY;
@@ -148,14 +148,14 @@ impl Pen<'_, '_> {
 
     fn marks(&self) -> Drawn {
         let Frame { left, right, top, bottom } = self.frame;
-        for mark in &self.plot.marks {
+        for (mark, look) in self.plot.looks_of_marks() {
             let ends = if mark.upright {
                 self.x(mark.at).map(|x| [(x, f64::from(top)), (x, f64::from(bottom))])
             } else {
                 self.y(mark.at).map(|y| [(f64::from(left), y), (f64::from(right), y)])
             };
             if let Some(ends) = ends {
-                self.look(&Look::mark(), &ends)?;
+                self.look(&look, &ends)?;
             }
         }
         Ok(())

@@ -80,8 +80,8 @@ pub(super) fn overlap(study: &StudyView, standard: &Standard) -> Result<Figure, 
     let caption = format!(
         "Overlap of touching grains at the end of each run, measured outside the engine from the \
          exact shapes: penetration depth over the mean equivalent diameter of the two grains. \
-         Dotted: the accuracy standard, {mean_limit} % for the mean and {p99_limit} % for the 99th \
-         percentile."
+         The accuracy standard: dotted for the mean, {mean_limit} %; dashed and dotted for the 99th \
+         percentile, {p99_limit} %."
     );
     Figure::new("quality-overlap", "Overlap of the grains", caption, &[plot], &table)
 }
