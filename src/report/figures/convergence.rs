@@ -129,7 +129,7 @@ fn against_rate(of: &Convergence, lines: &[Ladder], shown: &Shown) -> Result<Fig
                 table.row(row![line, rate, *name, mean, standard_error, count]);
             }
             let label = if name.is_empty() { line.as_str() } else { "" };
-            plot.add(label, Look::marked(n).dash(dash), points);
+            plot.add_some(label, Look::marked(n).dash(dash), points);
         }
     }
     limits.into_iter().for_each(|(label, at)| plot.mark_level(label, at));
@@ -186,7 +186,7 @@ fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
             }
             table.row(row![setting, what, mean, standard_error, deviation.inside_scatter]);
         }
-        plot.add(label, Look::points(n), points);
+        plot.add_some(label, Look::points(n), points);
     }
     for limit in [of.height_limit_percent, of.settlement_limit_percent] {
         plot.mark_bounds(&format!("± {limit} %"), limit);
@@ -208,20 +208,113 @@ fn cost(of: &Convergence) -> Result<Figure, ReportError> {
         Some((r.result.wall_s_per_simulated_s?.mean, error))
     };
     let x = Axis::logarithmic("Wall time of a simulated second (s)");
-    let mut plot = Plot::new(x, Axis::logarithmic("Largest error over what is allowed"));
+    // What is allowed is 1; that is not to lie on the frame.
+    let y = Axis::logarithmic("Largest error over what is allowed").holding([0.5]);
+    let mut plot = Plot::new(x, y);
     let mut table =
         Table::new(["ladder", "setting", "wall_s_per_simulated_s", "error_over_limit", "meets"]);
     for (n, (name, rows)) in ladders.iter().enumerate() {
-        plot.add(name, Look::marked(n), rows.iter().filter_map(|r| point(r)).collect());
+        plot.add_some(name, Look::marked(n), rows.iter().filter_map(|r| point(r)));
         for r in rows {
             let cost = r.result.wall_s_per_simulated_s.map(|c| c.mean);
             table.row(row![name, &r.rung, cost, r.error_over_limit, r.meets]);
         }
     }
-    plot.mark_level("what is allowed", 1.0);
+    plot.mark_level("What is allowed", 1.0);
     let caption = "The largest of overlap, numerical creep and deviations, each over what the standard \
                    allows, against wall time; below the dotted line the whole standard is met. Lines join the \
                    rungs of a ladder in order. The setting that the study is compared with is left \
                    out: it cannot deviate from itself.";
     Figure::new("convergence-cost", "Cost against error", caption, &[plot], &table)
+}
+
+#[cfg(test)]
+mod tests {
+    use roxmltree::Document;
+
+    use super::*;
+    use crate::record::RunRow;
+
+    /// A rung of a ladder with one run that counts; three times what is allowed.
+    fn row(ladder: &str, rate_hz: f64, height_mm: Option<f64>) -> ConvergenceRow {
+        let run = RunRow {
+            variation: format!("{ladder} {rate_hz}"),
+            rate_hz,
+            poured_height_mm: height_mm,
+            wall_s_per_simulated_s: Some(1.0),
+            meets_standard: Some(true),
+            valid: Some(true),
+            ..RunRow::default()
+        };
+        let none = Deviation::judged(None, 1.0);
+        let none = Deviations { height: none, plate: none, surface: none };
+        ConvergenceRow {
+            ladder: ladder.to_owned(),
+            rung: format!("{rate_hz} Hz"),
+            finest_of_ladder: false,
+            finest_of_study: false,
+            result: VariationRow::of(&[run]).remove(0),
+            from_ladder: none,
+            from_study: none,
+            error_over_limit: Some(3.0),
+            meets: Some(false),
+            open: None,
+        }
+    }
+
+    /// The texts of each figure by its stem.
+    fn texts() -> Vec<(String, Vec<String>)> {
+        let of = Convergence {
+            scenario: "s".to_owned(),
+            quick: false,
+            grains: Some(100),
+            standard: Standard {
+                overlap_mean_percent: 0.5,
+                overlap_p99_percent: 3.0,
+                creep_um_per_s: 5.0,
+            },
+            height_limit_percent: 1.0,
+            settlement_limit_percent: 5.0,
+            reference: "Native".to_owned(),
+            rows: vec![
+                row("Native", 240.0, Some(160.0)),
+                row("Native", 480.0, Some(162.0)),
+                row("Stock", 240.0, None),
+                row("Stock", 480.0, None),
+            ],
+            cheapest: Cheapest::default(),
+        };
+        let texts = |figure: Figure| {
+            let svg = Document::parse(&figure.svg).expect("XML");
+            let found = svg.descendants().filter_map(|node| node.text());
+            (figure.stem.clone(), found.map(|text| text.trim().to_owned()).collect())
+        };
+        of_convergence(&of).expect("figures").into_iter().map(texts).collect()
+    }
+
+    fn says(stem: &str, text: &str) -> bool {
+        let all = texts();
+        let of = all.iter().find(|(name, _)| name == stem).expect(stem);
+        of.1.iter().any(|said| said == text)
+    }
+
+    /// Law: a legend names the ladders that are drawn, and no other.
+    #[test]
+    fn legends_name_what_is_drawn() {
+        for (stem, ladder, expected) in [
+            ("convergence-height", "Native", true),
+            ("convergence-height", "Stock", false),
+            ("convergence-deviations", "Height", false),
+            ("convergence-cost", "Stock", true),
+        ] {
+            assert_eq!(says(stem, ladder), expected, "law: `{ladder}` in {stem} (got left)");
+        }
+    }
+
+    /// Law: the line of what is allowed stands clear of the frame where every error is larger.
+    #[test]
+    fn what_is_allowed_is_not_on_the_frame() {
+        assert!(says("convergence-cost", "What is allowed"), "law: the legend names the line");
+        assert!(says("convergence-cost", "0.1"), "law: the axis begins below 1, at 0.1");
+    }
 }
