@@ -12,7 +12,7 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
     let left_out = left_out.filter_map(|r| Some((r.value, r.result?)));
     let means = of.values.iter().filter_map(|v| Some((v.value, v.mean?)));
     let unknown = unknown_in_words(&of.unknown);
-    let x = Axis::linear(capital(unknown)).holding([low, high]);
+    let x = Axis::linear(capital(unknown)).holding([low, high]).clear_of_frame();
     let mut plot = Plot::new(x, Axis::linear(name_of_result(of)));
     plot.mark_level(format!("Wanted: {}", with_unit(&compact(of.wanted), &of.unit)), of.wanted);
     if of.identity.is_some() {
@@ -30,7 +30,7 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
             fitted().fold(solution.value, f64::max).min(high),
         ];
         let line = ends.map(|x| (x, solution.level + (x - solution.centre) * solution.slope));
-        plot.add("Line", Look::line(0), line.into());
+        plot.add("Line through the nearest values", Look::line(0), line.into());
         if let Some(i) = solution.interval_95 {
             let (a, b) = (i.low.clamp(low, high), i.high.clamp(low, high));
             let stroke = 0.012 * plot_height(of);
@@ -38,7 +38,10 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
             plot.add_interval("", Look::line(1), ends, (0.0, stroke));
         }
         if (low..=high).contains(&solution.value) {
-            let label = "Found, with its 95 % confidence";
+            let label = match solution.interval_95 {
+                Some(_) => "Found, with its 95 % confidence",
+                None => "Found, without an interval",
+            };
             let look = Look::line(1).marker(Marker::Diamond);
             plot.add(label, look, vec![(solution.value, of.wanted)]);
         }
@@ -58,9 +61,17 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
     } else {
         ""
     };
+    let left_out = match of.runs.iter().any(CalibrationRun::is_left_out) {
+        true => "; crosses: runs left out",
+        false => "",
+    };
+    let line = match of.solution {
+        Some(_) => " The line goes through the values nearest to the solution.",
+        None => "",
+    };
     let caption = format!(
-        "Every run as a ring, a cross where it is left out, means as discs, the line through the values nearest to the solution. \
-         The same configurations stand at every value.{identity} {}.",
+        "Rings: every run{left_out}. Discs: means.{line} The same configurations stand at every \
+         value.{identity} {}.",
         capital(&of.statement)
     );
     Figure::new("calibration", &title, caption, &[plot], &table)
@@ -80,5 +91,65 @@ fn name_of_result(of: &Calibration) -> String {
         (true, _) | (_, "") => capital(words),
         (false, "°") => format!("{} (degrees)", capital(words)),
         (false, unit) => format!("{} ({unit})", capital(words)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A value of 0.6 between 0.2 and 1.0, with an interval or without.
+    fn found(interval_95: Option<Interval>) -> Calibration {
+        let runs = [(0.2, 24.0), (1.0, 26.0)].map(|(value, result)| CalibrationRun {
+            result: Some(result),
+            ..CalibrationRun::new(value, 1, "run")
+        });
+        Calibration {
+            scenario: "s".to_owned(),
+            target: "standing_height_mm.mean_surface".to_owned(),
+            unit: "mm".to_owned(),
+            wanted: 25.0,
+            unknown: "contact.restitution".to_owned(),
+            between: Interval::new(0.2, 1.0),
+            ending: CalibrationEnding::Found,
+            statement: "it is 0.6".to_owned(),
+            solution: Some(CalibrationSolution {
+                value: 0.6,
+                interval_95,
+                result_half_width_95: 0.1,
+                interval_in_result: None,
+                slope: 2.5,
+                slope_half_width_95: 0.5,
+                centre: 0.6,
+                level: 25.0,
+                curvature_p: None,
+                configurations: 2,
+            }),
+            tolerance: None,
+            tolerance_given: false,
+            scatter: None,
+            replicates: 1,
+            most_runs: 16,
+            notes: Vec::new(),
+            identity: None,
+            values: Vec::new(),
+            runs: runs.to_vec(),
+        }
+    }
+
+    /// Law: legend and caption speak of what is drawn: of an interval and of runs left out where
+    /// there are any.
+    #[test]
+    fn the_legend_has_an_interval_where_there_is_one() {
+        let mut of = found(None);
+        let without = of_calibration(&of).expect("a figure");
+        assert!(without.svg.contains("Found, without an interval"), "law: there is none");
+        assert!(!without.svg.contains("95 %"), "law: and nothing says so");
+        assert!(!without.caption.contains("crosses"), "law: no run is left out");
+        of.runs[0].left_out_of_means = Some("not valid".to_owned());
+        let spoilt = of_calibration(&of).expect("a figure");
+        assert!(spoilt.caption.contains("crosses: runs left out"), "law: one is");
+        let with = of_calibration(&found(Some(Interval::new(0.5, 0.7)))).expect("a figure");
+        assert!(with.svg.contains("Found, with its 95 % confidence"), "law: there is one");
     }
 }
