@@ -91,8 +91,8 @@ fn page(of: &CompareRecord, figures: Vec<Figure>) -> Page {
         compact(of.standard.creep_um_per_s)
     );
     Page::new(title, [Block::Soft(engines.join("; ")), Block::Lead(lead(of))])
-        .section("table", "Figures", [Block::Table(table(of)), Block::Soft(standard)])
-        .figures("curves", "Curves", figures)
+        .section("table", "Numbers", [Block::Table(table(of)), Block::Soft(standard)])
+        .figures("curves", "Figures", figures)
         .section("reasons", "Why they differ", [Block::List(reasons(of))])
 }
 
@@ -147,7 +147,8 @@ fn table(of: &CompareRecord) -> Table {
     let names = of.runs.iter().map(|run| run.name.as_str());
     let header = ["Quantity", "Unit"].into_iter().chain(names).chain(["Band", "Agree"]);
     let mut table = Table::new(header);
-    for q in &of.quantities {
+    // What no run has, as the angle of repose of a cylinder, is no row.
+    for q in of.quantities.iter().filter(|q| q.values.iter().any(Option::is_some)) {
         let mut cells = row![&q.quantity, &q.unit];
         let of_run = |v: &Option<f64>| Cell::number(v.map_or_else(dash, shown));
         cells.extend(q.values.iter().map(of_run));
@@ -176,7 +177,7 @@ fn packing(of: &Summary) -> String {
     let Some(overlap) = of.overlap.known() else { return "no grain is left".to_owned() };
     let creep = of.creep_um_per_s.map_or_else(
         || "its numerical creep was not measured".to_owned(),
-        |c| format!("it sinks by {} µm/s at rest", number(c, 1)),
+        |c| format!("its numerical creep is {} µm/s", number(c, 1)),
     );
     format!(
         "overlap {} % on average, {} % at the 99th percentile; {creep}; {} grains touch a grain",
@@ -304,5 +305,38 @@ mod tests {
             ..summary
         };
         assert_eq!(packing(&left), "no grain is left", "law: left what is said, right expected");
+    }
+
+    /// Law: the table of numbers is called so, and has no row of what no run has.
+    #[test]
+    fn the_table_has_what_the_runs_have() {
+        let quantity = |quantity: &str, value| ComparedQuantity {
+            quantity: quantity.to_owned(),
+            unit: "mm".to_owned(),
+            values: vec![value],
+            band: None,
+            within_band: None,
+        };
+        let of = CompareRecord {
+            scenario: "s".to_owned(),
+            backends: Vec::new(),
+            handed_on_after_stages: 0,
+            runs: Vec::new(),
+            quantities: vec![quantity("a height", Some(24.5)), quantity("a settlement", None)],
+            within_bands: None,
+            not_judged: None,
+            vibrated: false,
+            standard: Standard {
+                overlap_mean_percent: 0.5,
+                overlap_p99_percent: 3.0,
+                creep_um_per_s: 5.0,
+            },
+        };
+        let page = page(&of, Vec::new()).markdown();
+        for (said, expected) in
+            [("## Numbers", true), ("| a height |", true), ("a settlement", false)]
+        {
+            assert_eq!(page.contains(said), expected, "law: `{said}` (got left), page:\n{page}");
+        }
     }
 }
