@@ -222,6 +222,8 @@ struct Shown {
     axis: &'static str,
     column: &'static str,
     is_log: bool,
+    /// Whether it is drawn downwards, the way the plate goes, as in every other figure over time.
+    is_down: bool,
     value: fn(&SeriesRow) -> Option<f64>,
 }
 
@@ -234,6 +236,7 @@ const SHOWN: [Shown; 4] = [
         axis: "Mean grain height (mm)",
         column: "mean_grain_height_mm",
         is_log: false,
+        is_down: false,
         value: |r| r.mean_grain_height_mm.filter(|_| r.grains_in_cylinder > 0),
     },
     Shown {
@@ -243,6 +246,7 @@ const SHOWN: [Shown; 4] = [
         axis: "Kinetic energy (J)",
         column: "kinetic_energy_j",
         is_log: true,
+        is_down: false,
         value: |r| Some(r.kinetic_energy_j),
     },
     Shown {
@@ -252,6 +256,7 @@ const SHOWN: [Shown; 4] = [
         axis: "Settlement of the surface (mm)",
         column: "surface_settlement_mm",
         is_log: false,
+        is_down: true,
         value: |r| r.surface_settlement_mm,
     },
     Shown {
@@ -261,6 +266,7 @@ const SHOWN: [Shown; 4] = [
         axis: "Settlement of the plate (mm)",
         column: "settlement_mm",
         is_log: false,
+        is_down: true,
         value: |r| r.settlement_mm,
     },
 ];
@@ -274,6 +280,7 @@ fn figures(of: &CompareRecord) -> Result<Vec<Figure>, ReportError> {
 fn overlaid(of: &CompareRecord, shown: &Shown) -> Result<Option<Figure>, ReportError> {
     let point = |r: &SeriesRow| Some((r.time_s, (shown.value)(r)?));
     let y = Axis::scaled(shown.is_log, shown.axis).from_zero();
+    let y = if shown.is_down { y.reversed() } else { y };
     let mut plot = Plot::new(Axis::linear("Time (s)"), y);
     for (n, run) in of.runs.iter().enumerate() {
         let is_handed = run.specimen_by.is_some();
@@ -289,8 +296,13 @@ fn overlaid(of: &CompareRecord, shown: &Shown) -> Result<Option<Figure>, ReportE
 
 #[cfg(test)]
 mod tests {
+    use roxmltree::Document;
+
     use super::*;
     use crate::record::{Overlap, canned};
+
+    const STANDARD: Standard =
+        Standard { overlap_mean_percent: 0.5, overlap_p99_percent: 3.0, creep_um_per_s: 5.0 };
 
     /// Law: a run whose grains have left says so, in the place of numbers that it does not have.
     #[test]
@@ -326,17 +338,55 @@ mod tests {
             within_bands: None,
             not_judged: None,
             vibrated: false,
-            standard: Standard {
-                overlap_mean_percent: 0.5,
-                overlap_p99_percent: 3.0,
-                creep_um_per_s: 5.0,
-            },
+            standard: STANDARD,
         };
         let page = page(&of, Vec::new()).markdown();
         for (said, expected) in
             [("## Numbers", true), ("| a height |", true), ("a settlement", false)]
         {
             assert_eq!(page.contains(said), expected, "law: `{said}` (got left), page:\n{page}");
+        }
+    }
+
+    /// Law: settlement is drawn downwards, as in every other figure over time; heights are not.
+    #[test]
+    fn settlement_is_drawn_downwards() {
+        let run = canned::runs().remove(4);
+        let of = CompareRecord {
+            scenario: "s".to_owned(),
+            backends: Vec::new(),
+            handed_on_after_stages: 0,
+            runs: vec![CompareRun {
+                name: "bullet".to_owned(),
+                backend: "bullet".to_owned(),
+                specimen_by: None,
+                wall_s_per_simulated_s: 1.0,
+                summary: run.summary,
+                series: run.series,
+            }],
+            quantities: Vec::new(),
+            within_bands: None,
+            not_judged: None,
+            vibrated: true,
+            standard: STANDARD,
+        };
+        for (stem, expected) in [("compare-plate", true), ("compare-height", false)] {
+            let shown = SHOWN.iter().find(|shown| shown.stem == stem).expect("a figure");
+            let figure = overlaid(&of, shown).expect("drawn").expect("it has points");
+            let svg = Document::parse(&figure.svg).expect("XML");
+            // Numbers beside the frame end at its side.
+            let ticks: Vec<(f64, f64)> = svg
+                .descendants()
+                .filter(|node| node.attribute("text-anchor") == Some("end"))
+                .filter_map(|node| {
+                    let number = node.text()?.trim().parse().ok()?;
+                    Some((number, node.attribute("y")?.parse().ok()?))
+                })
+                .collect();
+            let place = |wanted: f64| ticks.iter().find(|t| t.0 == wanted).map(|t| t.1);
+            let largest = ticks.iter().map(|t| t.0).fold(0.0, f64::max);
+            let is_down = place(0.0) < place(largest);
+            assert_eq!(is_down, expected, "law: {stem}, 0 above (got left) of {ticks:?}");
         }
     }
 }
