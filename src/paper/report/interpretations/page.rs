@@ -114,7 +114,7 @@ fn table(columns: &[InterpretationColumn], rows: &[InterpretationRow]) -> Table 
         }
         let unit = if of.unit.is_empty() { String::new() } else { format!(", {}", of.unit) };
         let mut cells = row![format!("{}{unit}", of.quantity), &of.paper];
-        cells.extend(of.cells.iter().map(|cell| shown(cell, decimals(&of.unit))));
+        cells.extend(of.cells.iter().map(|cell| shown(cell, decimals(of))));
         table.row(cells);
     }
     table.class("interpretations")

@@ -93,12 +93,12 @@ impl InterpretationCell {
     }
 }
 
-/// Decimals in which a unit's numbers are shown; four digits that count elsewhere.
-pub(super) fn decimals(unit: &str) -> Option<usize> {
-    match unit {
-        "mm" => Some(1),
-        "%" => Some(2),
-        "µm/s" => Some(1),
+/// Decimals in which a row's numbers are shown; four digits that count elsewhere. Overlaps are a
+/// hundredth of what is measured otherwise.
+pub(super) fn decimals(row: &InterpretationRow) -> Option<usize> {
+    match row.unit.as_str() {
+        "mm" | "%" if row.quantity.contains("overlap") => Some(2),
+        "mm" | "%" | "% of the final settlement" | "µm/s" => Some(1),
         _ => None,
     }
 }

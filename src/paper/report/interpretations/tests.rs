@@ -84,6 +84,25 @@ fn cells_are_means_and_ranges_of_the_runs() {
     assert_eq!(rows.iter().filter(|r| r.cells[0].verdict.is_some()).count(), ids, "every claim");
 }
 
+/// Law: shares of the settlement have the digit of a percent that a run tells, the largest overlap
+/// those by which it is more than nothing.
+#[test]
+fn numbers_have_the_digits_that_say_something() {
+    let columns = [column("plain", |runs| {
+        for run in runs {
+            run.summary.overlap.max_mm = 0.034;
+        }
+    })];
+    let rows = table::rows(&columns);
+    for (quantity, expected) in
+        [("plate, share after 5 s", "80.0"), ("largest overlap", "0.03"), ("plate, final", "18.0")]
+    {
+        let of = row(&rows, quantity);
+        let cell = InterpretationCell { spread: None, ..of.cells[0].clone() };
+        assert_eq!(cell.text(table::decimals(of)), expected, "law: of {quantity}");
+    }
+}
+
 #[test]
 fn every_form_shows_every_interpretation_and_escapes() {
     let out = tempfile::tempdir().expect("a folder");
