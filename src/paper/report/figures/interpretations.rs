@@ -104,7 +104,9 @@ fn settlement(
         curves.push((column, points, left_out.all));
     }
     let continuous = kind == RunKind::VibrationContinuous;
-    let band = (continuous && plate).then_some(bands::FINAL_SETTLEMENT_MM);
+    let quick = columns.iter().any(|c| c.quick);
+    let of_laboratory = (continuous && plate).then_some(bands::FINAL_SETTLEMENT_MM);
+    let band = of_laboratory.filter(|_| !quick);
     let mut plot = Plot::of_settlement();
     if let Some(band) = band {
         plot.add_band("Laboratory, range of the final settlement", (band.low, band.high));
@@ -112,14 +114,18 @@ fn settlement(
     let missing = add(&mut plot, curves, Some(style::MARKER_SPACING));
     let what = if plate { "top plate" } else { "mean surface" };
     let (number, mode) = if continuous { (9, "continuous") } else { (10, "intermittent") };
-    let caption = format!(
-        "Settlement of the {what} under {mode} vibration, mean over the configurations. {MIND}{}{missing}",
-        if band.is_some() {
+    let range = match (band, of_laboratory) {
+        (Some(_), _) => {
             " Hatched: the laboratory's range of the final settlement; it belongs to the end of the \
              curves. Grains that sink into each other settle too: see the table."
-        } else {
-            ""
+                .to_owned()
         }
+        (None, Some(_)) => format!(" {NO_RANGE_OF_QUICK}"),
+        (None, None) => String::new(),
+    };
+    let caption = format!(
+        "Settlement of the {what} under {mode} vibration, mean over the configurations. \
+         {MIND}{range}{missing}"
     );
     let stem = format!("interpretations-{mode}-{}", if plate { "plate" } else { "surface" });
     let title = format!("Figure {number} under each interpretation: {what}");

@@ -210,3 +210,18 @@ fn what_is_not_valid_is_marked_and_never_mixed() {
     let depth: f64 = end.split(',').nth(2).and_then(|v| v.parse().ok()).expect("a number");
     assert!((depth - 17.0).abs() < 1.0, "law: the mean of 16 and 18 mm, got {end}");
 }
+
+/// Law: no figure of the quick study has the laboratory's settlement beside its own, which is of a
+/// smaller specimen and of less time.
+#[test]
+fn the_quick_study_has_no_range_of_the_laboratory() {
+    for (quick, expected) in [(false, true), (true, false)] {
+        let columns = [InterpretationColumn { quick, ..column("plain", |_| {}) }];
+        let figures = figures::of_interpretations(&columns).expect("figures");
+        let stem = "interpretations-continuous-plate";
+        let figure = figures.iter().find(|figure| figure.stem == stem).expect("a figure");
+        let got = figure.svg.contains("Laboratory, range");
+        assert_eq!(got, expected, "law: at full size alone (got left)");
+        assert_eq!(figure.caption.contains("range is not drawn"), quick, "law: said");
+    }
+}
