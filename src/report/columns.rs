@@ -59,9 +59,12 @@ const UNITS: [(&str, &str); 26] = [
 
 /// The words of a column's name, and its unit; empty where it has none.
 pub fn quantity_and_unit(name: &str) -> (String, &'static str) {
+    // In `after_5_s` the name has a time; its unit is not that.
+    let is_number = |word: &str| word.bytes().all(|byte| byte.is_ascii_digit());
     let found = UNITS.iter().find_map(|(ending, unit)| {
         let quantity = name.strip_suffix(ending)?;
-        (!quantity.is_empty()).then_some((quantity, *unit))
+        let ends_in_number = quantity.rsplit(['_', '.']).next().is_some_and(is_number);
+        (!ends_in_number).then_some((quantity, *unit))
     });
     let (quantity, unit) = found.unwrap_or((name, ""));
     (quantity.replace('_', " "), unit)
@@ -201,6 +204,10 @@ mod tests {
             ("turned_deg", ("turned", "°")),
             ("grains_in_cylinder", ("grains in cylinder", "")),
             ("stage", ("stage", "")),
+            ("d50_mm", ("d50", "mm")),
+            ("_mm", (" mm", "")),
+            ("after_5_s", ("after 5 s", "")),
+            ("settlement_after_5_s_mm", ("settlement after 5 s", "mm")),
         ] {
             let (quantity, unit) = quantity_and_unit(name);
             assert_eq!((quantity.as_str(), unit), expected, "law: of {name}");

@@ -389,6 +389,7 @@ mod tests {
     fn units_are_those_of_the_names() {
         for (field, unit) in [
             ("standing_height_mm.mean_surface", "mm"),
+            ("settlement_mm.after_5_s", "mm"),
             ("settlement_mm.share_after_5_s", ""),
             ("settlement_mm.after_each_period[1]", "mm"),
             ("angle_of_repose.degrees", "°"),
