@@ -57,7 +57,8 @@ const UNITS: [(&str, &str); 26] = [
     ("_m", "m"),
 ];
 
-/// The words of a column's name, and its unit; empty where it has none.
+/// The words of a column's name, and its unit; empty where it has none. A path, as of a field or of a
+/// result, stays a path; its unit is that of the last of its parts that has one.
 pub fn quantity_and_unit(name: &str) -> (String, &'static str) {
     // In `after_5_s` the name has a time; its unit is not that.
     let is_number = |word: &str| word.bytes().all(|byte| byte.is_ascii_digit());
@@ -66,6 +67,12 @@ pub fn quantity_and_unit(name: &str) -> (String, &'static str) {
         let ends_in_number = quantity.rsplit(['_', '.']).next().is_some_and(is_number);
         (!ends_in_number).then_some((quantity, *unit))
     });
+    if let Some((_, last)) = name.rsplit_once('.') {
+        // A share of a length in mm is no length.
+        let is_pure = last.starts_with("share_");
+        let unit = name.rsplit('.').map(unit_of).find(|unit| !unit.is_empty() && !is_pure);
+        return (name.to_owned(), unit.unwrap_or(""));
+    }
     let (quantity, unit) = found.unwrap_or((name, ""));
     (quantity.replace('_', " "), unit)
 }
@@ -208,6 +215,10 @@ mod tests {
             ("_mm", (" mm", "")),
             ("after_5_s", ("after 5 s", "")),
             ("settlement_after_5_s_mm", ("settlement after 5 s", "mm")),
+            ("contact.grain_grain_friction", ("contact.grain_grain_friction", "")),
+            ("stages.1.falling_height_mm", ("stages.1.falling_height_mm", "mm")),
+            ("settlement_mm.after_5_s", ("settlement_mm.after_5_s", "mm")),
+            ("settlement_mm.share_after_5_s", ("settlement_mm.share_after_5_s", "")),
         ] {
             let (quantity, unit) = quantity_and_unit(name);
             assert_eq!((quantity.as_str(), unit), expected, "law: of {name}");
