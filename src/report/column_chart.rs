@@ -29,6 +29,9 @@ pub struct ColumnChart {
     pub stages: Vec<f64>,
 }
 
+/// Words that say nothing without the quantity that they are of.
+const QUALIFIERS: [&str; 3] = ["mean", "largest", "smallest"];
+
 /// Characters of an axis' name, at most, where it is made of those of several columns.
 const LONGEST_NAME: usize = 40;
 
@@ -70,8 +73,19 @@ impl ColumnChart {
             }
             plot.series.extend(of);
         }
-        plot.mark_upright("Beginning of a stage", self.stages.iter().copied());
+        plot.mark_upright("Beginning of a stage", self.stages_drawn());
         Ok(plot)
+    }
+
+    /// Values of x at which a stage begins, of those between which any column has numbers: others would
+    /// lengthen the axis by what is empty.
+    fn stages_drawn(&self) -> Vec<f64> {
+        let rows = self.y.iter().flat_map(|column| self.x.numbers.iter().zip(&column.numbers));
+        let Some(drawn) = Interval::of(rows.filter_map(|(x, y)| (*y).and(*x))) else {
+            return Vec::new();
+        };
+        let is_drawn = |at: &f64| (drawn.low..=drawn.high).contains(at);
+        self.stages.iter().copied().filter(is_drawn).collect()
     }
 
     /// A column in pieces between rows that have no place.
@@ -126,6 +140,8 @@ fn in_common(names: &[String]) -> String {
         of_first.is_some() && words.iter().all(|words| word(words) == of_first)
     };
     let begin = (0..first.len()).take_while(|&k| alike(k, false)).count();
+    let names_something = first[..begin].iter().any(|word| !QUALIFIERS.contains(word));
+    let begin = if names_something { begin } else { 0 };
     let end = (0..first.len()).take_while(|&k| alike(k, true)).count();
     match (begin, end) {
         (0, 0) => {
@@ -164,6 +180,7 @@ mod tests {
             (&["settlement", "table x"], "settlement, table x"),
             (&["longest", "shortest", "intermediate", "sphericity"], "value"),
             (&["settlement", "surface settlement"], "settlement"),
+            (&["mean surface", "mean grain height"], "mean surface, mean grain height"),
         ] {
             let names: Vec<String> = names.iter().map(|&name| name.to_owned()).collect();
             assert_eq!(in_common(&names), expected, "law: of {names:?}");
@@ -185,6 +202,16 @@ mod tests {
         assert_eq!(svg.matches("Time (s)").count(), 2, "law: a panel for each unit");
         assert!(svg.contains("Core void ratio"), "law: what has no unit has its name");
         assert!(!svg.contains("Core void ratio ("), "law: and nothing in brackets");
+    }
+
+    /// Law: a stage is marked where something is drawn, so that no axis begins long before its curves.
+    #[test]
+    fn stages_are_marked_where_something_is_drawn() {
+        let late = column("settlement_mm", &[None, None, Some(1.0), Some(2.0)]);
+        let of = ColumnChart { stages: vec![1.0, 2.0, 2.5], ..chart(vec![late]) };
+        assert_eq!(of.stages_drawn(), [2.0, 2.5], "law: there is no number before 2 s");
+        let none = ColumnChart { stages: vec![1.0], ..chart(Vec::new()) };
+        assert_eq!(none.stages_drawn(), [0.0; 0], "law: nothing is drawn");
     }
 
     #[test]
