@@ -237,11 +237,11 @@ fn chart(
                 };
                 faults.push(format!("{option} {name}: there is no number to draw: {what}"));
             }
-            ChartColumn { name: name.to_owned(), numbers }
+            ChartColumn { name: name.to_owned(), numbers, of: value_of(rows, name) }
         }
         Err(why) => {
             faults.push(format!("{option} {name}: in {} {why}", plain_path(path)));
-            ChartColumn { name: name.to_owned(), numbers: Vec::new() }
+            ChartColumn { name: name.to_owned(), numbers: Vec::new(), of: None }
         }
     };
     let along = column("--x", x);
@@ -260,6 +260,16 @@ fn chart(
         log: [args.log_x, args.log_y],
         is_line: goes_on && !args.points,
     })
+}
+
+/// What a column `value` is of and its unit, where all rows have the same of both in columns of
+/// theirs.
+fn value_of(rows: &ColumnTable, name: &str) -> Option<(String, String)> {
+    let only = |name: &str| match rows.texts(rows.find(name).ok()?).as_slice() {
+        [one] => Some(one.replace('_', " ")),
+        _ => None,
+    };
+    if name == "value" { only("of").zip(only("unit")) } else { None }
 }
 
 /// Whether numbers never fall, so that rows have an order.
@@ -399,6 +409,19 @@ mod tests {
         let csv = b"time_s,stage\n0,0\n1,0\n1,1\n2,1\n2,2\n";
         let rows = ColumnTable::read(Path::new("a.csv"), csv).expect("a table");
         assert_eq!(begins(&rows), [1.0, 2.0]);
+    }
+
+    /// Law: a value is of what all its rows say that it is of, in their unit.
+    #[test]
+    fn a_value_is_of_one_quantity() {
+        let csv = b"of,value,unit\nnormal_force,1,of_mean\nnormal_force,2,of_mean\n\
+                    coordination,3,grains\n";
+        let whole = ColumnTable::read(Path::new("distributions.csv"), csv).expect("a table");
+        let force = whole.where_is(0, "normal_force");
+        let expected = Some(("normal force".to_owned(), "of mean".to_owned()));
+        assert_eq!(value_of(&force, "value"), expected);
+        assert_eq!(value_of(&whole, "value"), None, "law: of two quantities");
+        assert_eq!(value_of(&force, "share_percent"), None, "law: it has a name");
     }
 
     #[test]

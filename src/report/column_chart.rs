@@ -12,6 +12,19 @@ pub struct ChartColumn {
     pub name: String,
     /// A number for each row, or none.
     pub numbers: Vec<Option<f64>>,
+    /// What its numbers are of and their unit, where its name says neither: of the column `value` of
+    /// a table that has other columns for that.
+    pub of: Option<(String, String)>,
+}
+
+impl ChartColumn {
+    /// Its quantity in words, and its unit; empty where it has none.
+    fn quantity_and_unit(&self) -> (String, &str) {
+        match &self.of {
+            Some((quantity, unit)) => (quantity.clone(), unit.as_str()),
+            None => quantity_and_unit(&self.name),
+        }
+    }
 }
 
 /// What is drawn.
@@ -41,7 +54,7 @@ impl ColumnChart {
     /// # Errors
     /// A sentence on what has no place on the axes or cannot be drawn.
     pub fn svg(&self) -> Result<String, String> {
-        let units = each_once(self.y.iter().map(|column| quantity_and_unit(&column.name).1));
+        let units = each_once(self.y.iter().map(|column| column.quantity_and_unit().1));
         let plots = units.iter().map(|unit| self.panel(unit));
         stacked(&plots.collect::<Result<Vec<Plot>, String>>()?)
     }
@@ -52,11 +65,10 @@ impl ColumnChart {
             .y
             .iter()
             .enumerate()
-            .filter(|(_, column)| quantity_and_unit(&column.name).1 == unit)
+            .filter(|(_, column)| column.quantity_and_unit().1 == unit)
             .collect();
-        let (x, x_unit) = quantity_and_unit(&self.x.name);
-        let names: Vec<String> =
-            columns.iter().map(|(_, c)| quantity_and_unit(&c.name).0).collect();
+        let (x, x_unit) = self.x.quantity_and_unit();
+        let names: Vec<String> = columns.iter().map(|(_, c)| c.quantity_and_unit().0).collect();
         let mut plot = Plot::new(
             Axis::scaled(self.log[0], label(&x, x_unit)),
             Axis::scaled(self.log[1], label(&in_common(&names), unit)),
@@ -95,7 +107,7 @@ impl ColumnChart {
             (true, false) => Look::line(n),
             (false, _) => Look::dots(n),
         };
-        let name = if named { capital(&quantity_and_unit(&column.name).0) } else { String::new() };
+        let name = if named { capital(&column.quantity_and_unit().0) } else { String::new() };
         let placed = |(x, y): (&Option<f64>, &Option<f64>)| {
             let (x, y) = ((*x)?, (*y)?);
             ((!self.log[0] || x > 0.0) && (!self.log[1] || y > 0.0)).then_some((x, y))
@@ -158,7 +170,7 @@ mod tests {
     use super::*;
 
     fn column(name: &str, numbers: &[Option<f64>]) -> ChartColumn {
-        ChartColumn { name: name.to_owned(), numbers: numbers.to_vec() }
+        ChartColumn { name: name.to_owned(), numbers: numbers.to_vec(), of: None }
     }
 
     fn chart(y: Vec<ChartColumn>) -> ColumnChart {
@@ -212,6 +224,17 @@ mod tests {
         assert_eq!(of.stages_drawn(), [2.0, 2.5], "law: there is no number before 2 s");
         let none = ColumnChart { stages: vec![1.0], ..chart(Vec::new()) };
         assert_eq!(none.stages_drawn(), [0.0; 0], "law: nothing is drawn");
+    }
+
+    /// Law: a column that is called `value` is named by what it is of, with its unit.
+    #[test]
+    fn a_value_is_named_by_what_it_is_of() {
+        let of = Some(("normal force".to_owned(), "of mean".to_owned()));
+        let share = column("share_percent", &[Some(1.0), Some(2.0), Some(3.0), Some(4.0)]);
+        let mut long = chart(vec![share]);
+        long.x = ChartColumn { name: "value".to_owned(), of, ..long.x };
+        let svg = long.svg().expect("drawn");
+        assert!(svg.contains("Normal force (of mean)"), "law: not `Value`: {svg}");
     }
 
     #[test]
