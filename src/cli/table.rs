@@ -98,8 +98,8 @@ fn angle_of_repose(of: &AngleOfRepose) -> String {
     let (low, high) = (of.confidence_low_degrees, of.confidence_high_degrees);
     let between = of.standard_deviation_degrees;
     format!(
-        "{degrees:.1}°, 95 % of this pile {low:.1} to {high:.1}°; {between:.1}° between sectors; \
-         {by_volume_degrees:.1}° by volume"
+        "{degrees:.1}°, 95 % confidence for this pile {low:.1} to {high:.1}°; {between:.1}° between \
+         sectors; {by_volume_degrees:.1}° by volume"
     )
 }
 

@@ -91,7 +91,8 @@ pub fn side_view(specimen: &Specimen, pile: &AngleOfRepose) -> Result<Figure, Re
     let caption = format!(
         "The pile seen along y. The lines are the fitted flanks on either side, means over the \
          sectors within {SIDE_DEGREES}° of it, drawn solid where they are fitted. They \
-         follow the mean surface of a sector; grains of the silhouette stand in front of it."
+         follow the mean surface of a sector; grains of the silhouette stand in front of it. The \
+         interval is that of this pile's mean slope; other piles may lie outside."
     );
     Figure::of_svg("pile", "Side view of the pile", caption, svg, &table)
 }
@@ -176,11 +177,7 @@ impl<'a> Picture<'a> {
     }
 
     fn angle(&self, sheet: &Sheet) -> Drawn {
-        let a = self.pile;
-        let text = format!(
-            "Angle of repose {:.1}°, mean of all directions (95 % of this pile: {:.1}° to {:.1}°)",
-            a.degrees, a.confidence_low_degrees, a.confidence_high_degrees
-        );
+        let text = angle_in_words(self.pile);
         let at = (style::WIDTH as i32 / 2, ABOVE / 2);
         sheet.text(&text, at, style::NUMBERS, (HPos::Center, VPos::Center))
     }
@@ -193,6 +190,14 @@ impl<'a> Picture<'a> {
         let text = format!("{SCALE_BAR_MM} mm");
         sheet.text(&text, (end + 30, y + 6), style::NUMBERS, (HPos::Left, VPos::Center))
     }
+}
+
+/// The angle of a pile with its interval.
+fn angle_in_words(of: &AngleOfRepose) -> String {
+    format!(
+        "Angle of repose {:.1}° (95 % confidence {:.1}° to {:.1}°), mean of all directions",
+        of.degrees, of.confidence_low_degrees, of.confidence_high_degrees
+    )
 }
 
 /// The slope of each sector of piles, by name; one pile shows its mean and its
@@ -221,4 +226,19 @@ pub(crate) fn by_azimuth(piles: &[(&str, &AngleOfRepose)]) -> Result<Figure, Rep
                    between the radii at which the pile stands at 80 % and at 20 % of its height. \
                    Neighbouring sectors share grains.";
     Figure::new("angle-by-azimuth", "Slope of the flank by azimuth", caption, &[plot], &table)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::canned;
+
+    /// Law: an interval says of what it is: the confidence of the mean slope, no share of a pile.
+    #[test]
+    fn the_interval_of_a_pile_is_called_its_confidence() {
+        let pile = canned::pile(1, Some(43.44)).summary.angle_of_repose.expect("an angle");
+        let expected =
+            "Angle of repose 43.4° (95 % confidence 42.4° to 44.4°), mean of all directions";
+        assert_eq!(angle_in_words(&pile), expected);
+    }
 }
