@@ -88,7 +88,7 @@ fn badge(of: &Verdict) -> Cell {
 
 fn value(value: f64) -> String {
     if value != 0.0 && (value.abs() < 1e-3 || value.abs() >= 1e6) {
-        format!("{value:.2e}")
+        format!("{value:.2e}").replace('-', "\u{2212}")
     } else {
         compact(value)
     }
@@ -179,4 +179,22 @@ fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let last = points.len().saturating_sub(1);
     let kept = points.iter().enumerate().filter(|(i, _)| i % every == 0 || *i == last);
     kept.map(|(_, point)| *point).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::value;
+
+    /// Law: a page writes one minus sign, in an exponent, too.
+    #[test]
+    fn exponents_have_the_minus_of_other_numbers() {
+        for (number, expected) in [
+            (5.13e-12, "5.13e\u{2212}12"),
+            (-2.0e-4, "\u{2212}2.00e\u{2212}4"),
+            (-0.5, "\u{2212}0.5"),
+            (0.0, "0"),
+        ] {
+            assert_eq!(value(number), expected, "law: of {number}");
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::spin_law::Slide;
 use super::*;
+use crate::report::text::number;
 
 /// A thin block with a velocity along its side and an angular velocity about the vertical.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -103,13 +104,13 @@ impl SpinSlide {
         let time = stop(&motion).ok_or(VerifyError::NoEvent("a stop"))?;
         let note = format!(
             "{:.2} mm, {angle:.3} rad, {time:.4} s; by the law {:.2} mm, {:.3} rad, {:.4} s; \
-             {:.2} mm aside, by the law {:.2}; on {:.1} points",
+             {} mm aside, by the law {}; on {:.1} points",
             to_mm(distance),
             to_mm(law.displacement.norm()),
             law.angle,
             law.time,
-            to_mm(moved.y),
-            to_mm(law.displacement.y),
+            number(to_mm(moved.y), 2),
+            number(to_mm(law.displacement.y), 2),
             points as f64 / (curve.len() - 1) as f64
         );
         let law = law.curve.iter().map(|(t, d)| (*t, to_mm(*d))).collect();
