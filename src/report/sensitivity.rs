@@ -323,6 +323,11 @@ mod tests {
         for file in ["sensitivity.csv", "sensitivity.json", "figures/sensitivity.png"] {
             assert!(folder.path().join(file).is_file(), "{file} is written");
         }
+        let figure = std::fs::read_to_string(folder.path().join("figures/sensitivity.svg"));
+        let figure = figure.expect("a figure");
+        for entry in ["At the low end", "At the high end"] {
+            assert!(figure.contains(entry), "law: entries of legends begin so: `{entry}`");
+        }
         let page = std::fs::read_to_string(folder.path().join("sensitivity.md")).expect("a page");
         let line = |name: &str| {
             page.lines().find(|l| l.starts_with(&format!("| Title of {name}"))).expect("a row")

@@ -40,7 +40,7 @@ fn panel(axis: &str, rows: &[&ParameterRow], effect: fn(&ParameterRow) -> Effect
     let mut plot = Plot::of_rows(Axis::linear(axis), rows.iter().map(|r| label(r)).collect(), ROW);
     plot.mark_upright("", [0.0]);
     let parts: [End; 2] =
-        [("at the low end", 0, -0.18, |e| e.low_mm), ("at the high end", 1, 0.18, |e| e.high_mm)];
+        [("At the low end", 0, -0.18, |e| e.low_mm), ("At the high end", 1, 0.18, |e| e.high_mm)];
     for (mut label, colour, offset, value) in parts {
         let bar = Look { width: BAR, ..Look::line(colour) };
         for (i, row) in rows.iter().enumerate() {
