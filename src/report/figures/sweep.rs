@@ -66,31 +66,44 @@ fn effect_figure(
         }
     }
     let panels = effects.iter().map(|effect| effect_panel(of, n, factor, effect));
+    let is_left_out = of.left_out().next().is_some();
     let caption = if factor.sampled {
-        "Every run at the value that was drawn; all other ranges were drawn from as well. Crosses: runs \
-         left out of the effects, as they do not count in means."
-            .to_owned()
-    } else {
-        let left_out = match of.left_out().count() {
-            0 => "",
-            _ => "; crosses: runs left out of the means, as they do not count in them",
-        };
-        let over = match of.runs.len() < of.planned {
-            true => "the configurations run so far".to_owned(),
-            false => counted(of.configurations as usize, "configuration"),
-        };
-        let others = match of.design == "grid" && of.factors.len() > 1 {
-            true => " and over all values of the other factors",
+        let left_out = match is_left_out {
+            true => " Crosses: runs left out of the effects, as they do not count in means.",
             false => "",
         };
-        let bars = match has_intervals(&effects) {
-            true => "Bars: the 95 % confidence of the mean by Student's t.",
-            false => "No bars: one value gives no interval.",
+        format!(
+            "Every run at the value that was drawn; all other ranges were drawn from as well.{left_out}"
+        )
+    } else {
+        let left_out = match is_left_out {
+            true => "; crosses: runs left out of the means, as they do not count in them",
+            false => "",
         };
-        format!("Rings: every run{left_out}. Discs: means over {over}{others}. {bars}")
+        format!("Rings: every run{left_out}. {}", of_means(of, &effects))
     };
     let title = format!("What {} moves", factor.path);
     figure_of(&stem("effect", &factor.path), &title, caption, panels, &table)
+}
+
+/// What a caption says of the means of some effects, where there are any.
+fn of_means(of: &Sweep, effects: &[&SweepEffect]) -> String {
+    if effects.iter().all(|effect| effect.means.is_empty()) {
+        return "No means: no configuration has runs that count at every value.".to_owned();
+    }
+    let over = match of.runs.len() < of.planned {
+        true => "the configurations run so far".to_owned(),
+        false => counted(of.configurations as usize, "configuration"),
+    };
+    let others = match of.design == "grid" && of.factors.len() > 1 {
+        true => " and over all values of the other factors",
+        false => "",
+    };
+    let bars = match has_intervals(effects) {
+        true => "Bars: the 95 % confidence of the mean by Student's t.",
+        false => "No bars: one value gives no interval.",
+    };
+    format!("Discs: means over {over}{others}. {bars}")
 }
 
 /// Whether any mean of some effects has an interval.
@@ -238,5 +251,14 @@ mod tests {
         let mut spoilt = sweep(2);
         spoilt.runs[0].left_out_of_means = Some("not valid".to_owned());
         assert!(figure(&spoilt).caption.starts_with("Rings: every run; crosses: runs left out"));
+        let mut empty = sweep(2);
+        empty.effects[0].means.clear();
+        let got = figure(&empty).caption;
+        assert!(got.contains("No means") && !got.contains("Discs"), "law: none is drawn: {got}");
+        let mut drawn = sweep(2);
+        drawn.factors[0].sampled = true;
+        assert!(!figure(&drawn).caption.contains("Crosses"), "law: no run is left out");
+        drawn.runs[0].left_out_of_means = Some("not valid".to_owned());
+        assert!(figure(&drawn).caption.contains("Crosses: runs left out"), "law: one is");
     }
 }
