@@ -124,8 +124,10 @@ export class Measures {
       }
       case "speed":
         return { title: "Speed relative to the table, mean between two frames, mm/s", scale: "viridis", marks: ["≤ 1", "10", "100", "1000 +"] };
-      case "height":
-        return { title: "Height of the centroid above the cylinder's floor, mm", scale: "viridis", marks: [text(low), text(middle), text(high)] };
+      case "height": {
+        const zero = this.run.header.pieces.length > 0 ? "z = 0" : "the floor";
+        return { title: `Height of the centroid above ${zero}, mm`, scale: "viridis", marks: [text(low), text(middle), text(high)] };
+      }
       default:
         return {
           title: "Grains that touch it (coordination number)",

@@ -115,6 +115,11 @@ fn a_laboratory_offers_its_pieces() {
     assert_eq!(browser.evaluate(OFFERED), json!([true, false, false, "Pieces"]));
     browser.choose("colour", "displacement");
     legend_says(&mut browser, "added since the stage began");
+    browser.choose("colour", "height");
+    let legend = browser.evaluate("document.getElementById('legend').textContent");
+    let above = legend.as_str().is_some_and(|text| text.contains("above z = 0"));
+    assert!(above, "law: a laboratory has no cylinder whose floor is 0, got {legend}");
+    browser.choose("colour", "displacement");
     browser.keep_picture("laboratory-1200.png");
     browser.assert_content("the page writes no error to the console");
 }
