@@ -224,9 +224,12 @@ class Viewer {
     const narrow = width <= 760;
     const panels = ["bar", ...(narrow ? ["controls", "picked"] : [])].map((id) => $(id).getBoundingClientRect());
     const lowest = panels.filter((box) => box.height > 0).reduce((y, box) => Math.min(y, box.top), height);
-    const top = narrow ? $("head").getBoundingClientRect().bottom : 12;
+    const right = narrow ? 0 : Math.min(310 / width, 0.4);
+    // Facts that reach near the middle of what is seen would stand before it.
+    const head = $("head").getBoundingClientRect();
+    const top = narrow || head.right > 0.42 * (1 - right) * width ? head.bottom : 12;
     this.camera.covered = {
-      right: narrow ? 0 : Math.min(310 / width, 0.4),
+      right,
       top: Math.min(top / height, 0.3),
       bottom: Math.min((height - lowest) / height, 0.6),
     };
@@ -398,6 +401,7 @@ function offer(viewer) {
     stage: () => playback.stage.name, atStageEnd: () => playback.atEnd, playing: () => timeline.playing,
     frames: () => run.frames.length, grains: () => run.grains, kept: () => run.kept, picked: () => viewer.picked,
     scale: () => run.scale, colour: () => viewer.mode, draws: () => viewer.draws, links: () => viewer.renderer.links,
+    covered: () => viewer.camera.covered,
   };
   for (const [name, get] of Object.entries(values)) Object.defineProperty(outside, name, { get, enumerable: true });
   Object.assign(outside, {

@@ -285,6 +285,17 @@ fn fits_a_small_window(browser: &mut Browser) {
     browser.click_on("toggle");
     browser.wait_for("document.getElementById('controls').getBoundingClientRect().height > 100");
     browser.click_on("toggle");
+    // A telephone that lies on its side: not narrow, and low.
+    browser.look(780, 390, "light");
+    browser.settle();
+    browser.key("r");
+    browser.settle();
+    let below = browser.evaluate(
+        "pluvia.covered.top * innerHeight >= \
+         document.getElementById('head').getBoundingClientRect().bottom - 0.5",
+    );
+    assert_eq!(below, json!(true), "law: the facts do not stand before what is shown");
+    browser.keep_picture("end-780.png");
     browser.look(1200, 800, "light");
 }
 
