@@ -439,7 +439,8 @@ struct Compared {
 
 fn chart(compared: &[Compared]) -> Chart {
     type Value = fn(&Compared) -> Vec<f64>;
-    let mut plot = Plot::new(Axis::linear("Roundness"), Axis::linear("Void ratio"));
+    let roundness = Axis::linear("Roundness").holding(compared.iter().map(|of| of.roundness));
+    let mut plot = Plot::new(roundness.clear_of_frame(), Axis::linear("Void ratio"));
     let mut add = |name: &str, look, values: Value| {
         let points =
             compared.iter().flat_map(|of| values(of).into_iter().map(|e| (of.roundness, e)));
@@ -448,8 +449,8 @@ fn chart(compared: &[Compared]) -> Chart {
     add("Loosest", Look::points(0), |of| of.found.states.e_max.values.clone());
     add("Densest", Look::points(1), |of| of.found.states.e_min.values.clone());
     add("Without friction", Look::points(2), |of| of.found.states.frictionless.values.clone());
-    add("Published, loosest", Look::dots(0), |of| vec![of.published.0]);
-    add("Published, densest", Look::dots(1), |of| vec![of.published.1]);
+    add("Published, loosest", Look::points(3), |of| vec![of.published.0]);
+    add("Published, densest", Look::points(4), |of| vec![of.published.1]);
     Chart::new(
         "density",
         "Loosest and densest states of published materials",
