@@ -91,12 +91,14 @@ def _heights(run: Run, ax: Axes) -> None:
 def _settlement(run: Run, ax: Axes) -> None:
     shaken = run.series[run.series["settlement_mm"].notna() | run.series["surface_settlement_mm"].notna()]
     for column, label in (("settlement_mm", "top plate"), ("surface_settlement_mm", "mean surface")):
-        ax.plot(shaken["time_s"], shaken[column], label=label)
+        # Without a plate there is nothing to be named.
+        if shaken[column].notna().any():
+            ax.plot(shaken["time_s"], shaken[column], label=label)
     ax.set_xlabel("Time (s)")
     ax.set_ylabel("Settlement (mm)")
     if len(shaken):
         ax.invert_yaxis()
-    ax.legend()
+        ax.legend()
 
 
 def _energy(run: Run, ax: Axes) -> None:

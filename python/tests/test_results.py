@@ -193,6 +193,9 @@ def test_an_overview_shows_settlement_where_anything_settles(poured: pluvia.Run)
     # A specimen without a plate, shaken.
     shaken.series = poured.series.assign(surface_settlement_mm=0.5)
     assert "Settlement (mm)" in labels(shaken)
+    (ax,) = shaken.plot("settlement").axes
+    named = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert named == ["mean surface"], "law: without a plate none is named"
 
 
 def test_without_contacts_only_the_reference_is_drawn(poured: pluvia.Run) -> None:
