@@ -107,7 +107,7 @@ fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
         format!("; {} change together, and cannot be told apart", factors.join(" and "))
     });
     let lead = format!(
-        "{} in {}: {done} of {} {} results{}{}{}.",
+        "{} in {}: {done} of {} {} results{}{}{}.{}",
         counted(of.points.len(), "point"),
         counted(of.configurations as usize, "configuration"),
         counted(of.planned, "run"),
@@ -115,6 +115,7 @@ fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
         against.collect::<String>(),
         left_out_in_words(left_out, done).map_or(String::new(), |said| format!("; {said}")),
         apart.collect::<String>(),
+        shown_to_change(of),
     );
     let is_well = failed == 0 && not_valid == 0 && left_out == 0 && together.is_empty();
     let why_left_out = reasons(of, of.left_out(), |r| r.left_out_of_means.as_ref());
@@ -137,6 +138,31 @@ fn together(of: &Sweep) -> Vec<Vec<&str>> {
         of.factors.iter().map(|factor| factor.path.as_str()).filter(is_one).collect::<Vec<&str>>()
     });
     each_once(sets)
+}
+
+/// Which changes for one unit differ from zero, of those that are tested; nothing where none is.
+fn shown_to_change(of: &Sweep) -> String {
+    const MOST_NAMED: usize = 5;
+    let tested = of.effects.iter().filter_map(|e| e.slope_p).count();
+    let differ = of.effects.iter().filter(|e| e.slope_p.is_some_and(|p| p < 0.05));
+    let mut named: Vec<String> = differ
+        .map(|e| {
+            let result = in_words(&e.outcome, &of.names);
+            format!("{} moves {result} by {} for one unit", e.factor, slope(e, &of.factors))
+        })
+        .collect();
+    if tested == 0 {
+        return String::new();
+    }
+    if named.is_empty() {
+        return format!(
+            " No change for one unit differs from zero with p < 0.05, of {tested} tested."
+        );
+    }
+    let more = besides(named.len().saturating_sub(MOST_NAMED), "more");
+    named.truncate(MOST_NAMED);
+    let tested = counted(tested, "change");
+    format!(" With p < 0.05, of {tested} tested: {}{more}.", named.join("; "))
 }
 
 fn probability(p: Option<f64>) -> Cell {
@@ -371,6 +397,42 @@ mod tests {
             let got = text.lines().find(|line| line.starts_with(start)).unwrap_or_default();
             assert!(got.contains(said), "law: `{said}`, got `{got}`");
         }
+    }
+
+    /// Law: the first paragraph says what was found: which changes are shown, of how many, or that
+    /// none is; nothing where none could be tested.
+    #[test]
+    fn the_first_paragraph_says_what_was_found() {
+        let mut of = sweep();
+        let effect = |slope_p| SweepEffect {
+            factor: "contact.restitution".into(),
+            outcome: "void_ratio".into(),
+            slope: Some(-0.1234),
+            slope_half_width: Some(0.021),
+            slope_p,
+            ..SweepEffect::default()
+        };
+        let lead = |of: &Sweep| page(of, vec![]).markdown().lines().nth(2).unwrap_or("").to_owned();
+        for (effects, expected) in [
+            (vec![effect(None)], None),
+            (vec![effect(Some(0.2)), effect(None)], Some("p < 0.05, of 1 tested.")),
+            (
+                vec![effect(Some(0.2)), effect(Some(0.01))],
+                Some(
+                    "With p < 0.05, of 2 changes tested: contact.restitution moves Void ratio by \
+                     \u{2212}0.123 ± 0.021 for one unit.",
+                ),
+            ),
+        ] {
+            of.effects = effects;
+            let got = lead(&of);
+            match expected {
+                Some(expected) => assert!(got.contains(expected), "law: `{expected}`, got {got}"),
+                None => assert!(!got.contains("tested"), "law: nothing is tested, got {got}"),
+            }
+        }
+        of.effects = vec![effect(Some(0.01)); 7];
+        assert!(lead(&of).contains("unit, 2 more."), "law: five are named, got {}", lead(&of));
     }
 
     /// Law: a mean or slope of which every run is left out is no dash, and no number.
