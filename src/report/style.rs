@@ -50,15 +50,15 @@ pub const ENVELOPE: RGBColor = RGBColor(198, 222, 238);
 /// Lines of limits and of events.
 pub const LIMIT: RGBColor = RGBColor(110, 110, 110);
 
-/// Colours that colour-blind readers tell apart (Okabe & Ito 2008), the
-/// darkest first.
+/// Colours that colour-blind readers tell apart, after Okabe & Ito (2008); brown in the place of their
+/// orange, which is their vermilion to one who sees no green, and too pale for thin lines.
 const COLOURS: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 130, 95),
     RGBColor(170, 70, 130),
     RGBColor(0, 0, 0),
-    RGBColor(190, 135, 0),
+    RGBColor(110, 75, 0),
 ];
 
 /// The colour of the n-th curve, counted from 0.
@@ -116,7 +116,52 @@ pub fn text_width(text: &str, size: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{colour, marker};
+    use super::{COLOURS, RGBColor, colour, marker};
+
+    /// What eyes without the pigment for long waves, and those without that for middle ones, make of
+    /// linear intensities (Machado, Oliveira & Fernandes 2009).
+    const WITHOUT_RED: [[f64; 3]; 3] = [
+        [0.152_286, 1.052_583, -0.204_868],
+        [0.114_503, 0.786_281, 0.099_216],
+        [-0.003_882, -0.048_116, 1.051_998],
+    ];
+    const WITHOUT_GREEN: [[f64; 3]; 3] = [
+        [0.367_322, 0.860_646, -0.227_968],
+        [0.280_085, 0.672_501, 0.047_413],
+        [-0.011_820, 0.042_940, 0.968_881],
+    ];
+    /// From linear intensities to CIE XYZ over those of white (IEC 61966-2-1).
+    const TO_XYZ: [[f64; 3]; 3] =
+        [[0.4339, 0.3763, 0.1899], [0.2126, 0.7152, 0.0722], [0.0177, 0.1095, 0.8728]];
+
+    fn times(matrix: [[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
+        matrix.map(|row| row.iter().zip(v).map(|(a, b)| a * b).sum())
+    }
+
+    /// A colour in CIELAB, where distances are those that the eye sees.
+    fn seen(colour: RGBColor, eye: [[f64; 3]; 3]) -> [f64; 3] {
+        let linear = [colour.0, colour.1, colour.2].map(|byte| {
+            let c = f64::from(byte) / 255.0;
+            if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+        });
+        let [x, y, z] = times(TO_XYZ, times(eye, linear)).map(|share| {
+            if share > 0.008_856 { share.cbrt() } else { 7.787 * share + 16.0 / 116.0 }
+        });
+        [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+    }
+
+    /// Law: no two colours look alike to those who see no red or no green; a just noticeable difference
+    /// is about 2.
+    #[test]
+    fn colour_blind_readers_tell_curves_apart() {
+        for (name, eye) in [("red", WITHOUT_RED), ("green", WITHOUT_GREEN)] {
+            for (a, b) in (0..COLOURS.len()).flat_map(|a| (0..a).map(move |b| (a, b))) {
+                let [p, q] = [a, b].map(|n| seen(colour(n), eye));
+                let apart = p.iter().zip(q).map(|(p, q)| (p - q).powi(2)).sum::<f64>().sqrt();
+                assert!(apart > 15.0, "law: without {name}, {a} and {b} 15 apart, got {apart:.1}");
+            }
+        }
+    }
 
     #[test]
     fn no_two_of_many_curves_look_alike() {
