@@ -286,7 +286,7 @@ fn overlaid(of: &CompareRecord, shown: &Shown) -> Result<Option<Figure>, ReportE
         let is_handed = run.specimen_by.is_some();
         let dash = if is_handed { style::DASHED } else { style::SOLID };
         let points = run.series.iter().filter_map(point).collect();
-        plot.add(&run.name, Look::line(n).dash(dash), points);
+        plot.add(&run.name, Look::spaced(n).dash(dash), points);
     }
     let has_points = plot.series.iter().any(|series| !series.points.is_empty());
     let columns = ["run", "time_s", shown.column];
@@ -373,6 +373,7 @@ mod tests {
         for (stem, expected) in [("compare-plate", true), ("compare-height", false)] {
             let shown = SHOWN.iter().find(|shown| shown.stem == stem).expect("a figure");
             let figure = overlaid(&of, shown).expect("drawn").expect("it has points");
+            assert!(figure.svg.contains("<circle"), "law: curves have markers, not colours alone");
             let svg = Document::parse(&figure.svg).expect("XML");
             // Numbers beside the frame end at its side.
             let ticks: Vec<(f64, f64)> = svg
