@@ -13,6 +13,11 @@ const TEXT: f64 = 0.076;
 /// Mean width of a letter by its size; wide rather than narrow.
 const LETTER: f64 = 0.6;
 
+/// Most letters of a line at the foot; more would have to be too small to be read.
+const LETTERS: usize = 28;
+/// Most lines that one of them is wrapped to.
+const MOST_LINES: usize = 4;
+
 /// What stands beside a picture.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Notes {
@@ -90,7 +95,8 @@ fn column(svg: &mut String, notes: &Notes, left: f64, width: f64, height: f64) {
     // No taller than the sheet: title, steps, things and lines in rows.
     let key = &notes.key;
     let bar_rows = if key.upper.is_some() { 9.0 } else { 0.0 };
-    let rows = key.title.len() + key.steps.len() + notes.things.len() + notes.lines.len();
+    let lines: Vec<String> = notes.lines.iter().flat_map(|line| wrapped(line)).collect();
+    let rows = key.title.len() + key.steps.len() + notes.things.len() + lines.len();
     let room = height / (1.75 * (rows as f64 + bar_rows + 4.0));
     let size = (TEXT * width).min(room);
     let (x, line) = (left + 0.06 * width, 1.55 * size);
@@ -110,13 +116,32 @@ fn column(svg: &mut String, notes: &Notes, left: f64, width: f64, height: f64) {
         text(svg, x + 1.8 * size, y, name_size, "start", name);
         y += line;
     }
-    let mut y = height - line * (notes.lines.len() as f64 - 0.2);
+    let mut y = height - line * (lines.len() as f64 - 0.2);
     svg.push_str(&format!(r#"<g fill="{SOFT}">"#));
-    for words in &notes.lines {
+    for words in &lines {
         text(svg, x, y, fitting(words, 0.86 * size, width), "start", words);
         y += line;
     }
     svg.push_str("</g>");
+}
+
+/// A line at the foot in pieces that can be read, parted at a space or a dash where there is one; what
+/// is left of a very long one is cut off.
+fn wrapped(line: &str) -> Vec<String> {
+    let mut pieces = Vec::new();
+    let mut rest: Vec<char> = line.chars().collect();
+    while rest.len() > LETTERS && pieces.len() + 1 < MOST_LINES {
+        let parts = rest[..LETTERS].iter().rposition(|c| " -_/".contains(*c));
+        let end = parts.filter(|at| *at >= LETTERS / 2).map_or(LETTERS, |at| at + 1);
+        let piece: String = rest.drain(..end).collect();
+        pieces.push(piece.trim_end().to_owned());
+    }
+    if rest.len() > LETTERS {
+        rest.truncate(LETTERS - 1);
+        rest.push('…');
+    }
+    pieces.push(rest.into_iter().collect());
+    pieces
 }
 
 /// A size at which a text fits into a width, at most the given one.
@@ -217,6 +242,21 @@ mod tests {
             }
         }
         assert_eq!([16.0, 0.5].map(|v| tick(v, 4.0)), ["16", "0.5"], "law: no needless zeros");
+    }
+
+    /// Law: a long name stands in lines that can be read, no letter of it lost; only a very long one is
+    /// cut off.
+    #[test]
+    fn long_lines_are_wrapped() {
+        assert_eq!(wrapped("quick-vibration"), ["quick-vibration"], "law: a short one stays");
+        let name = "gravel-of-the-northern-quarry-second-sample-with-a-long-name";
+        let pieces = wrapped(name);
+        let expected = ["gravel-of-the-northern-", "quarry-second-sample-with-a-", "long-name"];
+        assert_eq!(pieces, expected, "law: parted at dashes");
+        let endless = wrapped(&"a".repeat(500));
+        assert_eq!(endless.len(), MOST_LINES, "law: no more lines than there is room for");
+        assert!(endless.iter().all(|piece| piece.chars().count() <= LETTERS), "{endless:?}");
+        assert!(endless[MOST_LINES - 1].ends_with('…'), "law: what is cut off is marked");
     }
 
     #[test]
