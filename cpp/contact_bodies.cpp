@@ -150,12 +150,12 @@ void Press::hold(const btRigidBody &body) {
     reach = std::max(reach, static_cast<double>(farthest));
 }
 
-double Press::gain(const btRigidBody &body, double step) {
+double Press::gain(const btRigidBody &body, double step, bool goes_on) {
     const btVector3 &velocity = turns ? body.getAngularVelocity() : body.getLinearVelocity();
     const auto speed = static_cast<double>(direction.dot(velocity));
-    // Of what is new to the world, nothing is known that the force stands against.
-    const double faster = inverse_mass * step * std::abs(known_ ? force - force_ : force);
-    const double gain = faster + (known_ ? std::abs(speed - speed_) : 0);
+    const double unborne = known_ ? force - force_ : goes_on ? 0 : force;
+    const double gain =
+        inverse_mass * step * std::abs(unborne) + (known_ ? std::abs(speed - speed_) : 0);
     known_ = true;
     speed_ = speed;
     force_ = force;

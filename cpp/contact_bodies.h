@@ -72,8 +72,9 @@ struct Press {
     void hold(const btRigidBody &body);
 
     // By how much faster it is at the end of a step than at its beginning, at its farthest point,
-    // if it goes on as in the step before, with the force of now. To be called once a step.
-    double gain(const btRigidBody &body, double step);
+    // if it goes on as in the step before, with the force of now; in its first step, if nothing
+    // stands against the force, or where it `goes_on` all of it. To be called once a step.
+    double gain(const btRigidBody &body, double step, bool goes_on);
 
   private:
     // When the step before began.

@@ -254,14 +254,15 @@ void ContactSolver::read_drives(const Units &units, rust::Vec<DriveRead> &out) c
     }
 }
 
-void ContactSolver::take_gains(double gravity, double step, double margin, Gains &gains) {
+void ContactSolver::take_gains(double gravity, double step, double margin, bool goes_on,
+                               Gains &gains) {
     // What is gained evenly in all sub-steps moves a body by this share of it.
     const double mean = (law_.substeps + 1) / (2.0 * law_.substeps);
     gains.free = std::max(0.0, gravity * step * mean - margin / 2 / step);
     gains.others.clear();
     for (const btRigidBody *body : pressed_) {
         const int number = body->getUserIndex();
-        gains.others.push_back({number, presses_.at(number).gain(*body, step) * mean});
+        gains.others.push_back({number, presses_.at(number).gain(*body, step, goes_on) * mean});
     }
     for (const auto &[own, whole] : parts_) {
         for (std::size_t i = 0; i < pressed_.size(); ++i) {

@@ -35,8 +35,9 @@ class ContactSolver {
     void sort_bodies(const btCollisionObjectArray &bodies);
     // The kinematic ones that are not pressed.
     const std::vector<btRigidBody *> &kinematic() const { return kinematic_; }
-    // The speeds that bodies gain in a step, given `gravity`. To be called once a step.
-    void take_gains(double gravity, double step, double margin, Gains &gains);
+    // The speeds that bodies gain in a step, given `gravity`. To be called once a step; `goes_on`:
+    // in the first of a world whether contacts of another bear what they bore there.
+    void take_gains(double gravity, double step, double margin, bool goes_on, Gains &gains);
     // Gives the parts of these their velocities.
     void carry_parts();
 

@@ -109,7 +109,8 @@ void NativeWorld::step(btScalar length) {
     solver_.sort_bodies(getCollisionObjectArray());
     begin_drives(drives, length);
     solver_.take_gains(static_cast<double>(getGravity().length()), static_cast<double>(length),
-                       collision_.settings.speculative_margin, collision_.bodies.gains);
+                       collision_.settings.speculative_margin, !collision_.recalled.empty(),
+                       collision_.bodies.gains);
     damp(length);
     search();
     {

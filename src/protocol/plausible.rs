@@ -157,7 +157,7 @@ mod tests {
     fn what_cannot_be_is_named() {
         type Craft = fn(&mut SpecimenState);
         let crafted: [(&str, Craft); 18] = [
-            ("bodies", |s| s.bodies.truncate(1)),
+            ("1 body", |s| s.bodies.truncate(1)),
             ("bodies", |s| s.bodies.push(s.bodies[0])),
             ("grain_00001", |s| s.bodies[1].body.linear_velocity.x = f64::NAN),
             ("orientation", |s| s.bodies[1].body.pose.rotation.as_mut_unchecked().coords *= 2.0),

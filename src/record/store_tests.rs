@@ -223,7 +223,7 @@ fn crafted_records_and_states_with_their_hashes_are_not_used() {
     fs::write(folder.join(STATE_FILE), &few).expect("written");
     forge(&folder, StageRecord { specimen_sha256: hash_bytes(&few), ..saved.record });
     let (found, why) = load(&store);
-    assert!(found.is_none() && why.is_some_and(|why| why.contains("1 bodies")), "law: all grains");
+    assert!(found.is_none() && why.is_some_and(|why| why.contains("1 body")), "law: all grains");
     StageStore::stage_in(root.path(), &key(), "").expect_err("law: nor is it shown");
 }
 

@@ -130,8 +130,8 @@ fn stages_of_a_begun_run_are_held() {
     let mut rests = scenario(50.0);
     rests.stages = vec![StageSpec::Rest { duration_s: 0.1 }];
     let mut plan = Plan::new(&[planned(rests)]).expect("a plan");
-    let (run, key) = Default::default();
-    let begun = Begun { run, key, record: pour.record, state: pour.state };
+    let (folder_of, key) = Default::default();
+    let begun = Begun { run: folder_of, key, record: pour.record, state: pour.state };
     plan.nodes[0].begun = Some(Arc::new(begun));
     let held = || held(&plan, &StageStore::open(folder.path()).expect("a store"));
     assert_eq!(held(), [false, false], "law: nothing is stored yet");

@@ -127,9 +127,9 @@ fn every_command_warns_once_before_it_runs() {
             .map(|_| ())
         }),
         ("compare", &|run| {
-            let scenario = load_scenario(&scenario, &coarse())?.scenario;
+            let loaded = load_scenario(&scenario, &coarse())?;
             let backends = [Backend::Bullet, Backend::Bullet];
-            compare(scenario, &backends)?.carry_out(&run).map(|_| ())
+            compare(loaded, &[], &backends)?.carry_out(&run).map(|_| ())
         }),
         ("converge", &|run| converge(&of_design(&ladders))?.carry_out(&run).map(|_| ())),
         ("sensitivity", &|run| sensitivity(&of_design(&ranges))?.carry_out(&run).map(|_| ())),

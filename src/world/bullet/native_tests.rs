@@ -2,6 +2,7 @@
 
 use std::{cell::Cell, collections::BTreeSet};
 
+use super::press_tests::load;
 use super::tests::{free_box, native_world, remembered, shared_turn, slab, snapshot, state, steps};
 use super::*;
 use crate::geometry::testing::near;
@@ -205,6 +206,44 @@ fn a_joint_is_not_felt_and_a_step_is() {
     for step in [0.05, 0.2, 1.0] {
         let got = slid_over_a_joint(10.0, step);
         near(&format!("a step of {step} mm stops it at 10 mm to 0.05 mm"), got, 10.0, 0.05);
+    }
+}
+
+/// Law: a plate that slides over two edges weighs on each by the lever rule: they stay where they
+/// are while it moves on within the step, by its place at the beginning of each sub-step.
+#[test]
+fn what_slides_over_edges_is_borne_by_them_where_they_are() {
+    let _turn = shared_turn();
+    for contacts_at_once in [8, 1] {
+        let native = NativeSettings { contacts_at_once, ..Default::default() };
+        let substeps = f64::from(native.substeps(EngineSettings::default().rate_hz));
+        let mut world = native_world(native, 0.0, 0.0);
+        let wedge = [(-0.01, -0.02), (0.01, -0.02), (0.0, 0.0)];
+        let wedge = ConvexPolyhedron::prism(&wedge, -0.005, 0.005).expect("a wedge");
+        let up = UnitQuaternion::from_axis_angle(&Vector::x_axis(), std::f64::consts::FRAC_PI_2);
+        let edges = [-0.02, 0.02].map(|x| {
+            let mut edge = slab(Motion::Static);
+            edge.shape = Arc::new(wedge.clone());
+            edge.state.pose = Pose::from_parts(Vector::new(x, 0.0, 0.0).into(), up);
+            world.add(&edge).expect("added")
+        });
+        let mut plate = free_box(Vector::new(0.07, 0.02, 0.002), Vector::new(-0.006, 0.0, 0.001));
+        plate.state.linear_velocity.x = 0.5;
+        let plate = world.add(&plate).expect("added");
+        let mut compared = 0;
+        for step in 0..12 {
+            let before = state(&world, plate).pose.translation.x;
+            world.step().expect("a step");
+            let gone = state(&world, plate).pose.translation.x - before;
+            let mean = before + gone * (substeps - 1.0) / (2.0 * substeps);
+            let on = edges.map(|edge| load(&world, edge, Vector::zeros()).0.z);
+            if step >= 4 {
+                let share = on[1] / (on[0] + on[1]);
+                near(&format!("lever rule, step {step}"), share, 0.5 + mean / 0.04, 1e-3);
+                compared += 1;
+            }
+        }
+        assert_eq!(compared, 8, "law: steps are compared");
     }
 }
 

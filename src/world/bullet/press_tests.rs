@@ -195,6 +195,67 @@ fn an_impact_of_a_lid_keeps_momentum_and_rebounds_as_typed() {
     }
 }
 
+/// Law: what a force drives from a small distance is stopped at the surface, though it moves on by
+/// more than contacts are looked for within the step.
+#[test]
+fn a_lid_that_a_force_drives_is_stopped_at_the_surface() {
+    let _turn = shared_turn();
+    let force = 400.0 * MASS;
+    for at_once in AT_ONCE {
+        for gap in [2.2e-4, 3e-4, 5e-4] {
+            let native = NativeSettings {
+                contacts_at_once: at_once,
+                contact_stiffness_n_per_m: 1e6,
+                max_depenetration_velocity_m_per_s: 3.0,
+                ..Default::default()
+            };
+            let mut world = native_world(native, 0.5, 0.0);
+            world.add(&slab(Motion::Static)).expect("added");
+            let at = Vector::new(0.0, 0.0, SIDE / 2.0);
+            world.add(&free_box(Vector::repeat(SIDE), at)).expect("added");
+            let lid = world.add(&lid(SIDE + gap, -Vector::z(), 0.0)).expect("added");
+            world.press(lid, force).expect("pressed");
+            let mut deepest = 0.0_f64;
+            for _ in 0..24 {
+                world.step().expect("a step");
+                let height = world.read_body(lid).expect("there").pose.translation.z;
+                deepest = deepest.max(SIDE + THICK / 2.0 - height);
+            }
+            // Four corners above and four below, pressed by no more than twice the force.
+            let springs = 2.0 * 2.0 * force / 4e6;
+            let case = format!("overlap in m from {gap} m");
+            assert!(
+                deepest < springs + 2e-5,
+                "law: {case}: expected at most {springs}, got {deepest}, tolerance 2e-5"
+            );
+        }
+    }
+}
+
+/// Law: the same of a body that falls, with steps in which it falls farther than that.
+#[test]
+fn a_body_let_go_above_a_floor_is_stopped_there_at_low_rates() {
+    let _turn = shared_turn();
+    for rate_hz in [60.0, 120.0, 240.0] {
+        for gap in [2.2e-4, 5e-4, 1e-3] {
+            let settings = EngineSettings { rate_hz, ..Default::default() };
+            let pairs = uniform(0.5, 0.0);
+            let mut world =
+                BulletBackend::new(&settings, -Vector::z() * GRAVITY, &pairs).expect("a world");
+            world.add(&slab(Motion::Static)).expect("added");
+            let at = Vector::new(0.0, 0.0, 0.005 + gap);
+            let block = world.add(&free_box(Vector::repeat(0.01), at)).expect("added");
+            let mut deepest = 0.0_f64;
+            for _ in 0..12 {
+                world.step().expect("a step");
+                let height = world.read_body(block).expect("there").pose.translation.z;
+                deepest = deepest.max(0.005 - height);
+            }
+            near(&format!("overlap in m from {gap} m at {rate_hz} Hz"), deepest, 0.0, 1e-5);
+        }
+    }
+}
+
 #[test]
 fn only_pressed_bodies_have_a_force_and_only_native_contacts_press() {
     let _turn = shared_turn();

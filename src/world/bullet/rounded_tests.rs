@@ -191,6 +191,30 @@ fn a_heap_settles_and_threads_and_instructions_change_no_bit() {
     assert!(moving < 5, "law: after two seconds they lie, {moving} move");
 }
 
+/// Law: on a smooth floor nothing makes a body spin faster, however small its core is.
+#[test]
+fn a_nearly_round_body_that_spins_on_the_floor_wins_nothing() {
+    let _turn = shared_turn();
+    for core in [1e-4, 2e-4, 5e-4] {
+        let pair = PairCoefficients { friction: 0.0, restitution: 0.0 };
+        let mut world = world(pair, -Vector::z() * 9.81, NativeSettings::default());
+        world.add(&floor()).expect("added");
+        let shape = rounded(&cuboid([2.0 * core; 3]), 5e-3 - core);
+        let mut body = free(&shape, Vector::z() * 5e-3, UnitQuaternion::identity());
+        body.state.angular_velocity = Vector::y() * 5.0;
+        let id = world.add(&body).expect("added");
+        for _ in 0..480 {
+            world.step().expect("a step");
+            let now = world.read_body(id).expect("there").angular_velocity.norm();
+            // It falls by what its corners stand out, from one face to the next.
+            assert!(
+                now < 5.5,
+                "law: a core of {core} m, spin expected at most 5.5, got {now} rad/s"
+            );
+        }
+    }
+}
+
 /// The contacts of a body on the floor, which is pulled aside, and its state after some steps; and
 /// how far in m it is twenty steps later from where it is in a world that recalls them.
 pub(super) fn recalled(body: &Body, count: u32) -> (Vec<RememberedContact>, BodyState, f64) {

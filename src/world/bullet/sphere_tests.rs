@@ -200,6 +200,55 @@ fn oblique_collisions_have_the_line_of_centres() {
     assert_eq!(velocity(one), way, "law: spheres that pass do not touch");
 }
 
+/// Law: a smooth sphere that spins is met as one at rest, whichever of the two came first, and
+/// wherever in a step that is.
+#[test]
+fn the_spin_of_smooth_spheres_changes_nothing() {
+    let _turn = shared_turn();
+    for (spinner_first, phase) in
+        [false, true].into_iter().flat_map(|f| (0..8).map(move |p| (f, p)))
+    {
+        let mut world = world(Vector::zeros(), NativeSettings::default());
+        let from = Vector::new(-0.02 - f64::from(phase) / 8.0 / 480.0, 0.0, 0.0);
+        let comes = ball(0.005, from, Vector::x());
+        let mut spins = ball(0.005, Vector::zeros(), Vector::zeros());
+        spins.state.angular_velocity = Vector::z() * 100.0;
+        let struck = if spinner_first {
+            let struck = world.add(&spins).expect("added");
+            world.add(&comes).expect("added");
+            struck
+        } else {
+            world.add(&comes).expect("added");
+            world.add(&spins).expect("added")
+        };
+        steps(&mut world, 20);
+        let now = world.read_body(struck).expect("there").linear_velocity;
+        let case = format!("the velocity is passed on, spinner first: {spinner_first}, {phase}/8");
+        near(&case, (now - Vector::x()).norm(), 0.0, 1e-3);
+    }
+}
+
+/// Law: a sphere rebounds from a heavy block that turns by the normal of its face when they meet.
+#[test]
+fn a_sphere_meets_a_turning_block_where_it_stands_then() {
+    let _turn = shared_turn();
+    for phase in 0..8 {
+        let mut world = world(Vector::zeros(), NativeSettings::default());
+        let time = 0.02 + f64::from(phase) / 8.0 / 480.0;
+        // Its face stands across the sphere's path at that time.
+        let mut block = super::tests::free_box(Vector::repeat(0.02), Vector::zeros());
+        block.motion = Motion::Free { mass: 1e3, inertia: Vector::repeat(1e3 * 2.0 / 3.0 * 1e-4) };
+        block.state.angular_velocity = Vector::z() * 50.0;
+        block.state.pose.rotation = UnitQuaternion::from_scaled_axis(Vector::z() * -50.0 * time);
+        let sphere = ball(0.005, Vector::new(-0.015 - time, 0.0, 0.0), Vector::x());
+        let sphere = world.add(&sphere).expect("added");
+        world.add(&block).expect("added");
+        steps(&mut world, 14);
+        let now = world.read_body(sphere).expect("there").linear_velocity;
+        near(&format!("it goes back, {phase}/8"), (now + Vector::x()).norm(), 0.0, 0.02);
+    }
+}
+
 /// Law: no number of threads and no instructions change a bit.
 #[test]
 fn threads_and_instructions_change_no_bit_of_spheres() {
