@@ -69,9 +69,19 @@ impl Document {
         }
     }
 
-    /// Notes that a value and everything in it came from an override.
+    /// Notes that a value and everything in it came from an override, in place of what was there.
     pub fn set_origin(&mut self, path: &str, value: &Value, origin: Origin) {
+        let within =
+            |at: &str| at.strip_prefix(path).is_some_and(|rest| rest.starts_with(['.', '[']));
+        self.origins.retain(|at, _| !within(at));
         note_origins(path, value, &origin, &mut self.origins);
+    }
+
+    /// Forgets where values were given that are no longer there: lists are replaced whole.
+    fn forget_replaced(&mut self) {
+        let (mut there, any) = (HashMap::new(), Origin::Set(String::new()));
+        note_origins("", &self.value, &any, &mut there);
+        self.origins.retain(|at, _| there.contains_key(at));
     }
 }
 
@@ -109,6 +119,7 @@ pub(super) fn read(path: &Path) -> Result<Document, ScenarioErrors> {
         note_origins("", &Value::Object(link.content.clone()), &origin, &mut document.origins);
         merge(&mut document.value, Value::Object(link.content), "");
     }
+    document.forget_replaced();
     Ok(document)
 }
 

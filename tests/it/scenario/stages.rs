@@ -1,8 +1,9 @@
 //! Faults of stages: their order, their times, and what the time step makes of them.
 
+use pluvia::grains::load_scenario;
 use serde_json::{Value, json};
 
-use super::{expect_at, expect_one, faults, sound};
+use super::{expect_at, expect_one, faults, folder, sound};
 use crate::small;
 
 /// A vibration after the pour, with some fields of its own.
@@ -51,6 +52,33 @@ fn stages_have_their_order() {
         expect_one(with_stages(stages), path, &[words]);
     }
     expect_at("stages", json!([]), &["too short"]);
+}
+
+/// Law: what a list lacks that replaces another is a fault of who gives the list, not of the file
+/// whose list is gone.
+#[test]
+fn a_list_that_is_replaced_has_no_faults_any_more() {
+    let stages = json!([{ "stage": "fill_funnel" }, { "stage": "pour" }]);
+    let top = json!({ "extends": "base.json", "name": "top", "stages": stages });
+    let folder = folder(&[("base.json", &sound().to_string()), ("top.json", &top.to_string())]);
+    let change = r#"stages.1={"stage":"pour"}"#;
+    for (name, changes, expected) in [
+        ("top.json", vec![], "top.json: stages[1].falling_height_mm: the field is missing"),
+        (
+            "base.json",
+            vec![change],
+            "--set stages.1={\"stage\":\"pour\"}: stages[1].falling_height",
+        ),
+    ] {
+        let changes: Vec<_> = changes.iter().map(|c| c.parse().expect("an override")).collect();
+        let found = load_scenario(&folder.path().join(name), &changes).expect_err("law: refused");
+        let said = found.to_string();
+        assert!(
+            said.contains(expected),
+            "law: who gives the list is named, {expected}, got {said}"
+        );
+        assert_eq!(found.faults().len(), 1, "law: one fault, got {said}");
+    }
 }
 
 /// Law: limits of a placement are refused where none is drawn, and judged where one is.
