@@ -337,6 +337,7 @@ mod tests {
             quantities: vec![quantity("a height", Some(24.5)), quantity("a settlement", None)],
             within_bands: None,
             not_judged: None,
+            as_expected: true,
             vibrated: false,
             standard: STANDARD,
         };
@@ -367,6 +368,7 @@ mod tests {
             quantities: Vec::new(),
             within_bands: None,
             not_judged: None,
+            as_expected: true,
             vibrated: true,
             standard: STANDARD,
         };

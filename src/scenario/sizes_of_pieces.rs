@@ -58,10 +58,11 @@ impl PieceSpec {
 }
 
 impl ShapeSpec {
-    /// How many kinds are given: one of a sound shape.
-    pub(super) fn kinds(&self) -> usize {
+    /// The kinds that are given: one of a sound shape.
+    pub(super) fn kinds(&self) -> Vec<String> {
         // Of its fields, only those are written that are there.
-        serde_json::to_value(self).map_or(0, |shape| shape.as_object().map_or(0, Map::len))
+        let shape = serde_json::to_value(self).unwrap_or_default();
+        shape.as_object().into_iter().flatten().map(|(kind, _)| kind.clone()).collect()
     }
 
     /// Thickness of its walls in mm, with the path of the field; none of a solid.

@@ -174,6 +174,29 @@ fn conditions_are_checked_with_what_they_need() {
     expect(folder, &value, "stages[1].time_limit_s", "limit of a motion with `until`");
 }
 
+/// Law: where one of several fields is to be given, a fault names those that are.
+#[test]
+fn fields_of_which_one_is_to_be_given_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let plate = json!({ "plate": { "size_mm": [9, 9, 9] }, "disc": {
+        "diameter_mm": 9, "thickness_mm": 9 } });
+    let turn = json!({ "axis": [0, 0, 1], "deg_per_s": 9 });
+    for (at, to, path, words) in [
+        ("stages[1].duration_s", json!(1), "stages[1].duration_s", "found duration_s, until;"),
+        (
+            "stages[1].rotation",
+            turn,
+            "stages[1].velocity_mm_per_s",
+            "found velocity_mm_per_s, rotation;",
+        ),
+        ("stages[0].diameter_mm", json!(9), "stages[0].area_mm", "found area_mm, diameter_mm;"),
+        ("pieces[1].shape", plate, "pieces[1].shape", "found plate, disc;"),
+    ] {
+        expect(folder, &changed(sound(), at, to), path, words);
+    }
+}
+
 #[test]
 fn what_ended_a_stage_stands_in_the_summary() {
     let folder = tempfile::tempdir().expect("a folder");

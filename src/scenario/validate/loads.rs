@@ -54,13 +54,12 @@ pub(super) fn check(parts: &Parts, loads: &[LoadSpec], faults: &mut Faults) {
                 }
             }
         }
-        let given = [
+        let given = given(&[
             ("force_n", load.force_n.is_some()),
             ("stress_kpa", load.stress_kpa.is_some()),
             ("moment_n_m", load.moment_n_m.is_some()),
             ("locked", load.locked),
-        ];
-        let given: Vec<&str> = given.iter().filter(|(_, is)| *is).map(|(name, _)| *name).collect();
+        ]);
         let allowed = "one of `force_n`, `stress_kpa`, `moment_n_m` and `locked`";
         let why = "a load is a force, a stress, a moment or a lock";
         faults.add_if(given.len() != 1, "force_n", given.join(", "), allowed, why);

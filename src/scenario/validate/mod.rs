@@ -142,6 +142,11 @@ impl Parts {
     }
 }
 
+/// Those of some fields that are given: what was found where one of them is to be.
+fn given(fields: &[(&'static str, bool)]) -> Vec<&'static str> {
+    fields.iter().filter(|(_, is_given)| *is_given).map(|(field, _)| *field).collect()
+}
+
 /// The fractions that have grains.
 fn with_grains(sieved: &SievedGrains) -> impl Iterator<Item = &SieveFraction> {
     sieved.sieve_table.iter().filter(|fraction| fraction.has_grains())

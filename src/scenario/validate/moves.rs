@@ -20,11 +20,17 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
 fn check_move(stage: &MoveSpec, faults: &mut Faults) {
     let MoveSpec { velocity_mm_per_s, rotation, sine, ref until, ramp_s, .. } = *stage;
     let MoveSpec { duration_s, travel_mm, travel_deg, .. } = *stage;
-    let count = |given: &[bool]| given.iter().filter(|given| **given).count();
     let recorded = stage.motion_file.is_some() || stage.motion_rows.is_some();
-    if count(&[velocity_mm_per_s.is_some(), rotation.is_some(), sine.is_some(), recorded]) != 1 {
+    let motions = given(&[
+        ("velocity_mm_per_s", velocity_mm_per_s.is_some()),
+        ("rotation", rotation.is_some()),
+        ("sine", sine.is_some()),
+        ("motion_file", recorded),
+    ]);
+    if motions.len() != 1 {
         let allowed = "one of `velocity_mm_per_s`, `rotation`, `sine` and `motion_file`";
-        return faults.add("velocity_mm_per_s", "", allowed, "a `move` has one motion");
+        let (found, why) = (motions.join(", "), "a `move` has one motion");
+        return faults.add("velocity_mm_per_s", found, allowed, why);
     }
     if recorded {
         let both = stage.motion_rows.as_ref().and(stage.motion_file.as_ref()).map(|_| "both");
@@ -54,12 +60,17 @@ fn check_move(stage: &MoveSpec, faults: &mut Faults) {
     for (field, other) in [("travel_mm", travel_mm), ("travel_deg", travel_deg)] {
         faults.idle(field, other.filter(|_| field != name), "it is no end of this motion");
     }
-    if count(&[duration_s.is_some(), travel.is_some(), until.is_some()]) != 1 {
+    let ends = given(&[
+        ("duration_s", duration_s.is_some()),
+        (name, travel.is_some()),
+        ("until", until.is_some()),
+    ]);
+    if ends.len() != 1 {
         let allowed = match name {
             "" => "`duration_s` or `until`".to_owned(),
             name => format!("one of `duration_s`, `{name}` and `until`"),
         };
-        return faults.add("duration_s", "", allowed, "a motion has one end");
+        return faults.add("duration_s", ends.join(", "), allowed, "a motion has one end");
     }
     let (field, by): (&str, &[f64]) = match (&velocity_mm_per_s, &rotation, &sine) {
         (Some(velocity), ..) => ("velocity_mm_per_s", velocity),

@@ -85,8 +85,7 @@ fn check_shape(shape: &ShapeSpec, faults: &mut Faults) {
     let given = shape.kinds();
     let allowed =
         "one of `box`, `cylinder`, `plate`, `disc`, `hopper`, `wedge`, `drum`, `mesh` and `vane`";
-    let found = format!("{given} shapes");
-    faults.add_if(given != 1, "shape", found, allowed, "a piece has one shape");
+    faults.add_if(given.len() != 1, "shape", given.join(", "), allowed, "a piece has one shape");
     if let Some(hopper) = &shape.hopper {
         let (opening, top) = (hopper.opening_diameter_mm, hopper.top_diameter_mm);
         let allowed = format!("more than the diameter of its opening, {opening} mm");
@@ -115,8 +114,9 @@ fn check_shape(shape: &ShapeSpec, faults: &mut Faults) {
 
 /// A mesh from a file, or its parts, each of which is convex.
 fn check_mesh(mesh: &MeshPieceSpec, faults: &mut Faults) {
-    let unclear = mesh.file.is_some() == mesh.parts.is_some();
-    faults.add_if(unclear, "file", "", "`file` or `parts`", "a mesh has one source");
+    let sources = given(&[("file", mesh.file.is_some()), ("parts", mesh.parts.is_some())]);
+    let (wrong, found) = (sources.len() != 1, sources.join(", "));
+    faults.add_if(wrong, "file", found, "`file` or `parts`", "a mesh has one source");
     let scale = mesh.scale_to_mm.filter(|_| mesh.parts.is_some());
     faults.idle("scale_to_mm", scale, "`parts` are in mm");
     for (n, part) in mesh.parts().iter().enumerate() {
@@ -157,9 +157,9 @@ fn check_deposit(parts: &Parts, deposit: &DepositSpec, faults: &mut Faults) {
     let DepositSpec { how, at_mm, area_mm, diameter_mm, rate_g_per_s, .. } = *deposit;
     let DepositSpec { sizes_mm, mass_g, time_limit_s, .. } = *deposit;
     check_place(parts, at_mm, faults);
-    let unclear = area_mm.is_some() == diameter_mm.is_some();
-    let message = "a deposit has one area";
-    faults.add_if(unclear, "area_mm", "", "`area_mm` or `diameter_mm`", message);
+    let areas = given(&[("area_mm", area_mm.is_some()), ("diameter_mm", diameter_mm.is_some())]);
+    let (wrong, allowed) = (areas.len() != 1, "`area_mm` or `diameter_mm`");
+    faults.add_if(wrong, "area_mm", areas.join(", "), allowed, "a deposit has one area");
     if let Some(sides) = area_mm.filter(|sides| !sides.iter().all(|side| *side > 0.0)) {
         faults.add("area_mm", format!("{sides:?}"), "numbers above 0", "the area is none");
     }
