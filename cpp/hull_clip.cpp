@@ -231,6 +231,16 @@ int keep_points(std::vector<ClipPoint> &points, double slack, const KeptContact 
     return kept;
 }
 
+void EdgeContact::look_across() {
+    on_a = on_a - across * 0.5;
+    on_b = on_b + across * 0.5;
+    const Vec apart = on_b - on_a;
+    gap = std::sqrt(apart.dot(apart));
+    axis = apart / gap;
+    across = {0, 0, 0};
+    off = 0;
+}
+
 EdgeContact edge_contact(const HullData &a, int edge_a, const HullData &b, int edge_b,
                          const Rigid &pose) {
     EdgeContact out{};
@@ -263,10 +273,10 @@ EdgeContact edge_contact(const HullData &a, int edge_a, const HullData &b, int e
     const Vec left = out.on_b - out.on_a;
     out.gap = out.axis.dot(left);
     // Impulses along the axis at two places would change the angular momentum of both bodies.
-    const Vec across = left - out.axis * out.gap;
-    out.off = std::sqrt(across.dot(across));
-    out.on_a = out.on_a + across * 0.5;
-    out.on_b = out.on_b - across * 0.5;
+    out.across = left - out.axis * out.gap;
+    out.off = std::sqrt(out.across.dot(out.across));
+    out.on_a = out.on_a + out.across * 0.5;
+    out.on_b = out.on_b - out.across * 0.5;
     out.defined = true;
     return out;
 }

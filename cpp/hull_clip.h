@@ -92,8 +92,12 @@ struct EdgeContact {
     Vec axis;       // unit normal of both out of A, in A's frame
     Vec on_a, on_b; // in A's frame, one facing the other: midway where edges miss each other
     double gap;     // between the edges along the axis
-    double off;     // how far the edges miss each other
+    Vec across;     // the way by which the edges miss each other, from A's to B's
+    double off;     // its length
     bool defined;   // false for edges that are parallel or without direction
+
+    // Of edges that miss each other: looks from the one to the other, as bodies apart do.
+    void look_across();
 };
 EdgeContact edge_contact(const HullData &a, int edge_a, const HullData &b, int edge_b,
                          const Rigid &pose);

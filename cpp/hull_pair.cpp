@@ -173,7 +173,13 @@ class Pair : PairFrames {
         if (edges_.edge_a >= 0 && take_edges()) {
             return;
         }
-        if (out.count == 0 && widest < 0) {
+        if (out.count > 0) {
+            return;
+        }
+        if (edges_.edge_a >= 0 && take_edges(true)) {
+            return;
+        }
+        if (memory.widest < 0) {
             take_lowest(is_a, face);
         }
         forget_without_points();
@@ -185,14 +191,22 @@ class Pair : PairFrames {
         }
     }
 
-    // Makes the edges found last the contact. False where they are not what
-    // is highest and lowest along their axis: edges that are nearly parallel
-    // may have an axis close to that of a face, where others are.
-    bool take_edges() {
-        const EdgeContact edge = edge_contact(a, edges_.edge_a, b, edges_.edge_b, b_to_a_);
-        const double highest = std::min(static_cast<double>(edges_.gap) + settings.face_preference,
-                                        settings.speculative_margin);
-        if (!edge.defined || edge.gap > highest) {
+    // Makes the edges found last the contact. False where they are not what is highest and lowest
+    // along their axis: edges that are nearly parallel may have an axis close to that of a face,
+    // where others are; or where they miss each other: the bodies meet elsewhere, unless there is
+    // `no_face`.
+    bool take_edges(bool no_face = false) {
+        EdgeContact edge = edge_contact(a, edges_.edge_a, b, edges_.edge_b, b_to_a_);
+        const bool misses = edge.off > settings.hysteresis;
+        // Deeper bodies have edges that face each other, or a face that meets the other body.
+        if (misses && no_face && edge.gap > -settings.hysteresis) {
+            edge.look_across();
+        }
+        const double highest =
+            misses ? settings.speculative_margin
+                   : std::min(settings.speculative_margin,
+                              static_cast<double>(edges_.gap) + settings.face_preference);
+        if (!edge.defined || edge.gap > highest || (misses && !no_face)) {
             return false;
         }
         remember(Feature::Edges, edges_.edge_a, edges_.edge_b);

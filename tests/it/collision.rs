@@ -172,8 +172,10 @@ fn judge(case: &Case) -> Result<Separation, String> {
             [("A", &case.a, &case.pose_a, &p.on_a), ("B", &case.b, &case.pose_b, &p.on_b)]
         {
             let out = outside(shape, pose, point);
-            if out > bound {
-                return fail(&format!("point on the surface of {body}"), 0.0, out, bound);
+            // Edges that miss each other by less than the hysteresis meet midway.
+            let near = bound + HYSTERESIS / 2.0;
+            if out > near {
+                return fail(&format!("point on the surface of {body}"), 0.0, out, near);
             }
         }
     }
