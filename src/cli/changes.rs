@@ -39,6 +39,12 @@ where
     }
 }
 
+/// A number of an option.
+pub(super) fn number(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|n| n.is_finite());
+    number.ok_or_else(|| "allowed are numbers, with a decimal point, as in 0.5".to_owned())
+}
+
 impl Changes {
     /// As changes of a scenario; `--set` has the last word.
     ///

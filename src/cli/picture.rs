@@ -41,7 +41,7 @@ pub(super) struct PictureArgs {
     stage: Option<String>,
     /// The time to show, in s since the run began (of a stage that kept no frames, only the end
     /// can be shown)
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = number, allow_negative_numbers = true)]
     time: Option<f64>,
     /// Show the run's grains alone, in rows by sieve fraction
     #[arg(long)]
@@ -54,10 +54,10 @@ pub(super) struct PictureArgs {
     cylinder: Walls,
     /// Azimuth of the camera, counter-clockwise from the front; at 0 the table shakes from left to
     /// right [default: 25; 0 for grains alone]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", value_parser = number, allow_negative_numbers = true)]
     azimuth: Option<f64>,
     /// Elevation of the camera above the horizon [default: 18; 60 for grains alone]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", value_parser = number, allow_negative_numbers = true)]
     elevation: Option<f64>,
     /// Width in pixels [default: 1600; animated 640]
     #[arg(long, value_name = "PX", value_parser = whole(*SIDES.start(), *SIDES.end()),
@@ -79,6 +79,7 @@ pub(super) struct PictureArgs {
         long,
         value_name = "S",
         default_value_t = 0.08,
+        value_parser = number,
         conflicts_with = "out",
         allow_negative_numbers = true
     )]
@@ -92,6 +93,7 @@ pub(super) struct PictureArgs {
         long,
         value_name = "MB",
         default_value_t = 25.0,
+        value_parser = number,
         conflicts_with = "out",
         allow_negative_numbers = true
     )]

@@ -70,6 +70,13 @@ fn wrong_usage_ends_with_2() {
     for command in ["run", "compare"] {
         refused(&[&[command, SCENARIO, "--out", "x"][..], &twice].concat(), 2, &words);
     }
+    for (option, value) in
+        [("--time", "0,5"), ("--azimuth", "north"), ("--elevation", "nan"), ("--time", "1s")]
+    {
+        let words = &["allowed are numbers, with a decimal point", option, value];
+        let said = refused(&["picture", "x", "--out", "x.png", option, value], 2, words);
+        assert!(!said.contains("float"), "law: no word of code, got {said}");
+    }
     // A picture has no frames.
     refused(&["picture", "x", "--out", "x.png", "--every", "1"], 2, &[]);
 }
