@@ -37,6 +37,7 @@ pub(super) struct PlotArgs {
         long,
         value_name = "COLUMN,...",
         value_delimiter = ',',
+        value_parser = column_name,
         required_unless_present = "list"
     )]
     y: Vec<String>,
@@ -75,6 +76,14 @@ struct Drawn {
     y: Vec<String>,
     file: PathBuf,
     bytes: usize,
+}
+
+/// The name of a column among others, without the spaces after a comma.
+fn column_name(text: &str) -> Result<String, String> {
+    match text.trim() {
+        "" => Err("the name of a column is missing beside a comma".to_owned()),
+        name => Ok(name.to_owned()),
+    }
 }
 
 /// The table of the rest test, and how its stage is asked for.

@@ -76,12 +76,14 @@ impl ColumnChart {
         for (n, column) in &columns {
             let of = self.curves(*n, column, columns.len() > 1);
             if of.is_empty() {
-                return Err(format!(
-                    "no row has {}numbers both in `{}` and in `{}`",
-                    if self.log == [false; 2] { "" } else { "positive " },
-                    self.x.name,
-                    column.name
-                ));
+                let wanted = |log: bool| if log { "a positive number" } else { "a number" };
+                let [x, y] = self.log.map(wanted);
+                let why = match self.log {
+                    [false, false] => "",
+                    _ => ": a logarithmic axis shows positive numbers alone",
+                };
+                let [of_x, of_y] = [&self.x.name, &column.name];
+                return Err(format!("no row has {x} in `{of_x}` and {y} in `{of_y}`{why}"));
             }
             plot.series.extend(of);
         }
@@ -249,6 +251,8 @@ mod tests {
         assert!(none.contains("`time_s`") && none.contains("`a_n`"), "{none}");
         let log =
             ColumnChart { log: [false, true], ..chart(vec![column("a_n", &[Some(-1.0); 4])]) };
-        assert!(log.svg().is_err_and(|e| e.contains("positive")), "law: no logarithm of −1");
+        let said = log.svg().expect_err("law: no logarithm of −1");
+        let words = "a number in `time_s` and a positive number in `a_n`: a logarithmic axis";
+        assert!(said.contains(words), "law: the axis that has no numbers is named, got {said}");
     }
 }

@@ -251,7 +251,12 @@ fn any_columns_can_be_drawn_and_others_are_refused_with_the_nearest() {
         let out = if line.contains("--out") { "" } else { "--out x.svg" };
         refused(&plot(&run, &format!("{line} {out}")), 2, words);
     }
+    let empty = ["plot", &run, "--x", "time_s", "--y", "stage,,time_s", "--out", "x.svg"];
+    refused(&empty, 2, &["--y", "name of a column is missing"]);
     assert!(!Path::new("x.svg").exists(), "law: nothing is written");
+    let spaced = folder.out("spaced.svg");
+    let names = "floor_force_z_n, both_force_z_n";
+    done(&["plot", &run, "--x", "time_s", "--y", names, "--out", &spaced]);
     let listed: Value = serde_json::from_str(&done(&plot(&run, "--list --json"))).expect("JSON");
     let columns = listed["columns"].as_array().expect("columns");
     let time = columns.iter().find(|c| c["name"] == "time_s").expect("time_s");
