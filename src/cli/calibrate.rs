@@ -30,7 +30,7 @@ pub(super) struct CalibrateArgs {
     scenario: PathBuf,
     /// Target angle of repose in degrees
     #[arg(long, value_name = "DEGREES", value_parser = angle, conflicts_with = "target",
-          required_unless_present = "target", allow_negative_numbers = true)]
+          allow_negative_numbers = true)]
     angle_of_repose: Option<CalibrationTarget>,
     /// A number of summary.json by its path, and its target value
     #[arg(long, value_name = "field=value", requires = "unknown", requires = "between")]
@@ -75,7 +75,11 @@ fn positive(text: &str) -> Result<f64, String> {
 
 pub(super) fn run(args: &CalibrateArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let target = args.angle_of_repose.clone().or_else(|| args.target.clone());
-    let target = target.ok_or_else(|| CliError::Usage("no target is given".to_owned()))?;
+    let target = target.ok_or_else(|| {
+        let text = "no target is given; allowed are --angle-of-repose <DEGREES>, or --target \
+                    <field=value> with --unknown <path> and --between <low..high>";
+        CliError::Usage(text.to_owned())
+    })?;
     let run = context.run_options(&args.out, args.jobs);
     let study = calibrate(CalibrationOptions {
         scenario: args.scenario.clone(),

@@ -22,8 +22,8 @@ pub(super) struct StageArgs {
     #[arg(long, value_name = "KEY", conflicts_with_all = ["level", "task", "list"])]
     key: Option<String>,
     /// Level of the stage, from 0
-    #[arg(long, value_name = "N", requires = "task", required_unless_present_any = ["list", "key"],
-          value_parser = whole(0, usize::MAX), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", requires = "task", value_parser = whole(0, usize::MAX),
+          allow_negative_numbers = true)]
     level: Option<usize>,
     /// Number of the stage within its level, from 0
     #[arg(long, value_name = "N", requires = "level", value_parser = whole(0, usize::MAX),
@@ -35,6 +35,11 @@ pub(super) struct StageArgs {
 }
 
 pub(super) fn run(args: &StageArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    if args.key.is_none() && args.level.is_none() && !args.list {
+        let text = "no stage is named; allowed are --level <N> with --task <N>, or --key <KEY>; \
+                    --list prints how many stages each level has";
+        return Err(CliError::Usage(text.to_owned()));
+    }
     let options = context.run_options(&args.folder, Jobs::default());
     let tasks = SweepTasks::read(RunOptions { jobs: 1, ..options })?;
     let asked = match &args.key {

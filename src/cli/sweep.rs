@@ -39,8 +39,7 @@ pub(super) struct SweepArgs {
     #[arg(value_name = "SCENARIO.json", required_unless_present_any = ["design", "status", "collect"])]
     scenario: Option<PathBuf>,
     /// A field of the scenario and its values (repeatable)
-    #[arg(long, value_name = "path=v1,v2,...",
-          required_unless_present_any = ["samples", "design", "status", "collect"])]
+    #[arg(long, value_name = "path=v1,v2,...")]
     over: Vec<Factor>,
     /// Vary each field by itself around the scenario, in place of all combinations
     #[arg(long, conflicts_with = "samples")]
@@ -150,6 +149,11 @@ fn options(args: &SweepArgs) -> Result<SweepOptions, CliError> {
     let changes = args.changes.overrides()?;
     if let Some(design) = &args.design {
         return Ok(SweepOptions::of_design(design, args.quick, &changes, args.configurations)?);
+    }
+    if args.over.is_empty() && args.samples.is_none() {
+        let text = "nothing is varied; allowed are --over <path=v1,v2,...>, --samples \
+                    <latin-hypercube:N> with --range <path=low..high>, or --design <FILE>";
+        return Err(CliError::Usage(text.to_owned()));
     }
     let Some(scenario) = args.scenario.clone() else {
         return Err(CliError::Usage("no scenario is given".to_owned()));

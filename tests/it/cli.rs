@@ -70,6 +70,16 @@ fn wrong_usage_ends_with_2() {
     for command in ["run", "compare"] {
         refused(&[&[command, SCENARIO, "--out", "x"][..], &twice].concat(), 2, &words);
     }
+    // Where one of several options is needed, all of them are named.
+    let none = "scenarios/none.json";
+    let cases: [([&str; 2], &[&str]); 3] = [
+        (["calibrate", none], &["--angle-of-repose", "--target", "--unknown", "--between"]),
+        (["sweep", none], &["--over", "--samples", "--range", "--design"]),
+        (["stage", none], &["--level", "--task", "--key", "--list"]),
+    ];
+    for (args, words) in cases {
+        refused(&args, 2, words);
+    }
     for (option, value) in
         [("--time", "0,5"), ("--azimuth", "north"), ("--elevation", "nan"), ("--time", "1s")]
     {
