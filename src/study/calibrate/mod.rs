@@ -1,6 +1,7 @@
 //! Calibration: the value of a field of the scenario at which a result of the run is as wanted.
 
 mod concluded;
+mod elements;
 mod kept;
 mod line;
 mod question;
@@ -73,6 +74,7 @@ pub fn calibrate(options: CalibrationOptions) -> Result<Study<Calibration>, Stud
     let scenario = load_scenario(&options.scenario, &options.changes)?.scenario;
     question::known(&options.target)?;
     question::measured(&options.target, &scenario)?;
+    elements::there(&options.target, &scenario)?;
     let whole = question::takes_whole(&options.unknown, &scenario)?;
     let Interval { low, high } = options.between;
     if whole && (low.fract() != 0.0 || high.fract() != 0.0) {
