@@ -43,7 +43,7 @@ impl AtEnd<'_> {
         } = *standard;
         let overlap = match self.overlap {
             Some(of) => format!(
-                "overlap mean {:.2} % (standard {mean} %), 99th percentile {:.2} % ({p99} %)",
+                "overlap mean {:.2} % (limit {mean} %), 99th percentile {:.2} % (limit {p99} %)",
                 of.mean_percent, of.p99_percent
             ),
             None if self.grains == 0 => "overlap not measured, as no grain is left".to_owned(),
@@ -51,13 +51,14 @@ impl AtEnd<'_> {
         };
         let creep = match self.creep_um_per_s {
             // A zero without a sign.
-            Some(creep) => format!("{:.1} µm/s", (10.0 * creep).round() / 10.0 + 0.0),
+            Some(creep) => {
+                let creep = (10.0 * creep).round() / 10.0 + 0.0;
+                format!("{creep:.1} µm/s (limit {limit:.3} µm/s)")
+            }
             None => "not measured".to_owned(),
         };
-        let mut told = vec![format!(
-            "the accuracy standard is not met: {overlap}, numerical creep {creep} \
-             ({limit:.3} µm/s)"
-        )];
+        let mut told =
+            vec![format!("the accuracy standard is not met: {overlap}, numerical creep {creep}")];
         let over =
             self.overlap.map_or(0.0, |of| (of.mean_percent / mean).max(of.p99_percent / p99));
         if over >= 1.0 && engine.is_native() {
@@ -111,6 +112,9 @@ mod tests {
             assert_eq!(end.meets(&limits), meets, "law: {grains} grains, {overlap:?}");
             let told = end.shortcomings(&limits, &engine);
             assert!(meets || told[0].contains(words), "law: it says `{words}`, got {told:?}");
+            let limits = overlap.map_or(0, |_| 2) + usize::from(creep_um_per_s.is_some());
+            let got = told[0].matches("(limit ").count();
+            assert_eq!(got, limits, "law: what is measured has its limit, got {told:?}");
             let stiffer = told.iter().any(|text| text.contains("contact_stiffness"));
             assert_eq!(stiffer, overlap == Some(&large), "law: where they overlap too far");
         }
