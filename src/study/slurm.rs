@@ -155,11 +155,14 @@ fn sbatch(script: &Path) -> Result<String, StudyError> {
     let told = |what: String| {
         StudyError::Scenario(format!("sbatch does not take {}: {what}", script.display()))
     };
-    let output = Command::new("sbatch")
-        .arg("--parsable")
-        .arg(script)
-        .output()
-        .map_err(|e| told(format!("{e}; is Slurm installed on this machine?")))?;
+    let not_run = |e: std::io::Error| {
+        StudyError::Scenario(format!(
+            "the program sbatch cannot be run: {e}; is Slurm installed on this machine? It was to \
+             take {}",
+            script.display()
+        ))
+    };
+    let output = Command::new("sbatch").arg("--parsable").arg(script).output().map_err(not_run)?;
     if !output.status.success() {
         return Err(told(String::from_utf8_lossy(&output.stderr).trim().to_owned()));
     }

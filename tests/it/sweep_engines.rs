@@ -165,6 +165,21 @@ fn submit(scenario: &Path, out: &Path) {
     assert!(submitted.status.success(), "{}", said(&submitted));
 }
 
+/// Law: a machine without Slurm is not reported as a script that is missing.
+#[test]
+fn a_machine_without_slurm_is_called_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write(folder.path(), "small.json", &small::layer(30.0));
+    let out = folder.path().join("out");
+    let mut command = pluvia();
+    command.args(["sweep", "--quiet", "--slurm", "--over", "seed=1,2", "--out", text(&out)]);
+    let refused = command.arg(scenario).env("PATH", folder.path()).output().expect("it starts");
+    let said = said(&refused);
+    assert_eq!(refused.status.code(), Some(2), "law: refused, got {said}");
+    assert_holds(&said, &["the program sbatch cannot be run", "is Slurm installed"]);
+    assert!(out.join("slurm/level-0-0.sh").is_file(), "law: the script is there");
+}
+
 /// Runs a script as Slurm does: in a shell, from some other folder.
 fn run_job(script: &Path) {
     let mut command = Command::new("sh");
