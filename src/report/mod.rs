@@ -80,7 +80,7 @@ pub use plot::{Look, Plot};
 pub use png::{Picture, draw as draw_svg, render as svg_to_png};
 pub use quality::Standard;
 pub use sensitivity::{Effect, ParameterRow, Sensitivity, write_sensitivity};
-pub use sweep::{Sweep, SweepEffect, SweepEstimate, SweepFactor, SweepPoint, SweepRun};
+pub use sweep::{NOT_STORED, Sweep, SweepEffect, SweepEstimate, SweepFactor, SweepPoint, SweepRun};
 pub use sweep_outcomes::{OUTCOMES, averaged_outcomes, main_outcomes, numbers_in, outcomes_in};
 pub use sweep_page::write_sweep;
 pub use targets::{MetAt, PointsMet, Target, TargetFound, TargetsFound, Together, write_targets};

@@ -56,7 +56,15 @@ pub struct SweepRun {
     pub failure: Option<String>,
 }
 
+/// How the reason ends of a run without result of which a stage has not been run so far.
+pub const NOT_STORED: &str = "is not stored";
+
 impl SweepRun {
+    /// Whether it has no result because it has not been run to its end, and did not fail either.
+    pub fn is_to_be_run(&self) -> bool {
+        self.failure.as_deref().is_some_and(|why| why.ends_with(NOT_STORED))
+    }
+
     /// Whether it counts in means and effects.
     pub fn counts_in_means(&self) -> bool {
         self.failure.is_none() && self.left_out_of_means.is_none()

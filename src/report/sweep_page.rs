@@ -79,8 +79,9 @@ const HOW_TO_READ: &str = "Every point is run in the same configurations, each a
      scenario that all of them share in scenario.json, the numbers of this page in sweep.json.";
 
 fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
-    let failed = of.failed().count();
-    let done = of.runs.len() - failed;
+    let without = of.failed().count();
+    let to_be_run = of.failed().filter(|run| run.is_to_be_run()).count();
+    let (failed, done) = (without - to_be_run, of.runs.len() - without);
     // What has run out of a laboratory is valid without an end to judge.
     let is_below = |r: &&SweepRun| r.meets_standard == Some(false) && r.valid != Some(true);
     let below = of.runs.iter().filter(is_below).count();
@@ -92,6 +93,7 @@ fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
     let that_do = if found == 1 { "that does" } else { "that do" };
     let against = [
         (failed, format!(", {failed} failed")),
+        (to_be_run, format!(", {to_be_run} not run so far")),
         (
             below,
             format!(
@@ -117,7 +119,7 @@ fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
         apart.collect::<String>(),
         shown_to_change(of),
     );
-    let is_well = failed == 0 && not_valid == 0 && left_out == 0 && together.is_empty();
+    let is_well = without == 0 && not_valid == 0 && left_out == 0 && together.is_empty();
     let why_left_out = reasons(of, of.left_out(), |r| r.left_out_of_means.as_ref());
     let why_failed = reasons(of, of.failed(), |r| r.failure.as_ref());
     Page::new(format!("Sweep of {}", plain(&of.scenario)), [Block::lead(lead, is_well)])
@@ -220,7 +222,7 @@ fn points(of: &Sweep) -> Table {
             true => Cell::number(shown(value)),
             false => Cell::from(shown(value)),
         }));
-        let runs = format!("{}{}", p.runs, besides(p.failed, "failed"));
+        let runs = format!("{}{}", p.runs, besides(p.failed, "without result"));
         cells.extend(row![Cell::number(runs), p.valid, p.left_out]);
         cells.extend(outcomes.iter().map(|path| estimate(p, p.outcomes.get(*path))));
         table.row(cells);
@@ -350,7 +352,7 @@ mod tests {
             "; 1 does not meet the accuracy standard for overlap and numerical creep; in 1 that does a \
              run-time check found something; not valid: 2 of 3; 2 of 3 runs with a result are left out of means.",
             "| point | seed | runs | valid | left out |",
-            "| point-0001 | 1 | 3, 1 failed | 1 | 2 |",
+            "| point-0001 | 1 | 3, 1 without result | 1 | 2 |",
             "| point-0001-c2 | seed=1 | not valid |",
         ] {
             assert!(text.contains(said), "law: `{said}`, got:\n{text}");
@@ -435,6 +437,21 @@ mod tests {
         assert!(lead(&of).contains("unit, 2 more."), "law: five are named, got {}", lead(&of));
     }
 
+    /// Law: a run of which a stage has not been run so far did not fail.
+    #[test]
+    fn runs_that_are_still_to_be_run_did_not_fail() {
+        let mut of = sweep();
+        let lead = |of: &Sweep| page(of, vec![]).markdown().lines().nth(2).map(str::to_owned);
+        let said = lead(&of).expect("a lead");
+        assert!(said.contains("3 of 4 runs have results, 1 failed"), "law: got `{said}`");
+        of.runs[3].failure = Some(format!("pour from 50 mm {NOT_STORED}"));
+        let said = lead(&of).expect("a lead");
+        assert!(said.contains("3 of 4 runs have results, 1 not run so far"), "law: got `{said}`");
+        of.runs[3].failure = Some(format!("pour from 50 mm {NOT_STORED}: it blew up"));
+        let said = lead(&of).expect("a lead");
+        assert!(said.contains(", 1 failed"), "law: what failed did, got `{said}`");
+    }
+
     /// Law: a mean or slope of which every run is left out is no dash, and no number.
     #[test]
     fn where_no_run_is_valid_the_page_says_so() {
@@ -479,7 +496,7 @@ mod tests {
         of.factors[0].path = "seed".to_owned();
         let got = line(&of, "| point-0001 |");
         assert!(
-            got.ends_with("| 3, 1 failed | 0 | 3 | no valid run |"),
+            got.ends_with("| 3, 1 without result | 0 | 3 | no valid run |"),
             "law: no dash, got `{got}`"
         );
     }

@@ -13,6 +13,7 @@ pub(super) use keep::keep_and_read;
 use super::plan::stage_label;
 use super::*;
 use crate::record::{variations_csv, write_csv};
+use crate::report::NOT_STORED;
 
 /// A variation of a scenario.
 #[derive(Debug, Clone, PartialEq)]
@@ -257,7 +258,7 @@ pub(super) fn collect_stored(
                     let why = why.map_or_else(String::new, |why| format!(": {why}"));
                     let is_rest_test = plan.runs[0].rest_test == Some(missing);
                     let label = stage_label(&node.stage, is_rest_test);
-                    let failure = format!("{label} is not stored{why}");
+                    let failure = format!("{label} {NOT_STORED}{why}");
                     vec![RunRow { failure: Some(failure), ..row }]
                 }
                 None => {
