@@ -135,7 +135,8 @@ impl Laboratory<'_> {
             .collect();
         if places.len() < chosen.len() {
             return Err(StageError::Placing(format!(
-                "the area of the deposit has room for {} of {}, clear of the pieces",
+                "the area of the deposit has room for {} of {}, clear of the pieces (allowed: \
+                 another place, `at_mm`, a larger area, or fewer grains, `mass_g`)",
                 places.len(),
                 counted(chosen.len(), "grain")
             )));

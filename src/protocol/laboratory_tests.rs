@@ -250,4 +250,7 @@ fn a_lattice_does_not_go_through_a_piece() {
         "area_mm": [8, 8] }));
     let refused = carry_out(specimen(), &below).expect_err("law: the gate is in the way");
     assert!(refused.to_string().contains("room for 1 of"), "law: one below it, got {refused}");
+    let allowed = ["`at_mm`", "a larger area", "`mass_g`"];
+    let is_said = allowed.iter().all(|words| refused.to_string().contains(words));
+    assert!(is_said, "law: with what would help, {allowed:?}, got {refused}");
 }

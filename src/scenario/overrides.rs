@@ -159,8 +159,11 @@ impl Override {
                             (None, Step::Name(name)) => Value::from(name.as_str()),
                             _ => Value::from(index),
                         };
-                        let last = items.len().max(1) - 1;
-                        let allowed = format!("0 to {last}, the elements of the list");
+                        let allowed = match items.len() {
+                            0 => "no element: the list is empty".to_owned(),
+                            1 => "0, the only element of the list".to_owned(),
+                            many => format!("0 to {}, the elements of the list", many - 1),
+                        };
                         return Err(nowhere(&path, &found, &allowed));
                     };
                     path = format!("{path}[{index}]");

@@ -446,7 +446,7 @@ fn overrides_change_values() {
     for (change, words) in [
         ("engine.ratehz=960", "did you mean `rate_hz`"),
         ("motor.rate_hz=960", "no such field"),
-        ("stages.7.falling_height_mm=1", "the path leads nowhere"),
+        ("stages.7.falling_height_mm=1", "found 7; allowed: 0 to 1, the elements of the list"),
         ("stages.last.falling_height_mm=1", "the path leads nowhere"),
         ("name.first=a", "the path leads nowhere"),
         ("engine.rate_hz=fast", "wrong type"),
@@ -456,6 +456,12 @@ fn overrides_change_values() {
         assert_eq!(found.faults().len(), 1, "{found}");
         let said = found.to_string();
         assert!(said.contains(words) && said.starts_with("--set "), "`{change}`: {said}");
+    }
+    for (notes, words) in [("[]", "the list is empty"), (r#"["b"]"#, "0, the only element")] {
+        let given = format!("notes={notes}");
+        let found =
+            load_text(&text, &[&given, "notes.1=a"]).expect_err("law: there is no such element");
+        assert!(found.to_string().contains(words), "law: `{words}` of {notes}, got {found}");
     }
 }
 
