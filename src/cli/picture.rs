@@ -7,6 +7,7 @@ use crate::picture::{
     Animation, Background, ColourBy, LOOSE_VIEW, SIDES, Shot, View, Walls, animate, at,
     loose_grains, picture,
 };
+use crate::scenario::gathered;
 
 /// Make a picture or an animation of a run, or a picture of grains alone
 #[derive(Debug, Args)]
@@ -229,7 +230,7 @@ fn alone(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
     let shot = args.shot(LOOSE_VIEW, 0.625);
     shot.check()?;
     let set = if is_file(&args.subject) {
-        let json = read_json(&args.subject)?;
+        let json = read_json(&args.subject).map_err(|error| not_grains(&args.subject, error))?;
         grains::from_json(&json).map_err(|e| FileError::unfit(&args.subject, e))?
     } else {
         let Playback { grains, .. } = read_playback(&args.subject, FramesRead::All, None)?;
@@ -239,6 +240,17 @@ fn alone(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
     let png = loose_grains(&set, &shot)?.to_png(shot.background)?;
     write_file(file, &png)?;
     Ok(made(None, file, &png))
+}
+
+/// Why a file holds no grains: a scenario, from which grains are made, is called so.
+fn not_grains(file: &Path, error: FileError) -> FileError {
+    let is_scenario = |value: &Value| ["grains", "stages"].iter().any(|f| value.get(f).is_some());
+    if !gathered(file).is_ok_and(|value| is_scenario(&value)) {
+        return error;
+    }
+    let why = "it is a scenario; `pluvia grains` makes its grains, in a file `grains.json`, and \
+               `pluvia run` a folder, which can be shown";
+    FileError::unfit(file, why)
 }
 
 fn animation(args: &PictureArgs, context: &Context, file: &Path) -> Result<Made, CliError> {

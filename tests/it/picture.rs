@@ -155,6 +155,9 @@ fn what_cannot_be_shown_is_said_in_one_line() {
     refused(run, &to(&[]), &below_a_file, 4, &["file"]);
     refused(&folder.path().join("none"), &to(&[]), &picture, 4, &["none", "manifest.json"]);
     refused(&run.join("summary.json"), &to(&[]), &picture, 2, &["summary.json"]);
+    let scenario = program::root().join("scenarios/quick/pluviation.json");
+    let words = ["it is a scenario", "`pluvia grains`", "`pluvia run`"];
+    refused(&scenario, &to(&[]), &picture, 2, &words);
 }
 
 /// Law: a picture that is there is kept, unless `--force` replaces it.
