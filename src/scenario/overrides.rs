@@ -10,7 +10,12 @@ pub struct Override {
     path: Vec<Step>,
     value: Value,
     text: String,
+    /// The option that it was typed with.
+    option: &'static str,
 }
+
+/// The option of a change by itself.
+const SET: &str = "--set";
 
 #[derive(Debug, Clone, PartialEq)]
 enum Step {
@@ -74,7 +79,7 @@ impl FromStr for Override {
         let json = parse_value(path.trim(), value);
         let json = json.map_err(|twice| NotAnOverride::Twice(twice.to_string()))?;
         let value = json.unwrap_or_else(|| Value::String(value.to_owned()));
-        Ok(Self { path: steps, value, text: text.to_owned() })
+        Ok(Self { path: steps, value, text: text.to_owned(), option: SET })
     }
 }
 
@@ -83,7 +88,13 @@ impl Override {
     pub fn new(fields: &[&str], value: Value) -> Self {
         let text = format!("{}={value}", fields.join("."));
         let path = fields.iter().map(|name| Step::Name((*name).to_owned())).collect();
-        Self { path, value, text }
+        Self { path, value, text, option: SET }
+    }
+
+    /// The same typed with another option than `--set`, which faults name.
+    #[must_use]
+    pub fn typed_with(self, option: &'static str) -> Self {
+        Self { option, ..self }
     }
 
     /// The change as a person types it, `engine.rate_hz=960`.
@@ -131,7 +142,7 @@ impl Override {
     /// Lays the value over the document. A field that is not there is made;
     /// whether the scenario knows it is found when everything is checked.
     pub(super) fn apply(&self, document: &mut Document) -> Result<(), Fault> {
-        let origin = Origin::Set(self.text.clone());
+        let origin = Origin::Set(format!("{} {}", self.option, self.text));
         let (mut path, mut made) = (String::new(), Vec::new());
         let mut at = &mut document.value;
         for step in &self.path {

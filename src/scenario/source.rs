@@ -20,7 +20,7 @@ const LONGEST_CHAIN: usize = 8;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Origin {
     File(PathBuf),
-    /// By an override, as typed.
+    /// By an override, as typed with its option.
     Set(String),
 }
 
@@ -28,7 +28,7 @@ impl fmt::Display for Origin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File(path) => path.display().fmt(f),
-            Self::Set(text) => write!(f, "--set {text}"),
+            Self::Set(text) => f.write_str(text),
         }
     }
 }

@@ -162,7 +162,7 @@ fn wrong_usage_is_told_before_anything_runs() {
         (format!("{height} {between}"), "--unknown"),
         ("--target height".to_owned(), "not field=number"),
         (format!("{friction} --between 1.2..0.2"), "reversed"),
-        (format!("{friction} --between -1..0.2"), "contact.grain_grain_friction"),
+        (format!("{friction} --between -1..0.2"), "--between contact.grain_grain_friction=-1: "),
         (format!("{height} --unknown contact.colour {between}"), "no such field"),
         (format!("{height} --unknown name {between}"), "no number there"),
         (format!("{height} --unknown seed {between}"), "samples"),

@@ -207,7 +207,14 @@ fn what_cannot_be_swept_is_told_before_anything_runs() {
     let (scenario, out) = (folder.path("small.json"), folder.path("out"));
     for (more, told) in [
         ("--over contact.grain_friction=1,2", ["grain_friction", "point-0001"]),
-        ("--over contact.restitution=0.3,7", ["restitution", "7"]),
+        (
+            "--over contact.restitution=0.3,7",
+            ["--over contact.restitution=7: contact.restitution", "found 7"],
+        ),
+        (
+            "--samples latin-hypercube:2 --range contact.restitution=0.5..9",
+            ["--range contact.restitution=", "out of range"],
+        ),
         ("--over seed=1 --over seed=2", ["seed", "twice"]),
         (
             "--over stages[1].falling_height_mm=1,200 --over stages.1.falling_height_mm=3",
@@ -223,7 +230,7 @@ fn what_cannot_be_swept_is_told_before_anything_runs() {
         ),
         ("--over seed", ["path=value", "seed"]),
         ("--samples sobol:4 --range seed=1..9", ["latin-hypercube:N", "sobol"]),
-        ("", ["--over", "required"]),
+        ("", ["nothing is varied", "--over"]),
     ] {
         let (code, printed, said) = sweep(&scenario, &out, &words(more));
         assert_eq!(code, Some(2), "{more:?}: {said}");

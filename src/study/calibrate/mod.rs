@@ -160,7 +160,8 @@ impl Runs {
         let variation = |value: &f64| {
             let typed = if self.question.whole { format!("{value:.0}") } else { value.to_string() };
             let change: Result<Override, _> = format!("{}={typed}", self.options.unknown).parse();
-            let changes = vec![change.map_err(|e| StudyError::Scenario(e.to_string()))?];
+            let change = change.map_err(|e| StudyError::Scenario(e.to_string()))?;
+            let changes = vec![change.typed_with("--between")];
             Ok(Variation::new(format!("at-{value}"), &self.options.unknown, changes))
         };
         let variations = values.iter().map(variation).collect::<Result<_, StudyError>>()?;

@@ -27,12 +27,16 @@ pub struct SampledRange {
 }
 
 impl Factor {
-    /// The value of a field, with the change that it makes.
-    pub(super) fn value(path: &str, text: &str) -> Result<(Value, Override), String> {
+    /// The value of a field, with the change that it makes; the option by which it is given.
+    pub(super) fn value(
+        path: &str,
+        text: &str,
+        option: &'static str,
+    ) -> Result<(Value, Override), String> {
         let change: Override =
             format!("{path}={text}").parse().map_err(|e| format!("`{path}={text}`: {e}"))?;
         let value = serde_json::from_str(text).unwrap_or_else(|_| Value::from(text));
-        Ok((value, change))
+        Ok((value, change.typed_with(option)))
     }
 }
 
@@ -49,7 +53,7 @@ impl FromStr for Factor {
             if value.is_empty() {
                 return Err(bad());
             }
-            let value = Self::value(path, value)?;
+            let value = Self::value(path, value, "--over")?;
             if values.iter().any(|(known, _)| same(known, &value.0)) {
                 return Err(format!("`{text}` has the value {} twice", value.0));
             }

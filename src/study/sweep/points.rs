@@ -167,7 +167,7 @@ fn latin_hypercube(
             let digits = if whole { 0 } else { digits(range, count) };
             let text = format!("{value:.digits$}");
             let (value, change) =
-                Factor::value(&range.path, &text).map_err(StudyError::Scenario)?;
+                Factor::value(&range.path, &text, "--range").map_err(StudyError::Scenario)?;
             *sample = sample.with(&value, &change);
         }
     }
