@@ -16,7 +16,9 @@ pub struct BeginSpec {
     pub specimen: String, schemars(length(min = 1));
     /// The stage at whose end the specimen is taken: its number from 0 as a text (`"0"`), its name,
     /// or `rest_test`; left out, the last one of the scenario.
-    pub stage: Option<String>, skip "Option::is_none", schemars(length(min = 1));
+    pub stage: Option<String>, skip "Option::is_none",
+        schemars(length(min = 1), extend("x-allowed" = "a text: the name of a stage, \"rest_test\", \
+            or a number from 0 in double quotes, \"0\""));
     /// Stages that the specimen has been through, in order. Filled in when the scenario is loaded.
     pub after: Vec<String>, skip "Vec::is_empty",
         schemars(length(max = 200), extend("x-filled-in" = true));

@@ -429,6 +429,10 @@ mod tests {
             ("seed", "a whole number of at least 0 and at most 18446744073709551615"),
             ("stages[0].stroke", "\"half_stroke\" or \"full_stroke\""),
             ("notes", "a list"),
+            (
+                "begin.stage",
+                "a text: the name of a stage, \"rest_test\", or a number from 0 in double quotes, \"0\"",
+            ),
             ("stages[1].loads[0].direction", "a list of 3 elements"),
             ("stages[1].loads", "a list of 1 to 100 elements"),
             ("stages[0].nonsense", ""),
