@@ -85,8 +85,8 @@ impl Begun {
             return Ok(());
         }
         refused(format!(
-            "`{}` begins with one specimen, and none of its own stages draws anything at random, so \
-             that it is of the realisation that its specimen is of: {}",
+            "`{}` begins with one specimen and draws nothing at random itself, so it keeps that \
+             specimen's seed and configuration: {}",
             scenario.name,
             others.join("; ")
         ))

@@ -195,7 +195,21 @@ pub fn make_grains(scenario: &Scenario) -> Result<GrainSet, StudyError> {
             };
             Ok(read_grains(Path::new(&file.file)).map_err(named)?)
         }
-        GrainsSpec::Meshes(meshes) => Ok(grains::from_meshes(meshes, scenario.seed)?),
+        GrainsSpec::Meshes(meshes) => {
+            let named = |errors| of_scenario(errors, &scenario.name);
+            Ok(grains::from_meshes(meshes, scenario.seed).map_err(named)?)
+        }
+    }
+}
+
+/// Faults of fields whose file is not known any more, with the name of the scenario.
+fn of_scenario(errors: ScenarioErrors, name: &str) -> ScenarioErrors {
+    let named = |fault: Fault| if fault.file.is_empty() { fault.of(name) } else { fault };
+    match errors {
+        ScenarioErrors::Faults(faults) => {
+            ScenarioErrors::Faults(faults.into_iter().map(named).collect())
+        }
+        unreadable @ ScenarioErrors::Unreadable { .. } => unreadable,
     }
 }
 

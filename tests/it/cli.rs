@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::export::small_run;
 use crate::program::{Folder, assert_holds, refused, root, run, text};
@@ -114,6 +114,20 @@ fn a_run_that_cannot_begin_leaves_no_folder() {
     fs::create_dir(out).expect("a folder");
     refused(&args, 4, &["none.json"]);
     assert!(Path::new(out).exists(), "law: one that was there stays");
+}
+
+/// Law: a pattern that no file matches is a fault of a scenario, which is named.
+#[test]
+fn meshes_that_are_not_there_name_their_scenario() {
+    let folder = Folder::new();
+    let grains = json!({ "meshes": ["none/*.stl"], "mesh_unit": "mm", "density_kg_per_m3": 2650 });
+    let stages = json!([{ "stage": "fill_funnel" }]);
+    let scenario = json!({ "name": "lost", "grains": grains, "stages": stages });
+    let scenario = folder.scenario("lost.json", &scenario);
+    for command in ["grains", "run"] {
+        let words = ["lost: grains.meshes[0]: no file has such a name", "none/*.stl"];
+        refused(&[command, &scenario, "--out", &folder.out("out")], 2, &words);
+    }
 }
 
 /// Law: a file that Pluvia writes or ships, given as a scenario, is called what it is, in one line.
