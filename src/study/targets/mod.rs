@@ -12,6 +12,7 @@ mod together;
 
 use super::*;
 use crate::measure::{inference::wilson_interval, regression::LinearModel};
+use crate::plain::counted;
 use crate::record::{read_file, refuse_without};
 use crate::report::{ColumnTable, OUTCOMES, Target, TargetFound, TargetsFound};
 use spelling::Spellings;
@@ -325,15 +326,17 @@ fn model(target: &Target, table: &Runs) -> Result<(LinearModel, TargetFound), St
         }
     }
     let fitted = LinearModel::fit(&rows).ok_or_else(|| {
+        let count = table.factors.len();
+        let spread = if count == 1 { "at several values of it" } else { "not all along one line" };
         StudyError::Scenario(format!(
-            "--target {title}: {} that {} and {} it, too few to tell {} apart: {} (at least {} are \
-             needed, not all along one line)",
+            "--target {title}: {} that {} and {} it, too few for a linear model of {}, {} (at least \
+             {} are needed, {spread})",
             counted(rows.len(), "run"),
             in_number(rows.len(), "counts", "count"),
             in_number(rows.len(), "has", "have"),
-            counted(table.factors.len(), "factor"),
+            counted(count, "factor"),
             table.factors.join(", "),
-            table.factors.len() + 3
+            count + 3
         ))
     })?;
     let values = || rows.iter().map(|r| r.1);

@@ -183,6 +183,13 @@ fn what_cannot_be_answered_is_refused_with_the_reason() {
     for text in ["t", "t=", "=path", "a b=path"] {
         assert!(text.parse::<TargetRuns>().is_err(), "law: `{text}` is refused");
     }
+    let few = folder.path().join("few.csv");
+    let head = "run,point,configuration,a,y,left_out_of_means,failure\n";
+    std::fs::write(&few, head.to_owned() + "r0,p0,1,1,5,,\nr1,p1,1,2,6,,\n").expect("a table");
+    let refused = meet_targets(&[runs("t", few)], &[target("t:y=0..9")], &[]);
+    let refused = refused.expect_err("law: refused").to_string();
+    let words = "too few for a linear model of 1 factor, a (at least 4 are needed, at several";
+    assert!(refused.contains(words), "law: `{words}` is said, got `{refused}`");
     let other = folder.path().join("other.csv");
     std::fs::write(&other, "x,y\n1,2\n").expect("a table");
     let refused =
