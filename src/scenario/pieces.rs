@@ -87,7 +87,7 @@ pub struct BoxSpec {
     pub inner_mm: [f64; 3], schemars(inner(range(min = 0.001, max = 10000.0)));
     /// Thickness of the walls in mm; they lie outside of the inner sizes.
     pub wall_mm: f64, else "wall", from 0.001 to 10000.0;
-    /// Sides that are missing.
+    /// Sides that are missing, of `bottom`, `top`, `low_x`, `high_x`, `low_y` and `high_y`.
     pub open: Vec<BoxSide>, else "open_above", schemars(length(max = 6));
 }
 
