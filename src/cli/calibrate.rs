@@ -39,7 +39,8 @@ pub(super) struct CalibrateArgs {
     /// --angle-of-repose]
     #[arg(long, value_name = "path", requires = "between")]
     unknown: Option<String>,
-    /// Range in which to search for it [default: 0.1..1.5, with --angle-of-repose]
+    /// Range in which to search for it [default: 0.1..1.5, with --angle-of-repose and without
+    /// --unknown]
     #[arg(long, value_name = "low..high", allow_hyphen_values = true)]
     between: Option<Interval>,
     /// Number of realisations per value, each a new random arrangement of the same grains; the same
