@@ -127,6 +127,7 @@ fn meshes_that_are_not_there_name_their_scenario() {
     for command in ["grains", "run"] {
         let words = ["lost: grains.meshes[0]: no file has such a name", "none/*.stl"];
         refused(&[command, &scenario, "--out", &folder.out("out")], 2, &words);
+        assert!(!folder.path("out").exists(), "law: `{command}` leaves no folder");
     }
 }
 
