@@ -36,7 +36,7 @@ pub(super) struct ExportArgs {
     /// The stage to take, at its end: its number from 0, its name, or `rest_test`; by default the
     /// specimen at rest, at the end of the rest test or, without one, of the last stage. vtk and
     /// --animate show motion: by default every stage, without the rest test, in which nothing moves
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     stage: Option<String>,
     /// Least time between two frames in simulated seconds, for vtk and --animate [default: 0.4 for
     /// vtk, every frame for --animate; frames are kept every 0.08 s]

@@ -219,7 +219,8 @@ mod tests {
             for option in command.get_opts() {
                 let name = option.get_long().unwrap_or_default();
                 let values = option.get_value_names().unwrap_or_default();
-                if name != "port" && !values.iter().any(|value| NUMBERS.contains(&value.as_str())) {
+                let is_number = ["port", "stage"].contains(&name);
+                if !is_number && !values.iter().any(|value| NUMBERS.contains(&value.as_str())) {
                     continue;
                 }
                 let command = command.get_name();

@@ -38,7 +38,7 @@ pub(super) struct PictureArgs {
     /// The stage: its number from 0, its name, or `rest_test`. Its end is shown; animated, all of
     /// it. By default the last stage, from whose beginning displacement counts, not the rest test,
     /// in which nothing moves; animated, every stage
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     stage: Option<String>,
     /// The time to show, in s since the run began (of a stage that kept no frames, only the end
     /// can be shown)

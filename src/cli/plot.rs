@@ -43,7 +43,7 @@ pub(super) struct PlotArgs {
     y: Vec<String>,
     /// Use only rows of one stage: its number from 0, its name (of all stages of that name), or
     /// `rest_test`
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     stage: Option<String>,
     /// Use only rows in which the column has this value (repeatable)
     #[arg(long = "where", value_name = "COLUMN=VALUE")]
