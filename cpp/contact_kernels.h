@@ -91,6 +91,15 @@ PLUVIA_INLINE L parting(const Sides<L> &at, const Three<L> &direction, const Jac
 template <class L>
 inline constexpr typename Lane<L>::Number TINY = static_cast<typename Lane<L>::Number>(1e-30);
 
+// The same under a root: the square of what is less than any impulse that matters. In single
+// precision the root of TINY is not: impulses of some 5e-12, of grains that come to rest, would be
+// rounded otherwise at another scale.
+template <class L>
+inline constexpr
+    typename Lane<L>::Number TINY_SQUARE = sizeof(typename Lane<L>::Number) == 4
+                                               ? static_cast<typename Lane<L>::Number>(1e-37)
+                                               : static_cast<typename Lane<L>::Number>(1e-300);
+
 // Share of a friction impulse that is within the cone, in which it is at most `most`. (Iterations
 // have their own, contact_solve.h.)
 template <class L> PLUVIA_INLINE L within_cone(const L &most, const L &first, const L &second) {

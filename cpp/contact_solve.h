@@ -53,10 +53,8 @@ PLUVIA_INLINE void solve(const Pack<L> &pack, Point<L> &c, Search<L> &last, cons
     L next_1 = c.impulse.y - c.tangent_mass * slip_1;
     L next_2 = c.impulse.z - c.tangent_mass * slip_2;
     const L most = pack.friction * borne;
-    const L size = root(L(next_1 * next_1 + next_2 * next_2 + TINY<L>));
-    // min(1, most/size), for size 0 as well. Not `within_cone`, which adds nothing under the
-    // root: sizes below about 5e-12 (1e-7 in double precision) would come out otherwise, and
-    // with them the bits of results.
+    const L size = root(L(next_1 * next_1 + next_2 * next_2 + TINY_SQUARE<L>));
+    // min(1, most/size), for size 0 as well.
     const L scale = most / larger(most, size);
     next_1 = next_1 * scale;
     next_2 = next_2 * scale;

@@ -89,18 +89,13 @@ fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
     let is_found = |r: &&SweepRun| r.meets_standard == Some(true) && r.valid == Some(false);
     let found = of.runs.iter().filter(is_found).count();
     let left_out = of.left_out().count();
-    let does_not = if below == 1 { "does not" } else { "do not" };
-    let that_do = if found == 1 { "that does" } else { "that do" };
+    let [do_not, that_do] = [below, found].map(|count| in_number(count, "does", "do"));
+    const STANDARD: &str = "meet the accuracy standard for overlap and numerical creep";
     let against = [
         (failed, format!(", {failed} failed")),
         (to_be_run, format!(", {to_be_run} not run so far")),
-        (
-            below,
-            format!(
-                "; {below} {does_not} meet the accuracy standard for overlap and numerical creep"
-            ),
-        ),
-        (found, format!("; in {found} {that_do} a run-time check found something")),
+        (below, format!("; {below} {do_not} not {STANDARD}")),
+        (found, format!("; in {found} that {that_do} a run-time check found something")),
         (not_valid, format!("; not valid: {not_valid} of {done}")),
     ];
     let against = against.into_iter().filter(|(count, _)| *count > 0).map(|(_, said)| said);

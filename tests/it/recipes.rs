@@ -272,7 +272,7 @@ fn a_lid_under_load_follows_the_grains_that_are_shaken() {
             "pieces.1.shape.disc.diameter_mm=44",
             "stages.0.diameter_mm=35",
             "stages.1.travel_mm=110",
-            "stages.3.duration_s=1.2",
+            "stages.3.duration_s=2.4",
             "rest_test_s=0.3",
         ],
     );

@@ -184,9 +184,9 @@ fn what_cannot_be_answered_is_refused_with_the_reason() {
         assert!(text.parse::<TargetRuns>().is_err(), "law: `{text}` is refused");
     }
     let few = folder.path().join("few.csv");
-    let head = "run,point,configuration,a,y,left_out_of_means,failure\n";
+    let head = "run,point,configuration,a,void_ratio,left_out_of_means,failure\n";
     std::fs::write(&few, head.to_owned() + "r0,p0,1,1,5,,\nr1,p1,1,2,6,,\n").expect("a table");
-    let refused = meet_targets(&[runs("t", few)], &[target("t:y=0..9")], &[]);
+    let refused = meet_targets(&[runs("t", few)], &[target("t:void_ratio=0..9")], &[]);
     let refused = refused.expect_err("law: refused").to_string();
     let words = "too few for a linear model of 1 factor, a (at least 4 are needed, at several";
     assert!(refused.contains(words), "law: `{words}` is said, got `{refused}`");
