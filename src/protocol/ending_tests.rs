@@ -70,7 +70,7 @@ fn first(ending: &Ending, amounts: &[f64]) -> Option<(usize, f64)> {
     Some((at + 1, judged.last.expect("a number")))
 }
 
-/// Law: what is found of a few grains of sand is told with its digits.
+/// Law: what is found of a few grains of sand has its digits in messages.
 #[test]
 fn small_forces_ways_and_flows_are_told_with_their_digits() {
     let none = Found::default;
@@ -81,7 +81,7 @@ fn small_forces_ways_and_flows_are_told_with_their_digits() {
         (Found { flow_g_per_s: Some(0.00125), ..none() }, "a flow of 0.00125 g/s"),
     ] {
         let line = UntilFound { found, ..UntilFound::default() }.line();
-        assert!(line.contains(expected), "law: `{expected}` is told, got `{line}`");
+        assert!(line.contains(expected), "law: `{expected}` is said, got `{line}`");
     }
 }
 

@@ -66,7 +66,7 @@ fn pieces_reach_as_low_as_they_are_moved_and_have_sunk() {
     near("the gate has sunk, m", pieces.lowest(&state), sunk, 1e-12);
 }
 
-/// Law: a load on sand that is not reached is told with its digits.
+/// Law: a message on a load of sand that is not reached has its digits.
 #[test]
 fn what_a_small_load_lacks_has_digits() {
     let press = PressState { force_n: 1.25e-5, target_n: 2e-4, ..PressState::default() };

@@ -195,7 +195,7 @@ mod tests {
         }
     }
 
-    /// Law: places in a laboratory of sand are told with their digits.
+    /// Law: places in a laboratory of sand have their digits in messages.
     #[test]
     fn a_place_in_a_small_laboratory_has_digits() {
         let (mut setup, mut specimen) = laboratory();

@@ -68,7 +68,7 @@ impl Look {
 
     /// The n-th mark across the frame: a limit, or an event.
     fn mark(n: usize) -> Self {
-        let dash = if n % 2 == 0 { style::DOTTED } else { style::DASH_DOTTED };
+        let dash = if n.is_multiple_of(2) { style::DOTTED } else { style::DASH_DOTTED };
         Self { width: 4, ..Self::of(style::LIMIT).dash(dash) }
     }
 

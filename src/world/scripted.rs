@@ -171,7 +171,7 @@ mod tests {
     use super::*;
     use crate::geometry::ConvexPolyhedron;
 
-    /// Law: the double is told what an engine is told, and refuses what an engine refuses: forces on
+    /// Law: the double keeps what an engine is given, and refuses what an engine refuses: forces on
     /// bodies that are not pressed, and parts of what is not there.
     #[test]
     fn what_is_pressed_and_joined_is_kept() {
