@@ -4,9 +4,10 @@ use super::files;
 
 /// Floating-point constants of `cpp/`, each with what it is instead of a length, a speed or a time
 /// of the laboratory: those come through the bridge, from `src/scale.rs`.
-const OF_CPP: [(&str, &str); 28] = [
+const OF_CPP: [(&str, &str); 29] = [
     ("contact_impacts.h IMPACT_SHARE", "a share"),
     ("contact_kernels.h TINY", "no number"),
+    ("contact_kernels.h TINY_SQUARE", "no number"),
     ("contact_kernels.h UNLIMITED", "no number"),
     ("contact_load.h NEVER", "no number: a gap that nothing crosses"),
     ("contact_memory.cpp SAME_NORMAL", "a cosine"),
