@@ -168,12 +168,17 @@ fn judge(case: &Case) -> Result<Separation, String> {
         if (between - p.gap).abs() > tolerance {
             return fail("gap between the points", between, p.gap, tolerance);
         }
+        let across = (p.on_a - p.on_b - p.normal * between).norm();
+        if across > tolerance {
+            return fail("the two ends face each other", 0.0, across, tolerance);
+        }
         for (body, shape, pose, point) in
             [("A", &case.a, &case.pose_a, &p.on_a), ("B", &case.b, &case.pose_b, &p.on_b)]
         {
             let out = outside(shape, pose, point);
             // Edges that miss each other by less than the hysteresis meet midway.
-            let near = bound + HYSTERESIS / 2.0;
+            let is_edges = p.id >> 28 == 3;
+            let near = if is_edges { bound + HYSTERESIS / 2.0 } else { bound };
             if out > near {
                 return fail(&format!("point on the surface of {body}"), 0.0, out, near);
             }

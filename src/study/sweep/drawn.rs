@@ -71,7 +71,7 @@ fn fitted(
         c => number(runs[row], varying[c - 1]) - centre[c - 1],
     });
     let results = DVector::from_iterator(runs.len(), runs.iter().map(|r| r.outcomes[outcome]));
-    // Columns of very different size are brought to one before they are told apart from rounding.
+    // Columns of very different size are brought to one before they are compared with rounding.
     let sizes: Vec<f64> = model.column_iter().map(|c| c.norm()).collect();
     let scaled = DMatrix::from_fn(model.nrows(), model.ncols(), |r, c| model[(r, c)] / sizes[c]);
     let svd = scaled.svd(true, true);
