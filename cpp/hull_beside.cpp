@@ -24,6 +24,16 @@ bool below(const HullData &hull, int face, const Vec &x) {
     return true;
 }
 
+// Gaps above a face, of points of a hull in its own frame; `pose` leads from there to the face's.
+struct Above {
+    Vec normal;
+    double offset;
+
+    Above(const HullData &reference, int face, const Rigid &pose)
+        : normal(pose.turn_back(reference.normal(face))), offset(reference.above(face, pose.t)) {}
+    double gap(const Vec &x) const { return normal.dot(x) + offset; }
+};
+
 // Cosine of 2.3 degrees. About where a grain ends, five eighths of the smallest grains' size
 // beside the edges, a face that leans by more is farther off than the contact margin, a fortieth
 // of that size (CONTACT_MARGIN, src/scale.rs).
@@ -52,21 +62,25 @@ int add_landing(const Landing &landing, double margin, double slack, std::vector
     const HullData &incident = landing.incident;
     const HullData &reference = landing.reference;
     const int face = landing.face;
+    const Above now(reference, face, landing.now), then(reference, face, landing.then);
     for (; count < MOST_POINTS; ++count) {
         ClipPoint next{};
         double lowest = margin;
         for (int v = 0; v < incident.vertices; ++v) {
-            const Vec now = landing.now.apply(incident.vertex(v));
-            const Vec then = landing.then.apply(incident.vertex(v));
-            const double gap = reference.above(face, now);
-            const double low = std::min(gap, reference.above(face, then));
+            const Vec corner = incident.vertex(v);
+            const double gap = now.gap(corner);
+            const double low = std::min(gap, then.gap(corner));
+            if (!(low < lowest)) {
+                continue;
+            }
+            const Vec x = landing.now.apply(corner);
             // What is deep beside the face would be pushed up through it.
-            const bool lands = low < lowest && (below(reference, face, now) ||
-                                                (gap >= 0 && below(reference, face, then)));
+            const bool lands = below(reference, face, x) ||
+                               (gap >= 0 && below(reference, face, landing.then.apply(corner)));
             if (lands && std::none_of(points.begin(), points.begin() + count,
-                                      [&](const auto &p) { return p.is_near(now, slack); })) {
+                                      [&](const auto &p) { return p.is_near(x, slack); })) {
                 lowest = low;
-                next = {now, gap, landing.mark | corner_id(v)};
+                next = {x, reference.above(face, x), landing.mark | corner_id(v)};
             }
         }
         if (lowest >= margin) {

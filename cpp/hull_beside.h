@@ -1,8 +1,10 @@
 // Points beside those of a contact.
 //
-// A face contact has points of one face of either body, at most four. A body that
-// meets another fast, and turns in doing so, lands on corners that are none of them,
-// and would be caught a step late, beyond the surface by what they came in between.
+// Four points of one face of either body hold the bodies. A body that meets another fast, and turns
+// in doing so, lands on corners that are none of them, and would be caught a step late, beyond the
+// surface by what they came in between. So would one that rocks about an edge from face to face:
+// the face of the last step is kept while the other's corners are hardly lower. Under a load it
+// would then rock for ever, pushed up each time.
 //
 // Edges give one point. Where their axis is nearly the normal of a face, the bodies lie
 // almost flat on each other, and other corners are about to touch: with the one point

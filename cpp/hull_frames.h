@@ -107,13 +107,20 @@ class PairFrames : protected PairCase {
     // Whether bodies come so fast that corners beside those clipped may land within the step.
     bool may_land() const { return settings.approach > settings.speculative_margin / 2; }
 
-    // Adds such corners to the first `count` points, whose gaps are those of the cores, and returns
-    // how many there are now. `end`: from B's frame to A's at the end of the step.
-    int land(bool is_a, int face, const Rigid &end, int count) {
-        return add_landing({reference(is_a), face, incident(is_a), from_incident(is_a),
-                            is_a ? end : end.inverse(), mark(is_a)},
-                           settings.speculative_margin + radii_, settings.hysteresis,
-                           scratch.clip.points, count);
+    // Adds corners to the first `count` points, whose gaps are those of the cores, and returns how
+    // many there are now: those that land, or that may touch before points are found again, since
+    // they may be held. `end`: from B's frame to A's at the end of the step, if bodies may land.
+    int add_corners(bool is_a, int face, const Rigid &end, int count) {
+        const bool lands = may_land();
+        const Rigid &now = from_incident(is_a);
+        const double close = settings.hold + settings.approach;
+        return add_landing({reference(is_a), face, incident(is_a), now,
+                            !lands ? now
+                            : is_a ? end
+                                   : end.inverse(),
+                            mark(is_a)},
+                           (lands ? settings.speculative_margin : close) + radii_,
+                           settings.hysteresis, scratch.clip.points, count);
     }
 
     // A point of the incident hull and what it is above along `normal`, in the frame of

@@ -65,6 +65,10 @@ class Pair : PairFrames {
 
     float margin() const { return static_cast<float>(settings.speculative_margin); }
     float preference() const { return static_cast<float>(settings.face_preference); }
+    // By how much edges may miss each other and still push midway: to no more than the preference
+    // beyond either surface.
+    double most_off() const { return 2 * settings.face_preference; }
+
     // Whether the axis that parted the pair does so still.
     bool still_apart() {
         memory.widest = static_cast<float>(gap_along(three(memory.axis)));
@@ -135,7 +139,7 @@ class Pair : PairFrames {
     bool keep_edges(double least) {
         const double slack = settings.hysteresis;
         const EdgeContact edge = edge_contact(a, memory.first, b, memory.second, b_to_a_);
-        if (!edge.defined || edge.off > slack) {
+        if (!edge.defined || edge.off > most_off()) {
             return false;
         }
         const double gap = gap_along(edge.axis);
@@ -197,7 +201,7 @@ class Pair : PairFrames {
     // `no_face`.
     bool take_edges(bool no_face = false) {
         EdgeContact edge = edge_contact(a, edges_.edge_a, b, edges_.edge_b, b_to_a_);
-        const bool misses = edge.off > settings.hysteresis;
+        const bool misses = edge.off > most_off();
         // Deeper bodies have edges that face each other, or a face that meets the other body.
         if (misses && no_face && edge.gap > -settings.hysteresis) {
             edge.look_across();
@@ -263,9 +267,11 @@ class Pair : PairFrames {
         for (const ClipPoint &point : points) {
             deepest_ = std::min(deepest_, point.gap);
         }
-        int count = best_points(normal);
-        if (may_land()) {
-            count = land(is_a, face, b_to_a_ahead(*this), count);
+        const int held = best_points(normal);
+        const Rigid end = may_land() ? b_to_a_ahead(*this) : b_to_a_;
+        const int count = add_corners(is_a, face, end, held);
+        for (int k = held; k < count; ++k) {
+            deepest_ = std::min(deepest_, points[k].gap);
         }
         put(is_a, normal, points.data(), count);
         remember(face_of(is_a), face, incident_);

@@ -190,7 +190,7 @@ class RoundedPair : PairFrames {
             for (ClipPoint &point : points) {
                 point.gap += radii_;
             }
-            count = land(is_a, face, end, count);
+            count = add_corners(is_a, face, end, count);
             for (ClipPoint &point : points) {
                 point.gap -= radii_;
             }

@@ -9,7 +9,7 @@ use crate::world::BackendInfo;
 
 /// Raised whenever the meaning of a stored stage or of its key changes, so that none of an older
 /// meaning is ever taken for a new one.
-pub const FORMAT: u32 = 20;
+pub const FORMAT: u32 = 21;
 
 /// Everything that determines a stage's result. The grains are named by the parent of the first
 /// stage; names, notes and the later stages of the scenario do not act on it. Apparatus, contact,
