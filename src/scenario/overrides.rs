@@ -1,4 +1,4 @@
-//! Values changed for one run: `--set engine.rate_hz=960`.
+//! Values changed for one run: `--set engine.rate_hz=960`, or left out: `--set engine.rate_hz=null`.
 
 use std::str::FromStr;
 
@@ -139,8 +139,8 @@ impl Override {
         place.is_ok_and(|place| place.is_where(self) || place.is_part_of(self))
     }
 
-    /// Lays the value over the document. A field that is not there is made;
-    /// whether the scenario knows it is found when everything is checked.
+    /// Lays the value over the document; `null` leaves the field out. A field that is not there is
+    /// made; whether the scenario knows it is found when everything is checked.
     pub(super) fn apply(&self, document: &mut Document) -> Result<(), Fault> {
         let origin = Origin::Set(format!("{} {}", self.option, self.text));
         let (mut path, mut made) = (String::new(), Vec::new());
@@ -185,12 +185,36 @@ impl Override {
                 }
             };
         }
+        let leaves_out = self.value.is_null();
+        if leaves_out && path.ends_with(']') {
+            let allowed = "a value, or the whole list without this element";
+            let fault = Fault::new("an element of a list cannot be left out", &self.value, allowed);
+            return Err(fault.at(path).of(&origin));
+        }
         *at = self.value.clone();
+        // A field that no scenario has stays: the check refuses it.
+        let is_known = || !structure::allowed_at(&document.value, &path).is_empty();
+        if leaves_out && (made.is_empty() || is_known()) {
+            take_out(&mut document.value, made.first().unwrap_or(&path));
+            if !made.is_empty() {
+                // Nobody gave it.
+                return Ok(());
+            }
+        }
         for path in made {
             document.set_origin(&path, &Value::Null, origin.clone());
         }
         document.set_origin(&path, &self.value, origin);
         Ok(())
+    }
+}
+
+/// Takes out the field at the end of a dotted path.
+fn take_out(value: &mut Value, path: &str) {
+    let (group, name) = path.rsplit_once('.').unwrap_or(("", path));
+    let group = if group.is_empty() { Some(value) } else { value.pointer_mut(&pointer(group)) };
+    if let Some(Value::Object(fields)) = group {
+        fields.shift_remove(name);
     }
 }
 

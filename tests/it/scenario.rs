@@ -3,6 +3,7 @@
 
 mod from_file;
 mod hostile;
+mod left_out;
 mod motion;
 mod random;
 mod sizes;
