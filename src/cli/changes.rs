@@ -14,6 +14,13 @@ pub(super) struct Changes {
     /// Seed of the random streams, in place of the scenario's
     #[arg(long, value_name = "N", value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     seed: Option<u64>,
+    #[command(flatten)]
+    single: SetArgs,
+}
+
+/// The option of every command that loads a scenario.
+#[derive(Debug, Args)]
+pub(super) struct SetArgs {
     /// Change one value of the scenario (repeatable)
     #[arg(long, value_name = "path=value")]
     set: Vec<Override>,
@@ -51,17 +58,28 @@ impl Changes {
     /// # Errors
     /// Where several of `--set` change the same value.
     pub(super) fn overrides(&self) -> Result<Vec<Override>, CliError> {
-        refuse_twice(&self.set)?;
+        let set = self.single.overrides()?;
         let backend = self.backend.and_then(|b| serde_json::to_value(b).ok());
         let backend = backend.map(|b| Override::new(&["engine", "backend"], b));
         let seed = self.seed.map(|n| Override::new(&["seed"], n.into()));
-        Ok(backend.into_iter().chain(seed).chain(self.set.iter().cloned()).collect())
+        Ok(backend.into_iter().chain(seed).chain(set.iter().cloned()).collect())
+    }
+}
+
+impl SetArgs {
+    /// As changes of a scenario.
+    ///
+    /// # Errors
+    /// Where several change the same value.
+    pub(super) fn overrides(&self) -> Result<&[Override], CliError> {
+        refuse_twice(&self.set)?;
+        Ok(&self.set)
     }
 }
 
 /// Refuses changes of the same value, of which only the last would count, however its path is
 /// written.
-pub(super) fn refuse_twice(set: &[Override]) -> Result<(), CliError> {
+fn refuse_twice(set: &[Override]) -> Result<(), CliError> {
     let numbered = set.iter().enumerate();
     let twice = numbered.filter_map(|(n, change)| {
         let earlier = set[..n].iter().find(|earlier| change.is_where(earlier))?;

@@ -24,9 +24,8 @@ pub(super) struct CompareArgs {
     #[arg(long, value_name = "B,B", value_delimiter = ',', default_value = "bullet,rapier",
           value_parser = backend)]
     backends: Vec<Backend>,
-    /// Change one value of the scenario (repeatable)
-    #[arg(long, value_name = "path=value")]
-    set: Vec<Override>,
+    #[command(flatten)]
+    changes: SetArgs,
     #[command(flatten)]
     jobs: Jobs,
     /// Folder for the results, created if needed
@@ -51,9 +50,9 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
             "--backends needs at least two engines, as in bullet,rapier".to_owned(),
         ));
     }
-    refuse_twice(&args.set)?;
-    let loaded = load_scenario(&args.scenario, &args.set)?;
-    let study = compare(loaded, &args.set, backends)?;
+    let changes = args.changes.overrides()?;
+    let loaded = load_scenario(&args.scenario, changes)?;
+    let study = compare(loaded, changes, backends)?;
     let run = context.run_options(&args.out, args.jobs);
     carry_out(study, &run, context, |record| {
         let mut text = table::of_comparison(record);

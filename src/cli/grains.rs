@@ -17,7 +17,8 @@ for programs that show meshes. `pluvia picture DIR/grains.json --out FILE.png` s
 
 Examples:
   pluvia grains scenarios/paper/pluviation.json --out out/grains
-  pluvia grains scenarios/paper/pluviation.json --format ply --out out/grains")]
+  pluvia grains scenarios/paper/pluviation.json --format ply --out out/grains
+  pluvia grains scenarios/paper/pluviation.json --set grains.cells.flatness=2 --out out/flat")]
 pub(super) struct GrainsArgs {
     /// The scenario file
     #[arg(value_name = "SCENARIO.json")]
@@ -25,6 +26,8 @@ pub(super) struct GrainsArgs {
     /// Format of the grains
     #[arg(long, value_enum, default_value_t = Format::Json)]
     format: Format,
+    #[command(flatten)]
+    changes: SetArgs,
     /// Folder for the files, created if needed
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -60,7 +63,7 @@ struct Made {
 }
 
 pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let scenario = load_grains(&args.scenario)?.scenario;
+    let scenario = load_grains(&args.scenario, args.changes.overrides()?)?.scenario;
     asked::refuse(&args.out, "grains")?;
     let was_there = args.out.exists();
     output_folder::prepare(&args.out)?;

@@ -79,8 +79,8 @@ impl GrainSet {
 ///
 /// # Errors
 /// As [`scenario::load_grains_with`].
-pub fn load_grains(path: &Path) -> Result<Loaded, ScenarioErrors> {
-    scenario::load_grains_with(path, READERS)
+pub fn load_grains(path: &Path, overrides: &[Override]) -> Result<Loaded, ScenarioErrors> {
+    scenario::load_grains_with(path, overrides, READERS)
 }
 
 /// Loads a scenario with what follows from its grains, also where these stand in a file or

@@ -67,11 +67,15 @@ fn is_beside_grains(path: &str) -> bool {
 
 /// Loads a scenario for its grains alone: apparatus, contacts, engine and stages are left as if
 /// nothing had been typed, whatever stands there. A field that no scenario has is a fault still: it
-/// may be a misspelt one of the grains.
+/// may be a misspelt one of the grains. So is an override of what is left: it would change nothing.
 ///
 /// # Errors
-/// As [`load_with`], of what is left.
-pub fn load_grains_with(path: &Path, readers: Readers) -> Result<Loaded, ScenarioErrors> {
+/// As [`load_with`], of what is not left.
+pub fn load_grains_with(
+    path: &Path,
+    overrides: &[Override],
+    readers: Readers,
+) -> Result<Loaded, ScenarioErrors> {
     let mut document = source::read(path)?;
     if let Value::Object(fields) = &mut document.value {
         fields.retain(|name, _| !is_beside_grains(name));
@@ -83,7 +87,13 @@ pub fn load_grains_with(path: &Path, readers: Readers) -> Result<Loaded, Scenari
         fields.insert("stages".to_owned(), any);
     }
     document.faults.retain(|fault| !is_beside_grains(&fault.path));
-    load_document_with(document, &[], readers)
+    let is_idle = |change: &Override| is_beside_grains(change.path());
+    let (idle, changes): (Vec<Override>, Vec<Override>) =
+        overrides.iter().cloned().partition(is_idle);
+    document.faults.extend(idle.iter().map(|change| {
+        change.fault("the grains do not depend on it", "a field of `grains`, or `seed`")
+    }));
+    load_document_with(document, &changes, readers)
 }
 
 fn load_document_with(

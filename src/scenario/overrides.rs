@@ -139,10 +139,19 @@ impl Override {
         place.is_ok_and(|place| place.is_where(self) || place.is_part_of(self))
     }
 
+    /// A fault of the change as a whole.
+    pub(super) fn fault(&self, message: &str, allowed: &str) -> Fault {
+        Fault::new(message, shown(&self.value), allowed).at(self.path()).of(self.origin())
+    }
+
+    fn origin(&self) -> Origin {
+        Origin::Set(format!("{} {}", self.option, self.text))
+    }
+
     /// Lays the value over the document; `null` leaves the field out. A field that is not there is
     /// made; whether the scenario knows it is found when everything is checked.
     pub(super) fn apply(&self, document: &mut Document) -> Result<(), Fault> {
-        let origin = Origin::Set(format!("{} {}", self.option, self.text));
+        let origin = self.origin();
         let (mut path, mut made) = (String::new(), Vec::new());
         let mut at = &mut document.value;
         for step in &self.path {

@@ -2,6 +2,7 @@
 //! with every fault, its place and what is allowed there.
 
 mod from_file;
+mod grains_alone;
 mod hostile;
 mod left_out;
 mod motion;
@@ -14,14 +15,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use pluvia::grains::{ParticleSizeDistribution, load_grains, load_scenario};
+use pluvia::grains::{ParticleSizeDistribution, load_scenario};
 use pluvia::scenario::{Fault, GrainsSpec, Override, Scenario, ScenarioErrors, check, schema};
 use serde_json::{Value, json};
 
-use super::{
-    program::{assert_holds, json as read, root},
-    small,
-};
+use super::program::{assert_holds, json as read, root};
 
 /// Every scenario under `scenarios/`; verification cases are no scenarios.
 fn files() -> Vec<PathBuf> {
@@ -88,36 +86,6 @@ fn extends_merges_objects_and_replaces_lists() {
     assert_eq!(scenario.stages.len(), 4, "the list of stages is its own");
     let GrainsSpec::Sieved(sieved) = scenario.grains else { panic!("sieved grains") };
     assert_eq!(sieved.density_kg_per_m3, 2673.9, "from paper/pluviation");
-}
-
-/// Law: nothing beside the grains keeps them from being made, an old name neither; a field that no
-/// scenario has does.
-#[test]
-fn grains_are_made_whatever_is_done_with_them() {
-    let load = |fields: Value| {
-        let mut value = sound();
-        small::put(&mut value, &fields);
-        let folder = folder(&[("s.json", &value.to_string())]);
-        load_grains(&folder.path().join("s.json")).map_err(|errors| errors.to_string())
-    };
-    for ignored in [
-        json!({ "control_s": 2 }),
-        json!({ "rest_test_s": -1 }),
-        json!({ "engine": { "contact_path": "manifold", "rate_hz": 1 } }),
-        json!({ "stages": [{ "stage": "melt", "control_s": 2 }] }),
-        json!({ "apparatus": { "cylinder": { "inner_diameter_mm": 1 } }, "contact": 5 }),
-        json!({ "index_densities": { "e_max": 0.5, "e_min": 0.9 }, "gravity_m_per_s2": 0 }),
-    ] {
-        let said = load(ignored.clone()).err();
-        assert_eq!(said, None, "law: {ignored} does not matter for grains");
-    }
-    for (fault, words) in [
-        (json!({ "grians": {} }), "did you mean `grains`"),
-        (json!({ "grains": { "total_mass_g": 500 } }), "grains.sieve_table"),
-    ] {
-        let said = load(fault.clone()).expect_err("law: refused");
-        assert!(said.contains(words), "law: `{words}` is said of {fault}, got `{said}`");
-    }
 }
 
 /// A sound scenario, for tests to spoil.
