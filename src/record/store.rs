@@ -323,7 +323,8 @@ impl StageStore {
         self.root.join(format!("failed-{}.json", key.get(..24).unwrap_or(key)))
     }
 
-    /// Keeps the last good state of a stage that failed, and why; returns the file.
+    /// Keeps the last good state of a stage that failed, why, and the warnings of before; returns the
+    /// file.
     ///
     /// # Errors
     /// When the file cannot be written.
@@ -332,9 +333,12 @@ impl StageStore {
         key: &str,
         state: &SpecimenState,
         why: &str,
+        warnings: &[String],
     ) -> Result<PathBuf, FileError> {
         let path = self.failed_file(key);
-        let kept = serde_json::json!({ "key": key, "failure": why, "last_good": state });
+        let kept = serde_json::json!({
+            "key": key, "failure": why, "warnings": warnings, "last_good": state,
+        });
         write_json(&path, &kept)?;
         Ok(path)
     }

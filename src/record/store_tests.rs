@@ -70,7 +70,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 fn a_stage_that_is_stored_has_not_failed() {
     let folder = tempfile::tempdir().expect("a folder");
     let store = StageStore::open(folder.path()).expect("a store");
-    let kept = store.keep_failed(&key(), &made().state, "no memory").expect("it is kept");
+    let kept = store.keep_failed(&key(), &made().state, "no memory", &[]).expect("it is kept");
     assert_eq!(store.failure(&key()).as_deref(), Some("no memory"));
     store.save(&asked(&named("rest", 1)), made(), None).expect("it is stored");
     assert!(!kept.exists() && store.failure(&key()).is_none(), "law: nothing is left of it");

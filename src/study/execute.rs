@@ -1,6 +1,7 @@
 //! Runs a plan on several threads, taking from the store what is there.
 
 use std::{
+    cell::RefCell,
     sync::{
         Condvar, MutexGuard,
         atomic::{AtomicBool, Ordering},
@@ -239,7 +240,12 @@ impl<'a> Shop<'a> {
             Some(resumed) => (Some(resumed.midway), Some(resumed.observed), resumed.frames),
             None => (None, None, self.frames(node, checkpoints.as_ref()).map_err(kept)?),
         };
-        let tell = |finding: &str| progress.message(&format!("{}: {finding}", node.label));
+        let so_far = midway.as_ref().map_or_else(Vec::new, |midway| midway.warnings.clone());
+        let warnings = RefCell::new(so_far);
+        let tell = |finding: &str| {
+            warnings.borrow_mut().push(finding.to_owned());
+            progress.message(&format!("{}: {finding}", node.label));
+        };
         let mut recorder = Recorder::new(&node.setup, &node.stage, frames, |row| {
             let time = row.time_s - began;
             progress.update(id, time, &note(row, node.grains.grains.len()));
@@ -276,7 +282,8 @@ impl<'a> Shop<'a> {
             StageError::Cancelled => StudyError::Cancelled,
             StageError::World { source, last_good } => {
                 let what = source.to_string();
-                match store.keep_failed(node.key(), &last_good.state, &what) {
+                let warnings = warnings.borrow();
+                match store.keep_failed(node.key(), &last_good.state, &what, &warnings) {
                     Ok(kept) => StudyError::Simulation { stage: node.label.clone(), what, kept },
                     Err(error) => {
                         let reason = format!("{}; what failed was {what}", error.reason);

@@ -428,6 +428,10 @@ fn a_blown_up_simulation_names_the_stage_and_keeps_the_last_good_specimen() {
     assert!(stage.contains("fill the funnel") && what.contains("speed"), "{stage}: {what}");
     let content = fs::read_to_string(&kept).expect("kept");
     assert!(content.contains("last_good"), "{}", kept.display());
+    let content: serde_json::Value = serde_json::from_str(&content).expect("JSON");
+    let warned = content["warnings"][0].as_str().unwrap_or_default();
+    let words = "unexplained energy gain";
+    assert!(warned.contains(words), "law: what was said before, got {}", content["warnings"]);
 }
 
 #[test]
