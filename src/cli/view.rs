@@ -97,7 +97,12 @@ pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliE
     }
     let server = Server::start(Site::new(data), args.port)?;
     shown.address = Some(server.url());
-    context.print(&shown.text(), &shown)?;
+    if args.no_browser {
+        // Nobody else could find the page.
+        context.print_asked(&shown.text(), &shown)?;
+    } else {
+        context.print(&shown.text(), &shown)?;
+    }
     let mut redirect = if args.no_browser { None } else { browse(&server.url()) };
     let opened = Instant::now();
     // The page that leads there is not needed once a browser has followed it.
@@ -125,7 +130,7 @@ fn browse(url: &str) -> Option<Redirect> {
         Ok(redirect)
     });
     if let Err(error) = &opened {
-        say(&format!("warning: no browser could be opened ({error}); open the address above"));
+        say(&format!("warning: no browser could be opened ({error}); open {url}"));
     }
     opened.ok()
 }

@@ -195,13 +195,13 @@ fn after_it_was_suspended() {
 #[test]
 fn while_it_serves() {
     use std::io::{BufRead, BufReader};
-    for (signal, number) in [("TERM", 15), ("INT", 2)] {
+    for (signal, number, quiet) in [("TERM", 15, None), ("INT", 2, Some("--quiet"))] {
         let mut command = program::pluvia();
-        command.arg("view").arg(super::export::small_run()).arg("--no-browser");
+        command.arg("view").arg(super::export::small_run()).arg("--no-browser").args(quiet);
         let mut child = command.stdout(Stdio::piped()).spawn().expect("it starts");
         let lines = BufReader::new(child.stdout.take().expect("a pipe")).lines();
         let served = lines.map_while(Result::ok).any(|line| line.starts_with("http://"));
-        assert!(served, "law: it serves");
+        assert!(served, "law: it says where it serves, {quiet:?}");
         send(&child, signal);
         let status = ends(child, signal);
         assert_eq!(status.code(), Some(0), "law: SIG{signal} is the way to end it: {status:?}");
