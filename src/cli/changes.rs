@@ -53,16 +53,20 @@ pub(super) fn number(text: &str) -> Result<f64, String> {
 }
 
 impl Changes {
-    /// As changes of a scenario; `--set` has the last word.
+    /// As changes of a scenario.
     ///
     /// # Errors
-    /// Where several of `--set` change the same value.
+    /// Where several options change the same value.
     pub(super) fn overrides(&self) -> Result<Vec<Override>, CliError> {
         let set = self.single.overrides()?;
         let backend = self.backend.and_then(|b| serde_json::to_value(b).ok());
-        let backend = backend.map(|b| Override::new(&["engine", "backend"], b));
-        let seed = self.seed.map(|n| Override::new(&["seed"], n.into()));
-        Ok(backend.into_iter().chain(seed).chain(set.iter().cloned()).collect())
+        let backend = backend.map(|b| ("--backend", Override::new(&["engine", "backend"], b)));
+        let seed = self.seed.map(|n| ("--seed", Override::new(&["seed"], n.into())));
+        let own: Vec<(&str, Override)> = backend.into_iter().chain(seed).collect();
+        for (option, change) in &own {
+            refuse_lost(option, change, set, "give one of them")?;
+        }
+        Ok(own.into_iter().map(|(_, change)| change).chain(set.iter().cloned()).collect())
     }
 }
 
@@ -78,7 +82,7 @@ impl SetArgs {
 }
 
 /// Refuses changes of the same value, of which only the last would count, however its path is
-/// written.
+/// written, and changes of a part of a value that a later one replaces as a whole.
 fn refuse_twice(set: &[Override]) -> Result<(), CliError> {
     let numbered = set.iter().enumerate();
     let twice = numbered.filter_map(|(n, change)| {
@@ -86,12 +90,33 @@ fn refuse_twice(set: &[Override]) -> Result<(), CliError> {
         Some(format!("`{}` and `{}`", earlier.text(), change.text()))
     });
     let twice: Vec<String> = twice.collect();
-    if twice.is_empty() {
-        return Ok(());
+    if !twice.is_empty() {
+        return Err(CliError::Usage(format!(
+            "--set changes the same value twice: {}; give each path one value",
+            twice.join(", ")
+        )));
     }
+    let mut numbered = set.iter().enumerate();
+    numbered.try_for_each(|(n, change)| {
+        let typed = format!("--set {}", change.text());
+        refuse_lost(&typed, change, &set[n + 1..], "give it after that")
+    })
+}
+
+/// Refuses what was typed to make a change that one of the later changes undoes, with what to do
+/// instead.
+fn refuse_lost(
+    typed: &str,
+    change: &Override,
+    later: &[Override],
+    instead: &str,
+) -> Result<(), CliError> {
+    let undoes = |later: &&Override| change.is_where(later) || change.is_part_of(later);
+    let Some(later) = later.iter().find(undoes) else { return Ok(()) };
     Err(CliError::Usage(format!(
-        "--set changes the same value twice: {}; give each path one value",
-        twice.join(", ")
+        "{typed}: it would be lost, for --set {} replaces all of `{}`; {instead}",
+        later.text(),
+        later.path()
     )))
 }
 
@@ -114,6 +139,10 @@ mod tests {
                 "`engine.rate_hz=480` and `engine.rate_hz=960`",
             ),
             (&["stages[1].x=1", "stages.1.x=1"], "`stages[1].x=1` and `stages.1.x=1`"),
+            (
+                &["contact.restitution=0.2", "seed=2", "contact={}"],
+                "--set contact.restitution=0.2: it would be lost, for --set contact={} replaces",
+            ),
         ] {
             let (code, text) = said(texts).expect("law: refused");
             assert_eq!(code, 2, "law: exit code of {texts:?}, expected 2, got {code}");
@@ -127,5 +156,25 @@ mod tests {
         ] {
             assert_eq!(said(texts), None, "law: {texts:?} are different values");
         }
+    }
+
+    /// Law: no option is lost to `--set`.
+    #[test]
+    fn a_value_that_another_option_gives_is_not_set() {
+        let overrides = |set: &str| {
+            let single = SetArgs { set: vec![set.parse().expect("a change")] };
+            Changes { backend: Some(Backend::Bullet), seed: Some(3), single }.overrides()
+        };
+        for (set, words) in [
+            ("seed=3", "--seed: it would be lost, for --set seed=3 replaces all of `seed`"),
+            ("engine.backend=rapier", "--backend: it would be lost"),
+            ("engine={}", "--backend: it would be lost"),
+        ] {
+            let said = overrides(set).expect_err("law: refused").to_string();
+            assert!(said.contains(words), "law: `{words}` is said of {set}, got `{said}`");
+        }
+        let changes = overrides("engine.rate_hz=960").expect("law: three values");
+        let texts: Vec<&str> = changes.iter().map(Override::text).collect();
+        assert_eq!(texts, ["engine.backend=\"bullet\"", "seed=3", "engine.rate_hz=960"]);
     }
 }
