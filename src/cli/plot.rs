@@ -64,7 +64,7 @@ pub(super) struct PlotArgs {
     #[arg(long)]
     force: bool,
     /// Print the columns of the table with their ranges without drawing anything
-    #[arg(long, conflicts_with_all = ["x", "y", "out"])]
+    #[arg(long, conflicts_with_all = ["x", "y", "out", "force", "log_x", "log_y", "points"])]
     list: bool,
 }
 
