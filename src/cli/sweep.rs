@@ -65,7 +65,7 @@ pub(super) struct SweepArgs {
     #[arg(long)]
     plan_only: bool,
     /// Only write plan.json and a Snakefile that runs it
-    #[arg(long, conflicts_with_all = ["status", "collect"])]
+    #[arg(long, conflicts_with_all = ["status", "collect", "jobs"])]
     snakemake: bool,
     /// Print the progress of the sweep in DIR
     #[arg(long, conflicts_with_all = OF_A_PLAN, conflicts_with = "collect")]
@@ -104,7 +104,7 @@ const OF_A_PLAN: [&str; 12] = [
 #[derive(Debug, Args)]
 struct SlurmArgs {
     /// Submit the stages as Slurm job arrays; only what is not stored yet
-    #[arg(long, conflicts_with_all = ["plan_only", "snakemake", "status", "collect"])]
+    #[arg(long, conflicts_with_all = ["plan_only", "snakemake", "status", "collect", "jobs"])]
     slurm: bool,
     #[command(flatten)]
     request: SlurmRequest,

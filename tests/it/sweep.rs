@@ -178,10 +178,15 @@ fn options_that_would_do_nothing_are_refused() {
             program::refused(&args, 2, &["cannot be used with", of_a_plan[0]]);
         }
     }
-    for instead in ["--plan-only", "--snakemake"] {
+    for (instead, option, value) in [
+        ("--plan-only", "--time", "00:10:00"),
+        ("--snakemake", "--time", "00:10:00"),
+        ("--snakemake", "--jobs", "2"),
+        ("--slurm", "--jobs", "2"),
+    ] {
         let over = ["sweep", &scenario, "--over", "seed=1,2", "--out", &out];
-        let args = [&over[..], &[instead, "--time", "00:10:00"]].concat();
-        program::refused(&args, 2, &["cannot be used with", "--time"]);
+        let args = [&over[..], &[instead, option, value]].concat();
+        program::refused(&args, 2, &["cannot be used with", option]);
         assert!(!folder.path("out").exists(), "law: nothing is written");
     }
 }
