@@ -151,6 +151,12 @@ impl Override {
     /// Lays the value over the document; `null` leaves the field out. A field that is not there is
     /// made; whether the scenario knows it is found when everything is checked.
     pub(super) fn apply(&self, document: &mut Document) -> Result<(), Fault> {
+        if let [Step::Name(name)] = &self.path[..]
+            && name == "extends"
+        {
+            let allowed = "a field of the scenario, or another scenario file";
+            return Err(self.fault("what a scenario extends cannot be changed", allowed));
+        }
         let origin = self.origin();
         let (mut path, mut made) = (String::new(), Vec::new());
         let mut at = &mut document.value;

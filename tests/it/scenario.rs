@@ -420,6 +420,7 @@ fn overrides_change_values() {
         ("name.first=a", "the path leads nowhere"),
         ("engine.rate_hz=fast", "wrong type"),
         ("engine=960", "wrong type"),
+        ("extends=b.json", "what a scenario extends cannot be changed"),
     ] {
         let found = load_text(&text, &[change]).expect_err(change);
         assert_eq!(found.faults().len(), 1, "{found}");
