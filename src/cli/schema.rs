@@ -35,6 +35,10 @@ enum Of {
 }
 
 pub(super) fn run(args: &SchemaArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    if args.page && context.json {
+        let text = "--page prints Markdown, and --json the schema; give one of them";
+        return Err(CliError::Usage(text.to_owned()));
+    }
     let (schema, title, introduction) = match args.of {
         Of::Scenario => (
             scenario::schema(),

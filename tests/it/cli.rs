@@ -87,6 +87,8 @@ fn wrong_usage_ends_with_2() {
         let said = refused(&["picture", "x", "--out", "x.png", option, value], 2, words);
         assert!(!said.contains("float"), "law: no word of code, got {said}");
     }
+    // A page is no JSON.
+    refused(&["schema", "--page", "--json"], 2, &["--page", "--json", "give one of them"]);
     // A list draws nothing.
     for option in ["--force", "--log-x", "--log-y", "--points"] {
         refused(&["plot", "x", "--list", option], 2, &["cannot be used with", option]);
