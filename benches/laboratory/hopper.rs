@@ -1,6 +1,7 @@
 //! Discharge of a flat-bottomed bin through round openings: Beverloo's law.
 
 use pluvia::{
+    measure::inference::MeanTest,
     report::{Axis, Chart, Look, Plot},
     units::{from_mm, to_g, to_mm},
 };
@@ -216,6 +217,18 @@ impl Flows {
         (1..=bench.configurations).filter_map(of).collect()
     }
 
+    /// Those through all openings but the narrowest, as a mean exponent with its interval.
+    fn exponent_of_wider(&self, bench: &Bench) -> Option<String> {
+        let narrowest = self.steady.iter().map(|f| f.1.opening).fold(f64::INFINITY, f64::min);
+        let wider = self.steady.iter().filter(|f| f.1.opening > narrowest).copied();
+        let wider = Self { steady: wider.collect(), ..Self::default() };
+        let fits = wider.fits(bench, Held::default());
+        let exponents: Vec<f64> = fits.iter().map(|f| f.exponent).collect();
+        let MeanTest { estimate, half_width, .. } = MeanTest::of(&exponents, 0.95)?;
+        let (low, high) = (estimate.mean - half_width, estimate.mean + half_width);
+        Some(format!("{:.2} ({low:.2} to {high:.2})", estimate.mean))
+    }
+
     /// C and k by the usual exponent.
     fn usual(&self, bench: &Bench) -> Vec<BeverlooFit> {
         self.fits(bench, Held { exponent: Some(2.5), k: None })
@@ -245,9 +258,13 @@ fn rows(bench: &Bench, grains: &Grains, flows: &Flows, changed: &str) -> Vec<Row
     };
     let all = openings(bench);
     let across = |n: usize| FLOOR[n].1 / to_mm(SIZE);
+    let wider = flows.exponent_of_wider(bench);
+    let wider = wider.map_or_else(String::new, |exponent| {
+        format!(". Tried: without the narrowest opening {exponent}")
+    });
     let over = format!(
         "{} openings of {:.0} to {:.0} d{jams}. {bin}. Exponent and k make up for each other over \
-         so short a range",
+         so short a range{wider}",
         all.len(),
         across(all[0]),
         across(all[all.len() - 1])

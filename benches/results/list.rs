@@ -246,8 +246,8 @@ pub const KEPT: &[Kept] = &[
         what: "Quick specimens poured by one engine and shaken by another, eight realisations",
         files: &[("engines/handed-over.csv", "")],
         made: Made::Once(
-            "pluvia compare scenarios/quick/vibration.json, once for each \
-                          realisation and order of engines",
+            "pluvia compare scenarios/quick/vibration.json, once for each realisation (1 and 3 to \
+             9: the funnel of the second jams) and order of engines",
         ),
         takes: "",
     },
