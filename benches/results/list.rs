@@ -163,7 +163,8 @@ pub const KEPT: &[Kept] = &[
     },
     Kept {
         name: "calibrated-continuous",
-        what: "The paper's continuous vibration with that coefficient, three realisations",
+        what: "The paper's continuous vibration with the coefficient that format 19 had, three \
+               realisations",
         files: &[("calibration/continuous.csv", "sweep.csv")],
         made: Made::Pluvia(&["sweep scenarios/paper/vibration-continuous.json \
                               --configurations 3 \
