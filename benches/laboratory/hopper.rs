@@ -217,7 +217,7 @@ impl Flows {
         (1..=bench.configurations).filter_map(of).collect()
     }
 
-    /// Those through all openings but the narrowest, as a mean exponent with its interval.
+    /// The mean exponent, with its interval, of the flows through all openings but the narrowest.
     fn exponent_of_wider(&self, bench: &Bench) -> Option<String> {
         let narrowest = self.steady.iter().map(|f| f.1.opening).fold(f64::INFINITY, f64::min);
         let wider = self.steady.iter().filter(|f| f.1.opening > narrowest).copied();
