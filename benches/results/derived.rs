@@ -69,6 +69,11 @@ fn interval(values: &[f64]) -> Value {
     })
 }
 
+/// Half the 95 % confidence interval of a mean, in percent of it.
+fn half_percent(values: &[f64]) -> Option<f64> {
+    MeanTest::of(values, 0.95).map(|t| 100.0 * t.half_width / t.estimate.mean)
+}
+
 /// Values of a field.
 fn values(rows: &Rows, field: &str) -> Vec<f64> {
     rows.iter().filter_map(|r| number(r, field)).collect()
@@ -257,11 +262,19 @@ fn twins(results: &Results) -> Result<Value, String> {
         let heights: Vec<f64> =
             values(&rows, "standing_height_mm.mean_surface").iter().map(|h| h / larger).collect();
         let creep = values(&rows, "creep_um_per_s").into_iter().map(f64::abs);
+        let [voids, coordination] =
+            ["void_ratio", "coordination_number"].map(|field| values(&rows, field));
+        let wide = half_percent(&voids);
         found.push(json!({
             "name": larger.to_string(), "larger": larger, "count": rows.len(), "jammed": jam,
-            "void_ratio": interval(&values(&rows, "void_ratio")),
+            "void_ratio": interval(&voids),
+            "void_ratio_half_percent": wide,
+            // Half an interval falls with the square root of the number of runs.
+            "runs_for_one_percent": wide.map(|half| (rows.len() as f64 * half.powi(2)).ceil()),
             "height_over_size_mm": interval(&heights),
-            "coordination_number": interval(&values(&rows, "coordination_number")),
+            "height_half_percent": half_percent(&heights),
+            "coordination_number": interval(&coordination),
+            "coordination_half_percent": half_percent(&coordination),
             "overlap_mean_percent": interval(&values(&rows, "overlap.mean_percent")),
             "overlap_p99_percent": interval(&values(&rows, "overlap.p99_percent")),
             "largest_creep_um_per_s": creep.fold(0.0, f64::max),
