@@ -91,3 +91,25 @@ pub fn steps(all: &Value) -> Result<String, String> {
     }
     Ok(text)
 }
+
+/// A row a specimen, state and number of threads of one world: what each phase of a step takes per
+/// grain.
+pub fn phases(all: &Value) -> Result<String, String> {
+    let mut text = head(
+        "state | grains | threads | boxes, µs | contacts, µs | solver, µs | motion, µs | loaded \
+         points per grain",
+    );
+    for of in rows(all)?.iter().filter(|of| of["specimens"].as_u64() == Some(1)) {
+        let state = of["state"].as_str().ok_or("a row without a state")?.replace('_', ", ");
+        let grains = of["grains"].as_f64().ok_or("a row without a number of grains")?;
+        let phase = |name: &str| {
+            let per_grain = of["phases"][name].as_f64().map(|ms| 1e3 * ms / grains);
+            per_grain.map_or_else(String::new, |us| format!("{us:.2}"))
+        };
+        let phases = ["broadphase_ms", "collision_ms", "solver_ms", "integration_ms"].map(phase);
+        let [given, points] =
+            ["grains:0 threads:0", "contacts_per_grain:2"].map(|f| numbers(of, f));
+        text += &row(&[vec![state], given, phases.to_vec(), points].concat());
+    }
+    Ok(text)
+}

@@ -46,6 +46,7 @@ pub fn named(name: &str, results: &Results) -> Result<String, String> {
         "referee-frictionless" => referee::pours(results.source("referee-frictionless")?.as_ref()),
         "referee-static" => referee::certificates(results.source("referee")?.as_ref()),
         "steps" => speed::steps(results.source("bench")?.as_ref()),
+        "phases" => speed::phases(results.source("bench")?.as_ref()),
         "files" => Ok(files(&builds::read(results.root())?)),
         _ => Err("no table has this name".to_owned()),
     }
