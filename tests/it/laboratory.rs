@@ -58,7 +58,10 @@ fn the_shipped_laboratories_load_can_be_built_and_are_short() {
             found[n] += 1;
         }
     }
-    assert!(found[0] >= 9, "expected the nine scenarios of docs/laboratory.md, found {found:?}");
+    assert!(
+        found[0] >= 11,
+        "expected the eleven scenarios of scenarios/laboratory, found {found:?}"
+    );
     assert!(found[1] >= 8, "expected those of the standard tests, found {found:?}");
 }
 

@@ -254,6 +254,47 @@ pub(super) mod tests {
         assert!(quoted, "law: `{expected}` in choices.json");
     }
 
+    /// Law: the choices that quote the page of the sensitivity name what moves which of its three
+    /// results beyond scatter: height, settlement of the plate, settlement of the surface.
+    #[test]
+    fn what_moves_the_quick_specimen_is_as_its_page_says() {
+        let page = include_str!("../../../docs/results/sensitivity-quick.md");
+        let tables: Vec<&str> = page.split("\n## ").skip(1).take(3).collect();
+        let moves = |parameter: &str| {
+            let line = |table: &&str| {
+                let is_row = |line: &&str| line.starts_with(&format!("| {parameter} |"));
+                let row = table.lines().find(is_row);
+                !row.unwrap_or_else(|| panic!("no {parameter} in {table}")).contains('~')
+            };
+            tables.iter().map(line).collect::<Vec<_>>()
+        };
+        let (none, surface) = ([false; 3], [false, false, true]);
+        for (choice, text, parameters, expected) in [
+            ("Sieve table", "neither height nor settlement", &["Coarse fraction"][..], none),
+            ("Funnel", "opening and half angle move neither", &["Funnel opening"], none),
+            ("Funnel", "half angle moves that of the surface", &["Funnel half angle"], surface),
+            ("Friction of grains on cylinder", "no effect on height", &["Friction on walls"], none),
+            (
+                "Friction of grains on the top plate",
+                "no effect of either",
+                &["Friction on the plate", "Plate on wall friction"],
+                none,
+            ),
+            ("Restitution", "moves neither height nor settlement", &["Restitution"], none),
+            ("Meaning of the amplitude", "the surface", &["Table amplitude"], surface),
+            ("Damping", "move nothing", &["Damping", "Angular damping"], none),
+            ("Settled", "no effect", &["Settling criterion"], none),
+            ("Time step", "neither height nor settlement", &["Step rate"], none),
+            ("Contact spring", "neither height nor settlement", &["Contact stiffness"], none),
+        ] {
+            let mut said = said().iter().filter(|c| c.parameter.starts_with(choice));
+            assert!(said.any(|c| c.sensitivity.contains(text)), "law: `{text}` of {choice}");
+            for parameter in parameters {
+                assert_eq!(moves(parameter), expected, "law: {parameter}, said of {choice}");
+            }
+        }
+    }
+
     #[test]
     fn choices_of_stages_that_are_not_there_are_left_out() {
         let c = choices(&scenario(r#"{"stage": "pour", "falling_height_mm": 50}"#));

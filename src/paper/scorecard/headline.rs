@@ -14,13 +14,13 @@ pub(super) const MOVES_SETTLEMENT: &str = "At full size a gradual start and stop
      wide scatter (docs/studies.md).";
 
 /// What moves the settlement of the smaller specimen, as its page says.
-pub(super) const MOVES_QUICK_SETTLEMENT: &str = "On the quick specimen the amplitude alone moves the settlement beyond scatter \
+pub(super) const MOVES_QUICK_SETTLEMENT: &str = "On the quick specimen no parameter by itself moves the settlement beyond scatter \
      (docs/results/sensitivity-quick.md).";
 
 /// Why piles are steeper than the friction of their grains' surfaces: numbers of `calibrate.json`
 /// in `docs/results/calibration`.
 pub(super) const CALIBRATED: &str = "Angular grains interlock: for 38.40° piles of 364 grains need a \
-                                     friction coefficient of 0.33 (95 % confidence 0.31 to 0.35), \
+                                     friction coefficient of 0.35 (95 % confidence 0.26 to 0.40), \
                                      not the tangent of that angle, 0.793, as in the paper \
                                      (docs/repose.md).";
 
