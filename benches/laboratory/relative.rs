@@ -15,9 +15,27 @@ const SPECIMENS: [(&str, &str); 4] = [
     ("triaxial-begin-dense", "triaxial, dense, at the beginning"),
 ];
 
-/// Puts these rows anew among all, for those void ratios and index densities that are there.
+/// The void ratio that the vibration of ASTM D4253 makes, its relative density, and rows with the
+/// index densities of those grains.
+const VIBRATED: &str = "density-d4253";
+const VIBRATED_RELATIVE: &str = "density-d4253-relative";
+const OWN_LOOSEST: &str = "density-e-max";
+const OWN_DENSEST: &str = "density-e-min";
+
+/// Puts these rows anew among all, for those void ratios and index densities that are there. Index
+/// densities and what they are applied to may be run at different times.
 pub fn derive(rows: &mut Vec<Row>) {
     rows.retain(|row| !row.id.starts_with(BEGIN));
+    let find = |id: &str| rows.iter().find(|row| row.id == id);
+    let mean = |id: &str| find(id).and_then(|row| row.ours);
+    let own = mean(OWN_LOOSEST).zip(mean(OWN_DENSEST));
+    let vibrated = find(VIBRATED).map(|row| row.values.clone());
+    if let Some(((e_max, e_min), values)) = own.zip(vibrated) {
+        for row in rows.iter_mut().filter(|row| row.id == VIBRATED_RELATIVE) {
+            row.values = values.iter().map(|e| (e_max - e) / (e_max - e_min)).collect();
+            row.judge();
+        }
+    }
     let find = |id: &str| rows.iter().find(|row| row.id == id);
     let mean = |id: &str| find(id).and_then(|row| row.ours);
     let Some((e_max, e_min)) = mean(LOOSEST).zip(mean(DENSEST)) else { return };

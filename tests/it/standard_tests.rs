@@ -8,6 +8,8 @@ use std::path::Path;
 mod laws;
 #[path = "../../benches/laboratory/references.rs"]
 mod references;
+#[path = "../../benches/laboratory/relative.rs"]
+mod relative;
 #[allow(dead_code)] // no table is printed here
 #[path = "../../benches/laboratory/row.rs"]
 mod row;
@@ -174,5 +176,56 @@ fn kept_rows_are_judged_by_the_references_of_today() {
                 row.id
             );
         }
+    }
+}
+
+#[test]
+fn relative_densities_follow_from_the_index_densities_beside_them() {
+    let row = |id: &str, values: &[f64]| Row::of("density", id, "a void ratio", values);
+    let mut rows = vec![
+        row("density-e-max", &[0.9, 1.1]),
+        row("density-e-min", &[0.5, 0.7]),
+        row("density-fraction-e-max", &[0.8]),
+        row("density-fraction-e-min", &[0.6]),
+        row("oedometer-void-ratio", &[0.75, 0.85]),
+        row("density-d4253", &[0.7]),
+        // By index densities that were measured anew since.
+        row("density-d4253-relative", &[0.1]),
+    ];
+    let own = "density-d4253-relative";
+    for again in [false, true] {
+        relative::derive(&mut rows);
+        for (id, expected) in
+            [(own, vec![0.75]), ("relative-density-oedometer-void-ratio", vec![0.25, -0.25])]
+        {
+            let found: Vec<&Row> = rows.iter().filter(|row| row.id == id).collect();
+            assert_eq!(found.len(), 1, "law: one row {id}, again: {again}");
+            let got = &found[0].values;
+            let apart = got.iter().zip(&expected).map(|(a, b)| (a - b).abs());
+            assert!(
+                got.len() == expected.len() && apart.fold(0.0, f64::max) < 1e-12,
+                "law: {id} to 1e-12, expected {expected:?}, got {got:?}"
+            );
+        }
+    }
+    // One run alone keeps what it found.
+    let mut alone = vec![row("density-d4253", &[0.7]), row(own, &[0.1])];
+    relative::derive(&mut alone);
+    assert_eq!(alone[1].values, [0.1], "law: without index densities the row stays");
+}
+
+#[test]
+fn kept_relative_densities_follow_from_the_kept_index_densities() {
+    let mut today = kept();
+    relative::derive(&mut today);
+    for row in kept().iter().filter(|row| row.id.contains("relative")) {
+        let found = today.iter().find(|other| other.id == row.id).and_then(|other| other.ours);
+        let is_same = row.ours.zip(found).is_some_and(|(a, b)| (a - b).abs() < 1e-9);
+        assert!(
+            is_same,
+            "law: {} to 1e-9, expected {found:?}, got {:?}; `make laboratory ARGS=\"--judge --out \
+             docs/results/laboratory.json\"` derives it anew",
+            row.id, row.ours
+        );
     }
 }
