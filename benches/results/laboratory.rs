@@ -310,35 +310,71 @@ fn is_of(part: &str, test: &str) -> bool {
     part.strip_prefix(test).is_some_and(|rest| rest.starts_with(' '))
 }
 
-/// Whether a row of a test is of a build before [`SINCE`], as the rows say, or else the build of
-/// all, which may name tests: `14 and 15, oedometer 19`.
-fn is_earlier(build: &Build, all: &Value, test: &str) -> bool {
+/// Of which formats the rows of a test are, as the rows say, or else the build of all, which may
+/// name tests: `14 and 15, oedometer 19`.
+fn formats_of(build: &Build, all: &Value, test: &str) -> Vec<String> {
     let parts: Vec<&str> = build.format.split(", ").collect();
     let is_any = |part: &&str| TESTS.iter().any(|(test, _)| is_of(part, test));
-    let mut said: Vec<&str> = parts.iter().copied().filter(|part| is_of(part, test)).collect();
+    let own = |part: &str| is_of(part, test).then(|| part[test.len() + 1..].to_owned());
+    let mut said: Vec<String> = parts.iter().filter_map(|part| own(part)).collect();
     if said.is_empty() {
-        said = parts.into_iter().filter(|part| !is_any(part)).collect();
+        said = parts.iter().filter(|part| !is_any(part)).map(|part| (*part).to_owned()).collect();
     }
-    let said = said.join(" ");
-    let numbers: Vec<u64> =
-        said.split(|c: char| !c.is_ascii_digit()).filter_map(|n| n.parse().ok()).collect();
-    of_test(all, test).any(|row| match row["format"].as_u64() {
-        Some(of) => of < SINCE,
-        None => numbers.is_empty() || numbers.iter().any(|of| *of < SINCE),
+    let said = said.join(", ");
+    let mut formats: Vec<String> = Vec::new();
+    for row in of_test(all, test) {
+        let format = row["format"].as_u64().map_or_else(|| said.clone(), |of| of.to_string());
+        if !formats.contains(&format) {
+            formats.push(format);
+        }
+    }
+    formats
+}
+
+/// Whether a row of a test is of a build before [`SINCE`].
+fn is_earlier(build: &Build, all: &Value, test: &str) -> bool {
+    formats_of(build, all, test).iter().any(|format| {
+        let numbers = format.split(|c: char| !c.is_ascii_digit());
+        let numbers: Vec<u64> = numbers.filter_map(|n| n.parse().ok()).collect();
+        numbers.is_empty() || numbers.iter().any(|of| *of < SINCE)
     })
+}
+
+/// Of which formats the rows are, test by test where they differ.
+fn formats(build: &Build, all: &Value) -> String {
+    const LINK: &str = "[format](README.md#the-files)";
+    let mut by_format: Vec<(String, Vec<&str>)> = Vec::new();
+    for (test, name) in TESTS {
+        let of = formats_of(build, all, test).join(" and ");
+        let at = by_format.iter().position(|(format, _)| *format == of);
+        match at {
+            _ if of.is_empty() => {}
+            Some(at) => by_format[at].1.push(name),
+            None => by_format.push((of, vec![name])),
+        }
+    }
+    by_format.sort();
+    match &by_format[..] {
+        [] => format!("{LINK} {}", build.format),
+        [(one, _)] if one.parse::<u32>().is_ok() => format!("{LINK} {one}"),
+        [(one, _)] => format!("{LINK} {one}: rows of different tests may be of different builds"),
+        several => {
+            let of =
+                |(format, names): &(String, Vec<&str>)| format!("{format} ({})", names.join(", "));
+            let parts: Vec<String> = several.iter().map(of).collect();
+            format!(
+                "and tests are of different builds, by {LINK}: {}. The \
+                 [changelog](../../CHANGELOG.md#changed) says what changed with each",
+                parts.join(", ")
+            )
+        }
+    }
 }
 
 /// Of which builds the rows are, with how many realisations, and what is not there yet.
 pub fn build(builds: &[Build], all: &Value) -> String {
     let Some(build) = builds::of(builds, "laboratory") else { return String::new() };
-    let several = match build.format.parse::<u32>() {
-        Ok(_) => "",
-        Err(_) => ": rows of different tests may be of different builds",
-    };
-    let mut text = format!(
-        "- The newest rows are of {}, [format](README.md#the-files) {}{several}.\n",
-        build.day, build.format
-    );
+    let mut text = format!("- The newest rows are of {}, {}.\n", build.day, formats(build, all));
     for (tests, why) in EARLIER {
         let mut named = Vec::new();
         for (test, name) in TESTS {
@@ -349,6 +385,15 @@ pub fn build(builds: &[Build], all: &Value) -> String {
         if !named.is_empty() {
             text += &format!("- Of an earlier build, {why}: {}.\n", named.join(", "));
         }
+    }
+    let count = |verdict: &str| rows(all).filter(|row| row["verdict"] == verdict).count();
+    let [within, outside, undecided] = ["within", "outside", "undecided"].map(count);
+    if within + outside + undecided > 0 {
+        let not = count("not_judged");
+        text += &format!(
+            "- Judged rows: {within} within, {outside} missed, {undecided} undecided. Not judged: \
+             {not}.\n"
+        );
     }
     let counts = TESTS.iter().filter_map(|(test, name)| {
         let count = |row: &Value| row["values"].as_array().map(Vec::len).filter(|n| *n > 0);

@@ -33,6 +33,7 @@ mod referee;
 mod scan;
 #[path = "../../benches/results/speed.rs"]
 mod speed;
+mod standard_tests;
 mod steps;
 #[path = "../../benches/results/tables.rs"]
 mod tables;
@@ -470,7 +471,7 @@ fn rows_of_earlier_builds_are_named() {
     let today = row("column", json!(STAGE_FORMAT));
     const OLDER: &str = "before the rule that leaves runs out: column.";
     const UNDER_LOAD: &str = "with values that may change: direct shear.";
-    const SEVERAL: &str = "may be of different builds";
+    const SEVERAL: &str = "of different builds";
     for (format, rows, there) in [
         ("19", [&column, &shear], [false, false, false]),
         ("14 and 15", [&column, &shear], [true, true, true]),

@@ -1,0 +1,53 @@
+//! What the page of the standard tests says of its rows as a whole.
+
+use serde_json::{Value, json};
+
+use super::{Build, laboratory};
+
+/// What stands above the rows, of a build with a format.
+fn above(format: &str, rows: &[Value]) -> String {
+    let [name, day] = ["laboratory", "2000-01-01"].map(str::to_owned);
+    let build = Build { name, day, format: format.to_owned() };
+    laboratory::build(&[build], &json!(rows))
+}
+
+/// Law: each test with rows is named with the format of its rows: their own, or else that of the
+/// build of all, which may name tests; where there is but one, no test is named.
+#[test]
+fn tests_are_named_by_the_format_of_their_rows() {
+    let row = |test: &str, format: Value| json!({ "test": test, "format": format });
+    let unsaid = |test: &str| row(test, Value::Null);
+    for (format, rows, expected) in [
+        ("19", vec![unsaid("column"), unsaid("hopper")], ", [format](README.md#the-files) 19.\n"),
+        (
+            "14 and 15",
+            vec![unsaid("column"), unsaid("hopper")],
+            ", [format](README.md#the-files) 14 and 15: rows of different tests may be of",
+        ),
+        (
+            "14 and 15, hopper-spheres 21",
+            vec![unsaid("hopper"), unsaid("hopper-spheres"), unsaid("beads")],
+            ": 14 and 15 (hopper, steel beads), 21 (hopper with spheres). The [changelog]",
+        ),
+        (
+            "14, column 19",
+            vec![row("column", json!(21)), unsaid("column"), unsaid("beads")],
+            ": 14 (steel beads), 21 and 19 (column). The",
+        ),
+    ] {
+        let text = above(format, &rows);
+        assert!(text.contains(expected), "law: `{format}`, expected `{expected}`, got {text}");
+    }
+}
+
+/// Law: how many rows there are of each verdict is counted; without any, nothing is said of it.
+#[test]
+fn verdicts_of_the_standard_tests_are_counted() {
+    let of = |verdict: &str| json!({ "test": "column", "verdict": verdict });
+    let rows = ["within", "outside", "outside", "undecided", "not_judged", "not_run"].map(of);
+    let text = above("19", &rows);
+    let expected = "- Judged rows: 1 within, 2 missed, 1 undecided. Not judged: 1.\n";
+    assert!(text.contains(expected), "law: `{expected}`, got {text}");
+    let text = above("19", &rows[4..]);
+    assert!(!text.contains("Judged rows"), "law: none is judged, got {text}");
+}
