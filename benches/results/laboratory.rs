@@ -261,6 +261,29 @@ pub fn shear_end(quote: Cells, all: &Value) -> Result<String, String> {
     Ok(text)
 }
 
+/// Whether loose and dense triaxial specimens end at one void ratio, as far as the interval tells.
+pub fn triaxial_end(quote: Cells, all: &Value) -> Result<String, String> {
+    let find = |id: &str| {
+        rows(all).find(|value| value["id"] == id).filter(|value| value["ours"].is_number())
+    };
+    let Some(apart) = find("triaxial-end-difference") else { return Ok(String::new()) };
+    let bound = |name: &str| apart["interval"][name].as_f64();
+    let told = match bound("low").zip(bound("high")) {
+        None => "too few specimens to tell whether both end at one void ratio".to_owned(),
+        Some((low, high)) if low <= 0.0 && high >= 0.0 => {
+            "within the interval both end at one void ratio".to_owned()
+        }
+        Some((_, high)) => format!(
+            "**they do not end at one void ratio**: dense ones are {} at the end",
+            if high < 0.0 { "looser" } else { "still denser" }
+        ),
+    };
+    Ok(format!(
+        "Loose less dense specimens, void ratio at the end: {};\n{told}.\n",
+        ours(quote, apart)?
+    ))
+}
+
 /// Tests by their names in rows, and what they are called.
 const TESTS: [(&str, &str); 10] = [
     ("hopper", "hopper"),

@@ -25,6 +25,9 @@ pub fn named(name: &str, results: &Results) -> Result<String, String> {
         "laboratory-missed" => laboratory::missed(&quote, results.source("laboratory")?.as_ref()),
         "laboratory-density" => laboratory::density(&quote, results.source("laboratory")?.as_ref()),
         "laboratory-shear" => laboratory::shear_end(&quote, results.source("laboratory")?.as_ref()),
+        "laboratory-triaxial" => {
+            laboratory::triaxial_end(&quote, results.source("laboratory")?.as_ref())
+        }
         "laboratory-build" => {
             let builds = builds::read(results.root())?;
             Ok(laboratory::build(&builds, results.source("laboratory")?.as_ref()))

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{Build, laboratory};
+use super::{Build, laboratory, said};
 
 /// What stands above the rows, of a build with a format.
 fn above(format: &str, rows: &[Value]) -> String {
@@ -50,4 +50,25 @@ fn verdicts_of_the_standard_tests_are_counted() {
     assert!(text.contains(expected), "law: `{expected}`, got {text}");
     let text = above("19", &rows[4..]);
     assert!(!text.contains("Judged rows"), "law: none is judged, got {text}");
+}
+
+/// Law: specimens whose difference has an interval without 0 did not come to one void ratio.
+#[test]
+fn triaxial_specimens_meet_where_the_interval_holds_none() {
+    let row = |interval: Value| {
+        vec![json!({ "id": "triaxial-end-difference", "ours": -0.05, "interval": interval,
+            "values": [-0.05], "decimals": 2 })]
+    };
+    let ends = |low: f64, high: f64| json!({ "low": low, "high": high });
+    for (interval, expected) in [
+        (ends(-0.09, -0.01), "at the end: −0.05 (−0.09 to −0.01);\n**they do not end at one void"),
+        (ends(-0.09, -0.01), "dense ones are looser at the end.\n"),
+        (ends(0.01, 0.09), "dense ones are still denser at the end.\n"),
+        (ends(-0.09, 0.01), ";\nwithin the interval both end at one void ratio.\n"),
+        (Value::Null, "at the end: −0.05;\ntoo few specimens to tell"),
+    ] {
+        let text = said("laboratory-triaxial", &row(interval));
+        assert!(text.contains(expected), "law: `{expected}`, got {text}");
+    }
+    assert_eq!(said("laboratory-triaxial", &[]), "", "law: no row, no sentence");
 }
