@@ -58,7 +58,7 @@ convergence: setup ## how results change with the engine's settings, in $(OUT)/c
 	done
 
 twins: OUT = out/twins
-twins: build ## scaled twins, 20 realisations each, into $(TABLE) (docs/scale.md)
+twins: build ## scaled twins, 64 realisations each, into $(TABLE) (docs/scale.md)
 	bash scripts/twins.sh "$(OUT)" "$(TABLE)" $(ARGS)
 
 joint: OUT = out/joint

@@ -21,6 +21,7 @@ pub fn named(name: &str) -> Option<Work> {
         "settlement" => settlement,
         "handed" => handed,
         "twins-means" => twins,
+        "sizes" => sizes,
         "tally" => tally,
         "joint-met" => joint,
         "placements-scatter" => placements,
@@ -279,6 +280,28 @@ fn twins(results: &Results) -> Result<Value, String> {
             "overlap_p99_percent": interval(&values(&rows, "overlap.p99_percent")),
             "largest_creep_um_per_s": creep.fold(0.0, f64::max),
             "allowed_creep_um_per_s": 5.0 * larger.sqrt(),
+        }));
+    }
+    Ok(found.into())
+}
+
+/// `docs/scale.md`: grains of other sizes with nothing typed but grains and stages; `finest_mm` is
+/// the opening of the finest sieve, in whose square root the allowed creep grows.
+fn sizes(results: &Results) -> Result<Value, String> {
+    let mut found = Vec::new();
+    for (name, finest_mm) in [("sand", 0.5), ("gravel", 8.0), ("ballast", 31.5)] {
+        let rows = rows(results, &format!("size-{name}"))?;
+        let is_met = |row: &&Map<String, Value>| row["meets_standard"] == "true";
+        let most = |field: &str| values(&rows, field).into_iter().map(f64::abs).fold(0.0, f64::max);
+        found.push(json!({
+            "name": name,
+            "count": rows.len(),
+            "met": rows.iter().filter(is_met).count(),
+            "void_ratio": interval(&values(&rows, "void_ratio")),
+            "overlap_mean_percent": most("overlap.mean_percent"),
+            "overlap_p99_percent": most("overlap.p99_percent"),
+            "largest_creep_um_per_s": most("creep_um_per_s"),
+            "allowed_creep_um_per_s": 5.0 * (finest_mm / 8.0_f64).sqrt(),
         }));
     }
     Ok(found.into())

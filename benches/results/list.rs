@@ -1,6 +1,6 @@
 //! The one table of results: what is computed, by which command, into which files of
 //! `docs/results/`; by which build the kept ones were says `builds.csv`. Pages quote these files by
-//! the names here; to rename a file, change it here.
+//! the names in `sources.rs`; to rename a file, change it here and there.
 
 /// A result, kept in files of `docs/results/`.
 pub struct Kept {
@@ -261,11 +261,27 @@ pub const KEPT: &[Kept] = &[
         takes: "3 minutes",
     },
     Kept {
+        name: "sizes",
+        what: "Sand, the paper's gravel and ballast poured with nothing typed but grains and stages, \
+               three seeds",
+        files: &[
+            ("scale/sand.csv", "sand/sweep.csv"),
+            ("scale/gravel.csv", "gravel/sweep.csv"),
+            ("scale/ballast.csv", "ballast/sweep.csv"),
+        ],
+        made: Made::Pluvia(&[
+            "sweep scenarios/scale/sand.json --over seed=1,2,3 --out OUT/sand",
+            "sweep scenarios/paper/pluviation.json --over seed=1,2,3 --out OUT/gravel",
+            "sweep scenarios/scale/ballast.json --over seed=1,2,3 --out OUT/ballast",
+        ]),
+        takes: "10 minutes",
+    },
+    Kept {
         name: "twins",
-        what: "The quick specimen 0.1, 1 and 5 times as large, 20 realisations",
+        what: "The quick specimen 0.1, 1 and 5 times as large, 64 realisations",
         files: &[("scale/twins.csv", "OUT/twins.csv")],
         made: Made::Make("twins TABLE=\"$OUT/twins.csv\""),
-        takes: "10 minutes",
+        takes: "half an hour",
     },
     Kept {
         name: "under-load",
@@ -469,47 +485,6 @@ pub const PICTURES: &[(&str, &str, &str)] = &[
 
 const SHAKEN: &str = "scenarios/paper/vibration-continuous.json";
 const PILE: &str = "scenarios/paper/repose.json";
-
-/// Sources that pages quote by name: a file above or something worked out from such files
-/// (`derived.rs`).
-pub const SOURCES: &[(&str, &str)] = &[
-    ("builds", "builds.csv"),
-    ("grains", "grains.json"),
-    ("placements", "placements.csv"),
-    ("verify", "verify.csv"),
-    ("joint", "joint/targets.json"),
-    ("joint-pile", "joint/pile-1.csv"),
-    ("joint-continuous", "joint/continuous-1.csv"),
-    ("joint-intermittent", "joint/intermittent-1.csv"),
-    ("claims", "claims.json"),
-    ("uncertainty", "uncertainty.json"),
-    ("interpretations", "interpretations.md"),
-    ("stock", "stock-contacts.csv"),
-    ("calibration", "calibration/calibrate.json"),
-    ("calibrated", "calibration/continuous.csv"),
-    ("quick", "quick/vibration.csv"),
-    ("quick-stock", "quick/stock-vibration.csv"),
-    ("rounding", "shape/rounding.csv"),
-    ("native", "engines/native.csv"),
-    ("rapier", "engines/rapier.csv"),
-    ("native-eight", "engines/native-eight-iterations.csv"),
-    ("native-older", "engines/native-older-restitution.csv"),
-    ("native-middle", "engines/native-friction-in-the-middle.csv"),
-    ("native-convergence", "engines/native-convergence.csv"),
-    ("native-settlement", "engines/native-settlement.csv"),
-    ("handed-over", "engines/handed-over.csv"),
-    ("twins", "scale/twins.csv"),
-    ("laboratory", "laboratory.json"),
-    ("under-load", "under-load.csv"),
-    ("tall", "tall.csv"),
-    ("load", "load.csv"),
-    ("referee", "referee.json"),
-    ("referee-frictionless", "referee-frictionless.json"),
-    ("bench", "bench.json"),
-    ("peers", "peers.json"),
-    ("robustness", "robustness.json"),
-    ("sensitivity", "sensitivity-quick.md"),
-];
 
 /// The folder of all result files.
 pub const FOLDER: &str = "docs/results";

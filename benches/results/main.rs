@@ -13,6 +13,7 @@ mod missed;
 mod pages;
 mod referee;
 mod scan;
+mod sources;
 mod speed;
 mod tables;
 #[path = "../programs/tree.rs"]

@@ -236,10 +236,14 @@ impl Maker<'_> {
     /// Runs a command; what it prints.
     fn run(&self, command: &str, places: &[(&str, &Path)]) -> Result<Vec<u8>, String> {
         let words = command.split_whitespace().map(|word| {
-            let place = places.iter().find(|(name, _)| *name == word);
+            // The place itself, or a folder in it.
+            let (first, folder) = word.split_once('/').map_or((word, None), |(a, b)| (a, Some(b)));
+            let Some((_, path)) = places.iter().find(|(name, _)| *name == first) else {
+                return word.into();
+            };
             // Files that are kept name what they are about by its place in the tree.
-            let within = |path| Path::strip_prefix(path, self.root).unwrap_or(path).as_os_str();
-            place.map_or_else(|| word.into(), |(_, path)| within(path).to_owned())
+            let within = path.strip_prefix(self.root).unwrap_or(path);
+            folder.map_or_else(|| within.into(), |folder| within.join(folder)).into_os_string()
         });
         let output = Command::new(self.root.join(self.program))
             .current_dir(self.root)

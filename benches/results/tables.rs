@@ -16,6 +16,7 @@ pub fn named(name: &str, results: &Results) -> Result<String, String> {
         "engines" => engines(&quote, results.source("engines")?.as_ref()),
         "handed-over" => handed(&quote),
         "settlement" => settlement(&quote, results.source("settlement")?.as_ref()),
+        "sizes" => sizes(&quote),
         "twins" => twins(&quote),
         "calibration" => calibration(results.source("calibration")?.as_ref()),
         "stock" => stock(&quote),
@@ -241,6 +242,25 @@ fn settlement(quote: Cells, all: &Value) -> Result<String, String> {
         let fields = "height_percent:+±.1 surface_mm:mean.1 surface_percent:+±.0 \
                       plate_mm:mean.1 plate_percent:+±.0";
         text += &row(&[vec![name.clone()], cells(&at, fields)?].concat());
+    }
+    Ok(text)
+}
+
+fn sizes(quote: Cells) -> Result<String, String> {
+    let mut text = head(
+        "grains | seeds | that meet the standard | void ratio | largest overlap, mean % | 99th \
+         percentile % | largest numerical creep, µm/s (allowed)",
+    );
+    for (name, label) in [
+        ("sand", "sand, 0.5 to 2 mm"),
+        ("gravel", "gravel, 8 to 16 mm"),
+        ("ballast", "ballast, 31.5 to 63 mm"),
+    ] {
+        let at = |path: &str, format: &str| quote(&format!("sizes:name={name}/0/{path}:{format}"));
+        let creep = at("largest_creep_um_per_s", ".2")?;
+        let creep = format!("{creep} ({})", at("allowed_creep_um_per_s", ".2")?);
+        let fields = "count met void_ratio:±.2 overlap_mean_percent:.3 overlap_p99_percent:.2";
+        text += &row(&[vec![label.to_owned()], cells(&at, fields)?, vec![creep]].concat());
     }
     Ok(text)
 }

@@ -1,6 +1,6 @@
 //! Values of result files: where a key leads, and how the value is written.
 //!
-//! A key is `SOURCE:PATH:FORMAT`. `SOURCE` is a name of `list::SOURCES` or of `derived.rs`. `PATH`
+//! A key is `SOURCE:PATH:FORMAT`. `SOURCE` is a name of `sources::SOURCES` or of `derived.rs`. `PATH`
 //! has segments between slashes: a field; the element of an array with that `name`, `id` or
 //! `run`, or that number from 0; `FIELD=VALUE`, the elements of an array that have it (`FIELD=`: an empty one); `*FIELD`,
 //! that field of all elements. `FORMAT` is how it is written, see [`Format`].
@@ -40,7 +40,7 @@ impl Results {
         if let Some(value) = self.read.borrow().get(name) {
             return Ok(Rc::clone(value));
         }
-        let file = list::SOURCES.iter().find(|(source, _)| *source == name).map(|s| s.1);
+        let file = sources::SOURCES.iter().find(|(source, _)| *source == name).map(|s| s.1);
         let value = match (file, derived::named(name)) {
             (Some(file), _) => self.file(file)?,
             (None, Some(work_out)) => work_out(self)?,

@@ -31,6 +31,8 @@ mod pours;
 mod referee;
 #[path = "../../benches/results/scan.rs"]
 mod scan;
+#[path = "../../benches/results/sources.rs"]
+mod sources;
 #[path = "../../benches/results/speed.rs"]
 mod speed;
 mod standard_tests;
