@@ -2,8 +2,9 @@
 //!
 //! What counts: a decimal number with a unit of results, a whole one with a unit that only results
 //! have here (%, µm/s, °, MiB, minutes), what has a ±, a decimal where the line speaks of void
-//! ratios, and decimals in cells of tables. What does not: what the paper states and what is
-//! typed ([`TYPED`]), and whole numbers of mm, s, Hz: sizes, times and rates that are typed.
+//! ratios, decimals in cells of tables, and the format of a build, which `builds.csv` knows. What
+//! does not: what the paper states and what is typed ([`TYPED`]), and whole numbers of mm, s, Hz:
+//! sizes, times and rates that are typed.
 //!
 //! `docs/results/unmarked.csv` allows them by section, with at most how many and why.
 
@@ -104,13 +105,18 @@ fn measured(line: &str) -> Vec<String> {
                 tail = next;
             }
         });
+        let before: String = chars[..at].iter().collect();
+        let of_build = before.ends_with("ormat ") || before.ends_with("ormats ");
         let decimal = number.contains('.') && number.matches('.').count() == 1;
         let counts = match unit {
             Some(unit) => decimal || plus_minus || OF_RESULTS.contains(unit),
             None => plus_minus || decimal && (cells || void),
         };
         let text = unit.map_or_else(|| number.clone(), |unit| format!("{number} {unit}"));
-        if counts && !TYPED.contains(&number.as_str()) && !TYPED.contains(&text.as_str()) {
+        let is_typed = TYPED.contains(&number.as_str()) || TYPED.contains(&text.as_str());
+        if of_build {
+            found.push(format!("format {text}"));
+        } else if counts && !is_typed {
             found.push(text);
         }
         at = to;

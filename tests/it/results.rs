@@ -149,6 +149,7 @@ fn measured_numbers_without_a_mark_are_found() {
         "It takes 13 minutes.",
         "| poured | 161.1 |",
         "4 ± 2 mm",
+        "Three runs of format 14 settle more.",
     ] {
         assert!(count(line) > 0, "law: `{line}` quotes a result");
         assert_eq!(count(&format!("```text\n{line}\n```")), 0, "law: code quotes none");
@@ -160,7 +161,7 @@ fn measured_numbers_without_a_mark_are_found() {
         "It settles by <!--r a:b:c-->7.6 to 8.1<!--/r--> mm.",
         "<!-- results: x -->\n| poured | 161.1 |\n<!-- /results -->",
         "`7.6 mm` and [text](page-7.6 mm.md)",
-        "Bullet 3.24, section 2.",
+        "Bullet 3.24, section 2, format <!--r builds:a/format:-->14<!--/r-->.",
     ] {
         assert_eq!(count(line), 0, "law: `{line}` quotes no result: {:?}", scan::unmarked(line));
     }
