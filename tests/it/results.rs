@@ -41,6 +41,7 @@ mod steps;
 mod tables;
 #[path = "../../benches/results/value.rs"]
 mod value;
+mod words;
 
 use builds::Build;
 use make::{Asked, Maker};
