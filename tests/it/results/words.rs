@@ -111,6 +111,28 @@ fn choices_say_what_kept_results_show() {
     }
 }
 
+/// Law: what a step costs while grains move, over what it costs at rest, is as the page says.
+#[test]
+fn the_cost_of_moving_grains_is_that_of_the_bench() {
+    let results = Results::of(root());
+    let bench = results.source("bench").expect("the bench");
+    let rows = bench.as_array().expect("rows");
+    let one = |row: &&Value| row["threads"] == 1 && row["specimens"] == 1;
+    let ms = |row: &Value| row["ms_per_step"].as_f64().expect("a time");
+    let mut ratios = Vec::new();
+    for rest in rows.iter().filter(one).filter(|row| row["state"] == "rest") {
+        let alike = rows.iter().filter(one).filter(|row| row["grains"] == rest["grains"]);
+        ratios.extend(alike.filter(|row| row["state"] != "rest").map(|row| ms(row) / ms(rest)));
+    }
+    ratios.sort_by(f64::total_cmp);
+    let ends = [ratios.first(), ratios.last()].map(|end| end.map_or(0.0, |ratio| ratio.round()));
+    assert_eq!(ends, [5.0, 9.0], "law: the least and the largest of {ratios:?}");
+    let page = fs::read_to_string(root().join("docs/cost.md")).expect("the page");
+    let text = page.split_whitespace().collect::<Vec<_>>().join(" ");
+    let said = "a step costs five to nine times as much while grains move as at rest";
+    assert!(text.contains(said), "law: docs/cost.md says `{said}`");
+}
+
 /// Law: where pages say in words what is reproduced, the kept scorecard says the same.
 #[test]
 fn pages_judge_as_the_kept_scorecard_does() {
