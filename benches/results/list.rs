@@ -147,7 +147,7 @@ pub const KEPT: &[Kept] = &[
             ),
         ],
         made: Made::Pluvia(&["converge --out OUT"]),
-        takes: "one to two hours",
+        takes: "several hours",
     },
     Kept {
         name: "calibration",
