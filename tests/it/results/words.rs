@@ -133,6 +133,68 @@ fn the_cost_of_moving_grains_is_that_of_the_bench() {
     assert!(text.contains(said), "law: docs/cost.md says `{said}`");
 }
 
+/// Law: a ratio that a page gives in words is that of the kept results.
+#[test]
+fn ratios_in_words_are_those_of_the_results() {
+    let results = Results::of(root());
+    let source = |name: &str| results.source(name).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let number = |of: &Value| of.as_f64().unwrap_or_else(|| panic!("`{of}` is no number"));
+    let named = |items: &Value, name: &str| -> Value {
+        let found = items.as_array().and_then(|items| items.iter().find(|i| i["name"] == name));
+        found.unwrap_or_else(|| panic!("no `{name}`")).clone()
+    };
+    let settled = |what: &str| {
+        let name = format!("continuous vibration, {what}, final");
+        number(&named(&source("uncertainty")["quantities"], &name)["mean"])
+    };
+    let placed = |what: &str| {
+        number(&named(&source("placements-scatter"), what)["between_placements"]["value"])
+    };
+    let (studies, settlement) = ("docs/studies.md", "docs/concepts/settlement.md");
+    let (repose, peers) = ("docs/repose.md", "docs/peers.md");
+    let took = |engine: &str, scene: &str| {
+        let all = source("peers");
+        let mut rows = all.as_array().expect("rows").iter();
+        let row = rows.find(|row| row["engine"] == engine && row["scene"] == scene);
+        number(&row.unwrap_or_else(|| panic!("no {scene} by {engine}"))["wall_s_per_simulated_s"])
+    };
+    let times = |one: &str, other: &str, scene: &str| took(one, scene) / took(other, scene);
+    let rapier = "While grains move it takes half as long again as rapier";
+    let box3d = "half as long again as rapier and two to three times as long as Box3D";
+    let shaken = "takes two thirds of rapier's time when shaken and as long in the pour";
+    let poured = "as long in the pour, with less than half its overlap";
+    let ours = number(&source("calibration")["solution"]["value"]);
+    for (page, said, ratio, least, most) in [
+        (
+            studies,
+            "about five times as much as the surface's",
+            placed("plate") / placed("surface"),
+            4.5,
+            5.5,
+        ),
+        (
+            settlement,
+            "about twice as much as the surface",
+            settled("plate") / settled("mean surface"),
+            1.5,
+            2.5,
+        ),
+        (repose, "less than half of the paper's 0.793", ours / 0.793, 0.0, 0.5),
+        (peers, rapier, times("pluvia", "rapier", "shaken"), 1.35, 1.65),
+        (peers, rapier, times("pluvia", "rapier", "pour"), 1.35, 1.65),
+        (peers, box3d, times("pluvia", "box3d-patched", "shaken"), 1.5, 3.5),
+        (peers, box3d, times("pluvia", "box3d-patched", "pour"), 1.5, 3.5),
+        (peers, shaken, times("pluvia-counted", "rapier", "shaken"), 0.58, 0.75),
+        (peers, poured, times("pluvia-counted", "rapier", "pour"), 0.9, 1.1),
+    ] {
+        let text = fs::read_to_string(root().join(page)).expect("the page");
+        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(text.contains(said), "law: {page} says `{said}`");
+        let holds = (least..most).contains(&ratio);
+        assert!(holds, "law: {page} says `{said}`; it is {ratio:.3}, not {least} to {most}");
+    }
+}
+
 /// Law: where pages say in words what is reproduced, the kept scorecard says the same.
 #[test]
 fn pages_judge_as_the_kept_scorecard_does() {
