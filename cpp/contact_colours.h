@@ -27,10 +27,10 @@ struct Moves {
 // Sorts pairs into colours and packs. In a colour no moving body occurs twice, so that its pairs
 // can be solved in any order and at the same time with the same result: side by side in the lanes
 // of a vector, a pack, and on several threads. Every pair gets the first colour that both of its
-// bodies have left (greedy graph colouring in the order of the pairs). What does not move is not
-// changed by its contacts and may occur any number of times. Bodies with more pairs than there are
-// colours, such as a plate on many grains, have the rest in a last colour, whose packs hold one
-// pair each and are solved one after the other.
+// bodies have left (greedy graph colouring in the order of the pairs, near ones first). What does
+// not move is not changed by its contacts and may occur any number of times. Bodies with more pairs
+// than there are colours, such as a plate on many grains, have the rest in a last colour, whose
+// packs hold one pair each and are solved one after the other.
 //
 // Bodies are numbered along the specimen, and in a colour pairs follow these
 // numbers in blocks: the bodies of a pack are near each other, and a thread that has

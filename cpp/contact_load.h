@@ -122,9 +122,10 @@ template <class L> void copy_lane(const Pack<L> &from, int from_lane, Pack<L> &t
     copy_lanes(&from.normal.x, from_lane, &to.normal.x, to_lane, COUNT);
 }
 
-// Puts the pairs of pack number `i` into its lanes. They begin with what the last sub-step
-// of the step before bore, less its impacts: what is thrown away has to be found again in a
-// few iterations, and the packing creeps numerically while it is not.
+// Puts the pairs of pack number `i` into its lanes. They begin with the normal impulses of the last
+// sub-step of the step before, less its impacts, and with the friction of that step in the same
+// proportion: what is thrown away has to be found again in a few iterations, and the packing creeps
+// numerically while it is not.
 template <class L> void load(const Contacts &contacts, std::size_t i, Problem<L> &problem) {
     using N = typename Lane<L>::Number;
     const Moves moves = contacts.moves;

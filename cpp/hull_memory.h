@@ -45,8 +45,8 @@ constexpr std::uint32_t packed(PointOf what, std::uint32_t first, std::uint32_t 
     return packed(static_cast<std::uint32_t>(what), first, second);
 }
 
-// Points that a contact may have: four hold bodies at rest, and more are there where
-// bodies meet fast.
+// Points that a contact may have: four hold bodies at rest, and more are there where further
+// corners may touch before points are found again, the more the faster bodies meet.
 constexpr int MOST_POINTS = 8;
 
 struct PairPoint {

@@ -23,11 +23,11 @@ struct PairSettings {
     // Without it, features of nearly equal depth alternate, the solver's
     // impulses are thrown away, and a packing at rest creeps numerically.
     double hysteresis;
-    // Points of a face contact stay where they are on their bodies while
-    // nothing has moved further than this since they were found.
+    // While nothing has moved further than this since they were found, points of a face contact
+    // stay where they are on their bodies, and edges that touch are kept without a search.
     double hold;
-    // A pair of edges must beat the best face by this: a face gives up to
-    // four points, edges that do not meet almost flat give one.
+    // A pair of edges must beat the best face by this: a face gives several
+    // points, edges that do not meet almost flat give one.
     double face_preference;
 };
 
@@ -78,9 +78,10 @@ double collide_sphere(const PairCase &pair);
 //
 // Where the cores are closest along the normal of a face, the contact is up to four points of that
 // face and the one that meets it, with their gaps along its normal, held and named as those of
-// hulls. Elsewhere it is the one point where the bodies are closest, exact, and where the bodies
-// lie almost flat on each other, points of the face beside it. Cores that overlap are parted along
-// the axis on which they are least deep, in one point.
+// hulls; where bodies come fast, corners that land as well. Elsewhere it is the one point where the
+// bodies are closest, exact, and where the bodies lie almost flat on each other, points of the face
+// beside it. Cores that overlap are parted along the axis on which they are least deep, in one
+// point.
 //
 // Bodies that are farther apart than the speculative margin without what they approach in the step
 // get the contact with which they will meet, as spheres do.
