@@ -16,7 +16,7 @@ use std::{
 use pluvia::measure::inference::MeanTest;
 use serde_json::{Map, Value};
 
-use super::{derived, list};
+use super::{derived, list, sources};
 
 /// The result files under a root folder.
 pub struct Results {
