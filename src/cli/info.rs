@@ -36,6 +36,5 @@ pub(super) fn run(_: &InfoArgs, context: &Context) -> Result<ExitStatus, CliErro
         "cores": cores,
         "stage_format": STAGE_FORMAT,
     });
-    context.print_asked(&text, &info)?;
-    Ok(ExitStatus::Done)
+    context.done_asked(&text, &info)
 }

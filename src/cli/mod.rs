@@ -105,7 +105,7 @@ struct Cli {
 /// Options of every subcommand.
 #[derive(Debug, Clone, Copy, Args)]
 struct Global {
-    /// Print only errors and what --json asks for
+    /// Print only errors, runs left out and what is asked for
     #[arg(long, global = true)]
     quiet: bool,
     /// Print results as JSON

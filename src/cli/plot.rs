@@ -335,7 +335,7 @@ fn list(context: &Context, path: PathBuf, rows: &ColumnTable) -> Result<ExitStat
     }
     let count = counted(rows.len(), "row");
     let text = format!("{}, {count}\n{}", plain_path(&path), table::columns(&lines));
-    context.done(&plain_lines(&text), &Listed { table: path, rows: rows.len(), columns })
+    context.done_asked(&plain_lines(&text), &Listed { table: path, rows: rows.len(), columns })
 }
 
 /// A number to five digits.

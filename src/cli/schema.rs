@@ -66,6 +66,5 @@ pub(super) fn run(args: &SchemaArgs, context: &Context) -> Result<ExitStatus, Cl
         true => page(title, introduction, &schema).trim_end().to_owned(),
         false => format!("{schema:#}"),
     };
-    context.print_asked(&text, &schema)?;
-    Ok(ExitStatus::Done)
+    context.done_asked(&text, &schema)
 }

@@ -53,7 +53,7 @@ pub(super) fn run(args: &StageArgs, context: &Context) -> Result<ExitStatus, Cli
             format!("level {n}: {}, {} not stored\n", counted(*stages, "stage"), missing.len())
         });
         let text: String = lines.collect();
-        return context.done(&text, &json!({ "levels": levels, "missing": missing }));
+        return context.done_asked(&text, &json!({ "levels": levels, "missing": missing }));
     };
     remove_abandoned(&args.folder);
     context.stop_on_ctrl_c();

@@ -201,7 +201,7 @@ fn status(tasks: &SweepTasks, context: &Context) -> Result<ExitStatus, CliError>
     for (stage, why) in &status.failed {
         text += &format!("failed: {stage}: {why}\n");
     }
-    context.done(&text, &status)
+    context.done_asked(&text, &status)
 }
 
 /// Prints what was found.

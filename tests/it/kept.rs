@@ -125,6 +125,19 @@ fn quiet_commands_print_nothing() {
     assert!(said.contains("none.json"), "law: and is said, got {said}");
 }
 
+/// Law: what a command is there to print is printed quietly, too.
+#[test]
+fn lists_that_are_asked_for_are_printed_quietly() {
+    let folder = folder();
+    let (scenario, out) = (folder.out("small.json"), folder.out("out"));
+    assert_holds(&done(&["plot", &out, "--list", "--quiet"]), &["series.csv", "time_s"]);
+    let sweep = folder.out("sweep");
+    done(&["sweep", &scenario, "--over", "seed=1,2", "--plan-only", "--quiet", "--out", &sweep]);
+    assert_holds(&done(&["stage", &sweep, "--list", "--quiet"]), &["level 0", "not stored"]);
+    let status = done(&["sweep", "--status", "--quiet", "--out", &sweep]);
+    assert_holds(&status, &["0 of 2 runs complete"]);
+}
+
 /// Law: grains need no engine, apparatus or stages: faults there do not keep them from being made.
 #[test]
 fn grains_are_made_whatever_else_a_scenario_says() {
