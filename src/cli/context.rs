@@ -102,16 +102,6 @@ impl Context {
         self.print_asked(text, value)
     }
 
-    /// Prints as [`Context::print_asked`] does: the command has done what it was asked.
-    pub(super) fn done_asked(
-        &self,
-        text: &str,
-        value: &impl Serialize,
-    ) -> Result<ExitStatus, CliError> {
-        self.print_asked(text, value)?;
-        Ok(ExitStatus::Done)
-    }
-
     /// The same of what a command is there to print, which is printed quietly, too.
     ///
     /// # Errors
@@ -133,6 +123,16 @@ impl Context {
         }
         // Takes colours out where there is no terminal to show them.
         write_all(&mut anstream::stdout().lock(), out.as_bytes())
+    }
+
+    /// Prints as [`Context::print_asked`] does: the command has done what it was asked.
+    pub(super) fn done_asked(
+        &self,
+        text: &str,
+        value: &impl Serialize,
+    ) -> Result<ExitStatus, CliError> {
+        self.print_asked(text, value)?;
+        Ok(ExitStatus::Done)
     }
 }
 
