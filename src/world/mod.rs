@@ -11,6 +11,7 @@ mod parity_tests;
 #[cfg(feature = "rapier")]
 pub mod rapier;
 mod run_time_check;
+#[cfg(test)]
 pub mod scripted;
 #[cfg(test)]
 mod testing;
