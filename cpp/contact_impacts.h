@@ -2,8 +2,8 @@
 //
 // A sub-step is solved as if nothing rebounded, which gives the bodies their places at its end.
 // Where contacts were closed by it that had been approached faster than the threshold, two phases
-// follow that change velocities alone, of the bodies where they are then: with the arms of the
-// beginning, angular momentum would be lost (Poisson's hypothesis with Newton's as its limit;
+// follow that change velocities alone, of the bodies where they are then: with the moment arms of
+// the beginning, angular momentum would be lost (Poisson's hypothesis with Newton's as its limit;
 // Glocker & Pfeiffer 1995, "Multiple impacts with friction in rigid multibody systems"):
 //
 // - compression: impacts are brought to a normal speed of zero, all other

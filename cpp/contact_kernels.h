@@ -135,8 +135,8 @@ PLUVIA_INLINE void set_pressed(const Pack<L> &pack, unsigned lanes, const Symmet
     }
 }
 
-// Angular Jacobians and masses that the bodies show at the arms of the sub-step. With
-// those of the step's beginning a body that turns fast, and whose arms have
+// Angular Jacobians and masses that the bodies show at the moment arms of the sub-step. With
+// those of the step's beginning a body that turns fast, and whose moment arms have
 // grown, is pushed by more than it needs, the more so in every iteration.
 //
 // One mass for all directions of the contact plane, that of the direction that resists sliding

@@ -59,9 +59,9 @@ class Pace {
 };
 
 // Carries bodies and contacts through one step after another, of `law.substeps` sub-steps. In each
-// the gaps and arms are what they have become, the external forces act, the contacts begin with the
-// impulses of the sub-step before (the first with its share of those of the last step), and
-// iterations correct them until they are solved. Normals are those of the beginning.
+// the gaps and moment arms are what they have become, the external forces act, the contacts begin
+// with the impulses of the sub-step before (the first with its share of those of the last step),
+// and iterations correct them until they are solved. Normals are those of the beginning.
 //
 // Smaller steps of the solver do more for the same work than more iterations (Macklin et al. 2019,
 // "Small steps in physics simulation"). Pairs end with the impulses of the whole step, bodies with
