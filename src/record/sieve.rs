@@ -171,6 +171,25 @@ impl SecondarySieve {
             unchanged: changed == 0 && lost == 0,
         }
     }
+
+    /// What a reader must know; none where the grains are as they were.
+    pub fn warning(&self) -> Option<String> {
+        if self.unchanged {
+            return None;
+        }
+        let most = self.largest_change_percent;
+        let most = most.map_or("what is no number".to_owned(), |most| format!("{most:.2e} %"));
+        // Where none has changed, the largest change is rounding.
+        let by = if self.changed > 0 { format!(" (by up to {most})") } else { String::new() };
+        Some(format!(
+            "the secondary sieve analysis does not find the grains as they were: {} of {} {} \
+             another sieve size{by}, lost: {}",
+            self.changed,
+            self.grains,
+            in_number(self.changed, "has", "have"),
+            self.lost
+        ))
+    }
 }
 
 /// Shape of the grains (docs/grains.md has the definitions).
@@ -261,6 +280,22 @@ mod tests {
         let secondary = SecondarySieve::of(&grains(), &some);
         assert!(secondary.unchanged && secondary.grains == 8, "{secondary:?}");
         assert_eq!((secondary.spilled, secondary.left_in_funnel), (1, 1));
+    }
+
+    /// Law: where grains are lost and none has changed, no change is reported.
+    #[test]
+    fn a_lost_grain_is_no_change_of_size() {
+        let of = |third| {
+            let mut found = found();
+            found[2] = third;
+            SecondarySieve::of(&grains(), &found).warning()
+        };
+        assert_eq!(of(Ok(3.0)), None, "law: as they were");
+        let lost = of(Err(Fate::ThroughWall)).expect("law: a warning");
+        assert!(lost.ends_with(": 0 of 9 have another sieve size, lost: 1"), "got {lost}");
+        let chipped = of(Ok(1.5)).expect("law: a warning");
+        let said = ": 1 of 10 has another sieve size (by up to 5.00e1 %), lost: 0";
+        assert!(chipped.ends_with(said), "got {chipped}");
     }
 
     #[test]

@@ -13,7 +13,8 @@ use super::{
 use crate::grains::MeshRecord;
 use crate::measure::{coordination, touching_gap};
 use crate::record::{
-    GrainsSummary, RestTest, Settlement, ShapeSummary, SieveSummary, VibrationSummary,
+    GrainsSummary, RestTest, SecondarySieve, Settlement, ShapeSummary, SieveSummary,
+    VibrationSummary,
 };
 use crate::scenario;
 
@@ -163,18 +164,7 @@ pub fn summarise(
     sieve.secondary = stages
         .last()
         .and_then(|last| secondary_sieve(&known.sieved, &specimen.state, &last.record));
-    if let Some(s) = sieve.secondary.as_ref().filter(|s| !s.unchanged) {
-        let most = s.largest_change_percent;
-        let most = most.map_or("what is no number".to_owned(), |most| format!("{most:.2e} %"));
-        warnings.push(format!(
-            "the secondary sieve analysis does not find the grains as they were: {} of {} {} \
-             another sieve size (by up to {most}), lost: {}",
-            s.changed,
-            s.grains,
-            in_number(s.changed, "has", "have"),
-            s.lost
-        ));
-    }
+    warnings.extend(sieve.secondary.as_ref().and_then(SecondarySieve::warning));
     let fates = fates_of(&specimen, &container, setup);
     let grains = grains_summary(&run.grains, &specimen, &container, &fates);
     let beside = || fallen::beside_container(scenario, &run.grains, &stages);
