@@ -265,13 +265,10 @@ fn twins(results: &Results) -> Result<Value, String> {
         let creep = values(&rows, "creep_um_per_s").into_iter().map(f64::abs);
         let [voids, coordination] =
             ["void_ratio", "coordination_number"].map(|field| values(&rows, field));
-        let wide = half_percent(&voids);
         found.push(json!({
             "name": larger.to_string(), "larger": larger, "count": rows.len(), "jammed": jam,
             "void_ratio": interval(&voids),
-            "void_ratio_half_percent": wide,
-            // Half an interval falls with the square root of the number of runs.
-            "runs_for_one_percent": wide.map(|half| (rows.len() as f64 * half.powi(2)).ceil()),
+            "void_ratio_half_percent": half_percent(&voids),
             "height_over_size_mm": interval(&heights),
             "height_half_percent": half_percent(&heights),
             "coordination_number": interval(&coordination),
