@@ -11,6 +11,7 @@ mod make;
 mod marks;
 mod missed;
 mod pages;
+mod pictures;
 mod referee;
 mod scan;
 mod sources;

@@ -12,7 +12,8 @@ use pluvia::study::STAGE_FORMAT;
 
 use super::{
     builds::{self, Build},
-    list::{FOLDER, KEPT, Kept, Made, PICTURES},
+    list::{FOLDER, KEPT, Kept, Made},
+    pictures::PICTURES,
 };
 
 /// What the last command of a result printed.

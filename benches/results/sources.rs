@@ -15,6 +15,7 @@ pub const SOURCES: &[(&str, &str)] = &[
     ("uncertainty", "uncertainty.json"),
     ("interpretations", "interpretations.md"),
     ("stock", "stock-contacts.csv"),
+    ("stock-at-rest", "stock-at-rest.csv"),
     ("calibration", "calibration/calibrate.json"),
     ("calibrated", "calibration/continuous.csv"),
     ("quick", "quick/vibration.csv"),

@@ -19,7 +19,8 @@ pub fn named(name: &str, results: &Results) -> Result<String, String> {
         "sizes" => sizes(&quote),
         "twins" => twins(&quote),
         "calibration" => calibration(results.source("calibration")?.as_ref()),
-        "stock" => stock(&quote),
+        "stock" => by_realisation(&quote, "stock", &STOCK),
+        "stock-at-rest" => by_realisation(&quote, "stock-at-rest", &STOCK_AT_REST),
         "missed" => missed(results.source("verify")?.as_ref()),
         "laboratory" => laboratory::verdicts(&quote, results.source("laboratory")?.as_ref()),
         "laboratory-sources" => Ok(laboratory::sources(results.source("laboratory")?.as_ref())),
@@ -298,24 +299,39 @@ fn calibration(found: &Value) -> Result<String, String> {
     Ok(text)
 }
 
-fn stock(quote: Cells) -> Result<String, String> {
+/// Rows of a table of three realisations: label, the paper's number, field and decimals.
+type Field = (&'static str, &'static str, &'static str, usize);
+
+fn by_realisation(quote: Cells, source: &str, fields: &[Field]) -> Result<String, String> {
     let mut text = head("| paper | realisation 1 | 2 | 3");
-    for (label, paper, field, decimals) in [
-        ("standing height from 0 cm, mm", "", "height_from_0_cm_mm", 1),
-        ("from 5 cm", "", "height_from_5_cm_mm", 1),
-        ("from 20 cm", "lower", "height_from_20_cm_mm", 1),
-        ("plate, after 5 s, mm", "", "plate_after_5_s_mm", 1),
-        ("plate, after 20 s, mm", "14 to 19.61", "plate_after_20_s_mm", 1),
-        ("numerical creep of the poured specimen, µm/s", "", "creep_um_per_s", 0),
-    ] {
-        let mut cells = vec![label.to_owned(), paper.to_owned()];
+    for (label, paper, field, decimals) in fields {
+        let mut cells = vec![(*label).to_owned(), (*paper).to_owned()];
         for n in 0..3 {
-            cells.push(quote(&format!("stock:{n}/{field}:.{decimals}"))?);
+            cells.push(quote(&format!("{source}:{n}/{field}:.{decimals}"))?);
         }
         text += &row(&cells);
     }
     Ok(text)
 }
+
+const STOCK: [Field; 6] = [
+    ("standing height from 0 cm, mm", "", "height_from_0_cm_mm", 1),
+    ("from 5 cm", "", "height_from_5_cm_mm", 1),
+    ("from 20 cm", "lower", "height_from_20_cm_mm", 1),
+    ("plate, after 5 s, mm", "", "plate_after_5_s_mm", 1),
+    ("plate, after 20 s, mm", "14 to 19.61", "plate_after_20_s_mm", 1),
+    ("numerical creep of the poured specimen, µm/s", "", "creep_um_per_s", 0),
+];
+
+const STOCK_AT_REST: [Field; 7] = [
+    ("stock, at rest: plate, after 5 s, mm", "", "stock_rest_plate_after_5_s_mm", 1),
+    ("after 20 s", "", "stock_rest_plate_after_20_s_mm", 1),
+    ("mean surface, after 20 s", "", "stock_rest_surface_after_20_s_mm", 1),
+    ("stock, shaken: plate, after 5 s, mm", "", "stock_shaken_plate_after_5_s_mm", 1),
+    ("after 20 s", "14 to 19.61", "stock_shaken_plate_after_20_s_mm", 1),
+    ("mean surface, after 20 s", "", "stock_shaken_surface_after_20_s_mm", 1),
+    ("native, at rest: plate, after 20 s, mm", "", "native_rest_plate_after_20_s_mm", 2),
+];
 
 fn grain_sieve(quote: Cells, grains: &Value) -> Result<String, String> {
     let mut text =

@@ -12,7 +12,6 @@ mod derived;
 mod joint;
 #[path = "../../benches/results/laboratory.rs"]
 mod laboratory;
-#[allow(dead_code)] // pictures are for the generator
 #[path = "../../benches/results/list.rs"]
 mod list;
 #[allow(dead_code)]
@@ -25,6 +24,8 @@ mod missed;
 #[allow(dead_code)] // the test writes nothing
 #[path = "../../benches/results/pages.rs"]
 mod pages;
+#[path = "../../benches/results/pictures.rs"]
+mod pictures;
 mod pours;
 #[allow(dead_code)]
 #[path = "../../benches/results/referee.rs"]
