@@ -65,6 +65,16 @@ pub const KEPT: &[Kept] = &[
         takes: "10 minutes",
     },
     Kept {
+        name: "verify-single",
+        what: "The same with Bullet in single precision",
+        files: &[("verify-single.csv", "")],
+        made: Made::Once(
+            "pluvia verify, of a program built with --no-default-features --features rapier: its \
+             verify.csv",
+        ),
+        takes: "10 minutes",
+    },
+    Kept {
         name: "programme",
         what: "The paper's programme with ten realisations, 70 runs: statements, intervals and \
                tests, figures",
@@ -127,12 +137,16 @@ pub const KEPT: &[Kept] = &[
         name: "stock-at-rest",
         what: "The paper's specimen under its plate with stock Bullet contacts, left alone for 20 s and \
                shaken for as long, three realisations, and left alone with native contacts",
-        files: &[("stock-at-rest.csv", "")],
+        files: &[
+            ("stock-at-rest.csv", ""),
+            ("stock-at-rest-series.csv", ""),
+            ("stock-at-rest.svg", ""),
+        ],
         made: Made::Once(
             "pluvia sweep scenarios/paper/vibration-continuous.json --configurations 3 --over \
              engine.contact_solver=\"stock\",\"native\" --set rest_test_s=1, as it is (stock alone) and \
              with --set stages.3={\"stage\":\"rest\",\"duration_s\":20}; heights in series.csv of each run, \
-             typed",
+             typed; drawn by pluvia plot",
         ),
         takes: "an hour",
     },

@@ -7,6 +7,7 @@ pub const SOURCES: &[(&str, &str)] = &[
     ("grains", "grains.json"),
     ("placements", "placements.csv"),
     ("verify", "verify.csv"),
+    ("verify-single", "verify-single.csv"),
     ("joint", "joint/targets.json"),
     ("joint-pile", "joint/pile-1.csv"),
     ("joint-continuous", "joint/continuous-1.csv"),

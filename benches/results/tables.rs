@@ -328,8 +328,8 @@ const STOCK_AT_REST: [Field; 7] = [
     ("after 20 s", "", "stock_rest_plate_after_20_s_mm", 1),
     ("mean surface, after 20 s", "", "stock_rest_surface_after_20_s_mm", 1),
     ("stock, shaken: plate, after 5 s, mm", "", "stock_shaken_plate_after_5_s_mm", 1),
-    ("after 20 s", "14 to 19.61", "stock_shaken_plate_after_20_s_mm", 1),
-    ("mean surface, after 20 s", "", "stock_shaken_surface_after_20_s_mm", 1),
+    ("at the end of shaking, 20 s", "14 to 19.61", "stock_shaken_plate_after_20_s_mm", 1),
+    ("mean surface, likewise", "", "stock_shaken_surface_after_20_s_mm", 1),
     ("native, at rest: plate, after 20 s, mm", "", "native_rest_plate_after_20_s_mm", 2),
 ];
 

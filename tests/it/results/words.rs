@@ -253,3 +253,31 @@ fn pages_judge_as_the_kept_scorecard_does() {
         }
     }
 }
+
+/// Law: specimens with stock contacts that are left alone sink as the paper says that its own
+/// settled when shaken; those with native contacts do not sink.
+#[test]
+fn stock_specimens_sink_at_rest_as_far_as_the_paper_s_when_shaken() {
+    let results = Results::of(root());
+    let rows = results.source("stock-at-rest").expect("specimens left alone");
+    let rows = rows.as_array().expect("rows");
+    assert_eq!(rows.len(), 3, "law: three realisations");
+    for row in rows {
+        let of = |field: &str| row[field].as_f64().expect("a number");
+        let sunk = of("stock_rest_plate_after_20_s_mm");
+        assert!((14.0..=19.61).contains(&sunk), "law: in the laboratory's range, got {sunk} mm");
+        let share = of("stock_rest_share_after_5_s_percent");
+        assert!((share - 80.0).abs() < 10.0, "law: about 80 % in the first 5 s, got {share} %");
+        let native = of("native_rest_plate_after_20_s_mm");
+        assert!(native.abs() < 0.005, "law: with native contacts none, got {native} mm");
+    }
+    for (page, said) in [
+        ("README.md", "three [specimens sink as far unshaken]"),
+        ("docs/results/interpretations.md", "**Without any shaking, specimens with stock contacts"),
+        ("docs/accuracy.md", "[sink as far in 20 s as"),
+    ] {
+        let text = fs::read_to_string(root().join(page)).expect("the page");
+        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(text.contains(said), "law: {page} says `{said}`");
+    }
+}
