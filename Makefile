@@ -26,7 +26,7 @@ PROGRAM = cargo run --release --locked -p pluvia-benches --bin
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .NOTPARALLEL:
-.PHONY: docs help setup setup-lint build reproduce convergence sensitivity twins joint test test-slow test-all test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep laboratory referee results deb test-deb archive wheel test-python test-wheel clean
+.PHONY: docs help setup setup-lint build reproduce convergence sensitivity twins joint at-rest test test-slow test-all test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep laboratory referee results deb test-deb archive wheel test-python test-wheel clean
 
 help: ## list these targets
 	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
@@ -64,6 +64,10 @@ twins: build ## scaled twins, 64 realisations each, into $(TABLE) (docs/scale.md
 joint: OUT = out/joint
 joint: build ## which values of what the paper leaves open meet its numbers together; hours (docs/studies.md)
 	bash scripts/joint.sh "$(OUT)" "$(TABLES)" $(BATCHES)
+
+at-rest: OUT = out/at-rest
+at-rest: build ## stock Bullet contacts: specimens left alone and shaken, in $(OUT)/tables (docs/results/interpretations.md)
+	bash scripts/at-rest.sh "$(OUT)" $(ARGS)
 
 sensitivity: OUT = out/sensitivity
 sensitivity: build ## what each of our choices moves, in $(OUT)/sensitivity.md

@@ -138,16 +138,11 @@ pub const KEPT: &[Kept] = &[
         what: "The paper's specimen under its plate with stock Bullet contacts, left alone for 20 s and \
                shaken for as long, three realisations, and left alone with native contacts",
         files: &[
-            ("stock-at-rest.csv", ""),
-            ("stock-at-rest-series.csv", ""),
-            ("stock-at-rest.svg", ""),
+            ("stock-at-rest.csv", "OUT/tables/stock-at-rest.csv"),
+            ("stock-at-rest-series.csv", "OUT/tables/stock-at-rest-series.csv"),
+            ("stock-at-rest.svg", "OUT/tables/stock-at-rest.svg"),
         ],
-        made: Made::Once(
-            "pluvia sweep scenarios/paper/vibration-continuous.json --configurations 3 --over \
-             engine.contact_solver=\"stock\",\"native\" --set rest_test_s=1, as it is (stock alone) and \
-             with --set stages.3={\"stage\":\"rest\",\"duration_s\":20}; heights in series.csv of each run, \
-             typed; drawn by pluvia plot",
-        ),
+        made: Made::Make("at-rest"),
         takes: "an hour",
     },
     Kept {

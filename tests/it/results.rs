@@ -4,6 +4,7 @@
 
 use std::{fs, path::Path};
 
+mod at_rest;
 #[path = "../../benches/results/builds.rs"]
 mod builds;
 #[path = "../../benches/results/derived.rs"]

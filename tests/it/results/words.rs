@@ -262,15 +262,18 @@ fn stock_specimens_sink_at_rest_as_far_as_the_paper_s_when_shaken() {
     let rows = results.source("stock-at-rest").expect("specimens left alone");
     let rows = rows.as_array().expect("rows");
     assert_eq!(rows.len(), 3, "law: three realisations");
+    let mut shares = Vec::new();
     for row in rows {
         let of = |field: &str| row[field].as_f64().expect("a number");
         let sunk = of("stock_rest_plate_after_20_s_mm");
         assert!((14.0..=19.61).contains(&sunk), "law: in the laboratory's range, got {sunk} mm");
-        let share = of("stock_rest_share_after_5_s_percent");
-        assert!((share - 80.0).abs() < 10.0, "law: about 80 % in the first 5 s, got {share} %");
+        shares.push(of("stock_rest_share_after_5_s_percent"));
         let native = of("native_rest_plate_after_20_s_mm");
         assert!(native.abs() < 0.005, "law: with native contacts none, got {native} mm");
     }
+    // "About 80 %" as the scorecard reads it.
+    let share = shares.iter().sum::<f64>() / shares.len() as f64;
+    assert!((75.0..=85.0).contains(&share), "law: about 80 % in the first 5 s, got {share} %");
     for (page, said) in [
         ("README.md", "three [specimens sink as far unshaken]"),
         ("docs/results/interpretations.md", "**Without any shaking, specimens with stock contacts"),
