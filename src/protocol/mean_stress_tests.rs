@@ -83,23 +83,25 @@ fn lid(speed: f64, window_s: Option<f64>) -> Value {
 
 /// Law: a lid that goes down or up at constant speed changes the mean stress where the wall keeps
 /// its force; where the wall may change it, the mean stress stays. The middle one of several
-/// specimens counts: of some hundred grains, one alone keeps its mean stress to 10 to 20 %.
+/// specimens counts: of some hundred grains, one alone keeps its mean stress to 10 to 20 %, and the
+/// force on the wall fluctuates as much: it is read as a mean, too.
 #[test]
 #[ignore = "slow: make test-all"]
 fn a_mean_stress_is_kept_while_a_lid_goes_down_or_up() {
     let _turn = crate::world::shared_turn();
     const SEEDS: u64 = 5;
-    /// Mean stress and force of the last third, over those at the start, with and without the field.
+    /// Mean stress of the last third, over that at the start, with and without the field.
     fn ends(seed: u64, speed: f64) -> [f64; 2] {
         let begun = pressed(seed);
         let end = |window_s| {
             let (outcome, seen) = go(begun.clone(), lid(speed, window_s));
             let warnings = outcome.expect("it runs").warnings;
             assert!(warnings.is_empty(), "law: no limit is come to, {warnings:?}");
-            let target = seen.0[0].0;
-            let later = &seen.0[2 * seen.0.len() / 3..];
-            let mean = later.iter().map(|(p, _)| p / target).sum::<f64>() / later.len() as f64;
-            (mean, later[0].1 / seen.0[0].1)
+            let ((p, force), later) = (seen.0[0], &seen.0[2 * seen.0.len() / 3..]);
+            let mean = |of: &dyn Fn(&(f64, f64)) -> f64| {
+                later.iter().map(of).sum::<f64>() / later.len() as f64
+            };
+            (mean(&|at| at.0 / p), mean(&|at| at.1 / force))
         };
         let ((kept, force), (free, same)) = (end(Some(0.1)), end(None));
         println!("{speed} mm/s: {kept} of p₀ by {force} of the force, {free} by {same}");
