@@ -85,22 +85,14 @@ impl Document {
     }
 }
 
+/// Notes where a value and all its fields were given. What a list holds was given with the list,
+/// which is replaced whole.
 fn note_origins(path: &str, value: &Value, origin: &Origin, into: &mut HashMap<String, Origin>) {
     if !path.is_empty() {
         into.insert(path.to_owned(), origin.clone());
     }
-    match value {
-        Value::Object(map) => {
-            for (key, value) in map {
-                note_origins(&field_path(path, key), value, origin, into);
-            }
-        }
-        Value::Array(items) => {
-            for (i, value) in items.iter().enumerate() {
-                note_origins(&format!("{path}[{i}]"), value, origin, into);
-            }
-        }
-        _ => {}
+    for (key, value) in value.as_object().into_iter().flatten() {
+        note_origins(&field_path(path, key), value, origin, into);
     }
 }
 
@@ -116,8 +108,9 @@ pub(super) fn read(path: &Path) -> Result<Document, ScenarioErrors> {
     };
     for link in chain.links.into_iter().rev() {
         let origin = Origin::File(link.file);
-        note_origins("", &Value::Object(link.content.clone()), &origin, &mut document.origins);
-        merge(&mut document.value, Value::Object(link.content), "");
+        let content = Value::Object(link.content);
+        note_origins("", &content, &origin, &mut document.origins);
+        merge(&mut document.value, content, "");
     }
     document.forget_replaced();
     Ok(document)
