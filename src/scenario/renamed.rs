@@ -68,25 +68,41 @@ pub fn renamed_result(path: &str) -> Option<String> {
 /// What is said of a scenario's JSON that an earlier version wrote: each old name in it with the
 /// new one; `None` where it has none.
 pub fn of_earlier_version(scenario: &Value) -> Option<String> {
-    let mut found = Vec::new();
-    add_old_names(scenario, "", "", &mut found);
+    let said = |old: OldName| match old.choice {
+        Some(new) => format!("{} of `{}` is now called \"{new}\"", old.value, old.was),
+        None => format!("`{}` is now called `{}`", old.was, old.is),
+    };
+    let found: Vec<String> = old_names(scenario, "", "").into_iter().map(said).collect();
     let said = || format!("an earlier version wrote this scenario: {}", found.join(", "));
     (!found.is_empty()).then(said)
 }
 
-/// Notes the old names in a group that is called `was` there, and `is` now.
-fn add_old_names(group: &Value, was: &str, is: &str, found: &mut Vec<String>) {
+/// An old name of a field, or of a choice there.
+pub(super) struct OldName<'a> {
+    /// Dotted path of the field in the file.
+    pub was: String,
+    /// That path as it is called now.
+    pub is: String,
+    /// What stands there.
+    pub value: &'a Value,
+    /// What the choice is called now, where it is the choice that has another name.
+    pub choice: Option<&'static str>,
+}
+
+/// The old names in a group that is called `was` in a file, and `is` now.
+pub(super) fn old_names<'a>(group: &'a Value, was: &str, is: &str) -> Vec<OldName<'a>> {
+    let mut found = Vec::new();
     for (name, value) in group.as_object().into_iter().flatten() {
         let new = field(is, name);
         let (was, is) = (field_path(was, name), field_path(is, new.unwrap_or(name.as_str())));
-        if new.is_some() {
-            found.push(format!("`{was}` is now called `{is}`"));
-        }
-        if let Some(new) = value.as_str().and_then(|word| choice(&is, word)) {
-            found.push(format!("{value} of `{was}` is now called \"{new}\""));
-        }
-        add_old_names(value, &was, &is, found);
+        let choice = value.as_str().and_then(|word| choice(&is, word));
+        let within = old_names(value, &was, &is);
+        let of = |choice| OldName { was: was.clone(), is: is.clone(), value, choice };
+        found.extend(new.map(|_| of(None)));
+        found.extend(choice.map(|new| of(Some(new))));
+        found.extend(within);
     }
+    found
 }
 
 #[cfg(test)]
@@ -114,6 +130,17 @@ mod tests {
                 );
             }
         }
+        // A group and what it holds have other names: all are said at once.
+        let said_of_group = said("engine.manifold", json!({ "sweeps": 4, "threads": 1 }));
+        for [old, new] in [["engine.manifold", "native"], ["engine.manifold.sweeps", "iterations"]]
+        {
+            let begin = format!("{old}: this field is now called `{new}`");
+            assert!(
+                said_of_group.iter().any(|s| s.contains(&begin)),
+                "law: `{old}` is refused with `{new}`, got {said_of_group:?}"
+            );
+        }
+        assert_eq!(said_of_group.len(), 2 + said("engine", json!({})).len(), "law: no more");
         for (path, old, new) in CHOICES {
             let said = said(path, json!(old));
             let words = format!("this choice is now called \"{new}\"");

@@ -218,16 +218,22 @@ impl Part {
                     if here.is_empty() && known.contains(&"stages") {
                         known.push("extends");
                     }
+                    let called = |new: &str| format!("this field is now called `{new}`");
                     for name in unexpected {
-                        let message = match renamed::field(&here, name) {
-                            Some(new) => format!("this field is now called `{new}`"),
-                            None => {
-                                let near = did_you_mean(name, known.iter().copied(), '`');
-                                format!("there is no such field{near}")
-                            }
-                        };
-                        let found = error.instance().get(name).map(shown).unwrap_or_default();
-                        add(field_path(&here, name), found, listed(&known), message);
+                        let now = renamed::field(&here, name);
+                        let message = now.map(called).unwrap_or_else(|| {
+                            let near = did_you_mean(name, known.iter().copied(), '`');
+                            format!("there is no such field{near}")
+                        });
+                        let (path, value) = (field_path(&here, name), &error.instance()[name]);
+                        add(path.clone(), shown(value), listed(&known), message);
+                        let Some(now) = now else { continue };
+                        let group = self.at(steps.iter().map(String::as_str).chain([now]));
+                        let old_names = renamed::old_names(value, &path, &field_path(&here, now));
+                        for old in old_names.into_iter().filter(|old| old.choice.is_none()) {
+                            let new = old.is.rsplit('.').next().unwrap_or_default();
+                            add(old.was, shown(old.value), listed(&fields(group)), called(new));
+                        }
                     }
                     let gone: HashSet<&str> = unexpected.iter().map(String::as_str).collect();
                     let parent = into.cleaned.pointer_mut(&format!("{pointer}{inner}"));
