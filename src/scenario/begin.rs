@@ -273,8 +273,11 @@ fn take_over(document: &mut Document, mut scenario: Map<String, Value>, spec: &B
         let folder = if shared { named.join("../..") } else { named };
         let file = folder.join("grains.json").to_string_lossy().into_owned();
         let grains = json!({ "file": file });
-        let origin = document.origin("begin.specimen");
-        document.set_origin("grains", &grains, origin);
+        // A name of the document's own leads from where it is given.
+        if document.value["grains"]["file"].is_null() {
+            let origin = document.origin("begin.specimen");
+            document.set_origin("grains", &grains, origin);
+        }
         scenario.insert("grains".to_owned(), grains);
     }
     let mut value = Value::Object(scenario);

@@ -466,6 +466,14 @@ fn a_file_of_other_grains_is_refused() {
     assert_holds(&said(&output), &["grains.file", "other.json", "leave the field out"]);
     let output = begun(&same);
     assert!(output.status.success(), "law: the same grains may be named: {}", said(&output));
+    // Beside the scenario, though the run is named from elsewhere.
+    let beside = json!({
+        "name": "beside", "grains": { "file": "same.json" },
+        "stages": [{ "stage": "rest", "duration_s": 0.01 }]
+    });
+    let beside = write(folder.path(), "beside.json", &beside);
+    let (out, set) = (folder.path().join("beside"), format!("begin.specimen={}", text(&from)));
+    done(&["run", text(&beside), "--out", text(&out), "--quiet", "--no-figures", "--set", &set]);
 }
 
 /// Law: the shipped example begins with what the README's first run leaves.
