@@ -445,4 +445,55 @@ mod tests {
             assert!(said.contains(place), "law: {text:?} has a fault at {place}, got `{said}`");
         }
     }
+
+    /// Law: what a list holds was given with the list, but for what is changed in it, of which a
+    /// list given anew knows nothing; what is replaced by another kind of value leaves no trace.
+    #[test]
+    fn elements_of_lists_are_of_who_gave_them_last() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let base = serde_json::json!({
+            "stages": [{ "file": "a", "rows": [[1, 2], [3]] }, { "loads": [{ "of": 1 }] }],
+            "notes": [1, { "of": 2 }], "contact": { "of": { "of": 3 } }, "settle": [{ "of": 4 }]
+        });
+        let top = serde_json::json!({
+            "extends": "base/s.json",
+            "notes": { "of": 5 }, "contact": [{ "of": [6] }], "settle": [7, { "of": 8 }]
+        });
+        std::fs::create_dir(folder.path().join("base")).expect("a folder");
+        for (name, value) in [("base/s.json", base), ("s.json", top)] {
+            std::fs::write(folder.path().join(name), value.to_string()).expect("written");
+        }
+        let own = || Origin::File(folder.path().join("s.json"));
+        let extended = || Origin::File(folder.path().join("base/s.json"));
+        let set = |change: &str| Origin::Set(format!("--set {change}"));
+        let (element, field) = ("stages.1={\"of\":[9]}", "stages[0].rows[1][0]=9");
+        let (list, name) = ("stages=[{},{\"of\":9}]", "stages[1].loads[0].of=9");
+        for (changes, path, expected) in [
+            (vec![], "stages[0].file", extended()),
+            (vec![], "stages[0].rows[0][1]", extended()),
+            (vec![], "stages[1].loads[0].of", extended()),
+            (vec![], "notes.of", own()),
+            (vec![], "notes[1].of", own()),
+            (vec![], "contact.of.of", own()),
+            (vec![], "settle[1].of", own()),
+            (vec![field], "stages[0].rows[1][0]", set(field)),
+            (vec![field], "stages[0].rows[1]", extended()),
+            (vec![element], "stages[1].of[0]", set(element)),
+            (vec![element], "stages[1].lacks", set(element)),
+            (vec![element], "stages[0].file", extended()),
+            (vec![name, element], "stages[1].loads[0].of", set(element)),
+            (vec![name, element, list], "stages[1].of[0]", set(list)),
+            (vec![name, list], "stages[1].loads[0].of", set(list)),
+            (vec![list, "stages.1.of=10"], "stages[1].of", set("stages.1.of=10")),
+            (vec![list, "stages.1.of=10"], "stages[0].of", set(list)),
+        ] {
+            let mut document = read(&folder.path().join("s.json")).expect("a scenario");
+            for change in &changes {
+                let change: Override = change.parse().expect("a change");
+                change.apply(&mut document).expect("it is made");
+            }
+            let got = document.origin(path);
+            assert_eq!(got, expected, "law: who gave `{path}` after {changes:?}");
+        }
+    }
 }
