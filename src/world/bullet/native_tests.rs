@@ -128,10 +128,16 @@ fn a_world_told_of_its_contacts_goes_on_without_a_jump() {
     let table = packing(&mut first);
     // Shaken together, then left at rest.
     shaken(&mut first, table);
-    steps(&mut first, 960);
+    steps(&mut first, 864);
+    // Iterations that end early leave some of it to the next step: the mean of many counts.
+    let mut weight = 0.0;
+    for _ in 0..96 {
+        first.step().expect("a step");
+        let of_step = remembered(&first).into_iter().filter(|c| c.a == table);
+        weight += of_step.map(|c| -c.force.z).sum::<f64>() / 96.0;
+    }
     let at_rest = snapshot(&first);
     let remembered = remembered(&first);
-    let weight: f64 = remembered.iter().filter(|c| c.a == table).map(|c| -c.force.z).sum();
     // The middle one of all speeds: single boxes may move in any case where iterations end early.
     let moves = |world: &mut BulletBackend| {
         let (mut most, mut bodies) = (0.0_f64, Vec::new());
