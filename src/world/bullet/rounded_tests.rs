@@ -150,7 +150,7 @@ fn a_heap_settles_and_threads_and_instructions_change_no_bit() {
         let mut world = native_world(native, 0.5, 0.3);
         world.add(&floor()).expect("added");
         let mut rng = stream(5, "gravel");
-        let mut masses = Vec::new();
+        let mut inertias = Vec::new();
         for n in 0..150 {
             let place = Vector::new(
                 0.018 * f64::from(n % 5) + 1e-3 * uniform(&mut rng),
@@ -159,8 +159,8 @@ fn a_heap_settles_and_threads_and_instructions_change_no_bit() {
             );
             let shape = body(&mut rng, n as usize % 5);
             let grain = free(&shape, place, rotation(&mut rng));
-            let Motion::Free { mass, .. } = grain.motion else { panic!("free") };
-            masses.push(mass);
+            let Motion::Free { mass, inertia } = grain.motion else { panic!("free") };
+            inertias.push((mass, inertia));
             world.add(&grain).expect("added");
         }
         let mut energy = f64::INFINITY;
@@ -171,11 +171,13 @@ fn a_heap_settles_and_threads_and_instructions_change_no_bit() {
                 world.read(&mut states);
                 let now: f64 = states[1..]
                     .iter()
-                    .zip(&masses)
-                    .map(|(s, m)| {
+                    .zip(&inertias)
+                    .map(|(s, (mass, inertia))| {
                         let s = s.expect("a grain");
                         let speed = s.linear_velocity.norm_squared() / 2.0;
-                        m * (9.81 * (s.pose.translation.z + 0.1) + speed)
+                        let moves = mass * (9.81 * (s.pose.translation.z + 0.1) + speed);
+                        // What spins may roll on: friction makes speed of spin.
+                        moves + s.rotational_energy(inertia)
                     })
                     .sum();
                 assert!(now <= energy * (1.0 + 1e-6), "law: none is won, {energy} then {now} J");
