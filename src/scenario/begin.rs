@@ -273,10 +273,15 @@ fn take_over(document: &mut Document, mut scenario: Map<String, Value>, spec: &B
         let folder = if shared { named.join("../..") } else { named };
         let file = folder.join("grains.json").to_string_lossy().into_owned();
         let grains = json!({ "file": file });
-        // A name of the document's own leads from where it is given.
-        if document.value["grains"]["file"].is_null() {
+        // A name of the document's own leads from where it is given. What else it says of grains
+        // repeats the run's, or would be a contradiction.
+        let own = document.value.get("grains").and_then(|grains| grains.get("file"));
+        if own.is_none() {
             let origin = document.origin("begin.specimen");
             document.set_origin("grains", &grains, origin);
+            if let Value::Object(fields) = &mut document.value {
+                fields.remove("grains");
+            }
         }
         scenario.insert("grains".to_owned(), grains);
     }
@@ -286,4 +291,40 @@ fn take_over(document: &mut Document, mut scenario: Map<String, Value>, spec: &B
         value["begin"] = begin;
     }
     document.value = value;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Law: grains that a run has not made itself lie in it; who begins there may name another file
+    /// of them, which leads from where it is named, or repeat what the run says of them.
+    #[test]
+    fn grains_of_meshes_are_found_in_the_run() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (file, begun) = (folder.path().join("s.json"), folder.path().join("run"));
+        std::fs::create_dir(&begun).expect("a folder");
+        std::fs::write(begun.join("grains.json"), "{}").expect("written");
+        let meshes = json!({ "meshes": ["/a.stl"], "density_kg_per_m3": 2650 });
+        let in_run = begun.join("grains.json").to_string_lossy().into_owned();
+        for (own, expected, from) in [
+            (json!({}), &*in_run, Path::new("")),
+            (json!({ "density_kg_per_m3": 2650 }), &*in_run, Path::new("")),
+            (json!({ "file": "own.json" }), "own.json", folder.path()),
+        ] {
+            let text = json!({ "grains": own }).to_string();
+            std::fs::write(&file, text).expect("written");
+            let mut document = source::read(&file).expect("a scenario");
+            let change = format!("begin.specimen={}", begun.display());
+            let change: Override = change.parse().expect("a change");
+            change.apply(&mut document).expect("it is made");
+            let spec = BeginSpec::deserialize(&document.value["begin"]).expect("a beginning");
+            let run = Map::from_iter([("grains".to_owned(), meshes.clone())]);
+            take_over(&mut document, run, &spec);
+            let got = &document.value["grains"];
+            assert_eq!(*got, json!({ "file": expected }), "law: the grains where {own} is typed");
+            let got = document.folder("grains.file");
+            assert_eq!(got, from, "law: where its name leads from, where {own} is typed");
+        }
+    }
 }
