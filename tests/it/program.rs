@@ -82,6 +82,19 @@ pub fn send(child: &Child, signal: &str) {
     assert!(sent.success(), "law: SIG{signal} is sent, got {sent}");
 }
 
+/// Whether a process has its own answer to SIGTERM and to Ctrl-C, as Linux says; where no system
+/// says so, it is taken to have.
+#[cfg(unix)]
+pub fn catches_signals(child: &Child) -> bool {
+    let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+    let Some(caught) = status.lines().find_map(|line| line.strip_prefix("SigCgt:")) else {
+        return true;
+    };
+    let caught = u64::from_str_radix(caught.trim(), 16).unwrap_or(0);
+    // SIGINT is number 2 and SIGTERM number 15; the lowest bit is that of number 1.
+    caught & (1 << 1) != 0 && caught & (1 << 14) != 0
+}
+
 /// A text has all of these words.
 #[track_caller]
 pub fn assert_holds(text: &str, words: &[&str]) {

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use super::{
     interruption::{copy, finished, pluvia, prepared, stages},
-    program::{self, ended, send, words, write},
+    program::{self, catches_signals, ended, send, words, write},
     same::assert_whole_files,
     small,
 };
@@ -26,10 +26,11 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// As shells have it: 128 + SIGINT.
 const STOPPED: Option<i32> = Some(130);
 
-/// Waits until a command is where it is meant to be.
+/// Waits until a command is where it is meant to be, and listens to signals.
 fn reach(child: &mut Child, what: &str, reached: &dyn Fn() -> bool) {
     let begun = Instant::now();
-    while !reached() {
+    // On a busy machine much time may pass between its first file and its listening.
+    while !reached() || !catches_signals(child) {
         let ended = child.try_wait().expect("its state");
         assert!(ended.is_none(), "{what}: it is over before it is asked to stop: {ended:?}");
         assert!(begun.elapsed() < PATIENCE, "{what}: it does not come there");
@@ -88,7 +89,7 @@ fn in_a_pour() {
     let scenario = write(folder.path(), "long.json", &small::scenario(400.0, 20.0, 0.2));
     for signal in ["TERM", "INT"] {
         let out = folder.path().join(signal);
-        let reached = || stages(&out) == 1;
+        let reached = || stages(&out) >= 1;
         stops(pluvia(&scenario, &out), signal, "a pour", &reached);
         assert!(stages(&out) >= 1, "law: what was finished is kept");
     }
@@ -181,7 +182,7 @@ fn after_it_was_suspended() {
         let what = format!("suspended, then {}", order.join(" and "));
         let out = folder.path().join(order.join("-"));
         let mut child = pluvia(&scenario, &out).spawn().expect("it starts");
-        reach(&mut child, &what, &|| stages(&out) == 1);
+        reach(&mut child, &what, &|| stages(&out) >= 1);
         send(&child, "STOP");
         sleep(Duration::from_secs(1));
         assert!(child.try_wait().expect("its state").is_none(), "law: {what}: it is suspended");
