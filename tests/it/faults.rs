@@ -19,8 +19,9 @@ use super::{
     small,
 };
 
-/// Longest that anything here may take; without an end it takes for ever.
-const SOON: Duration = Duration::from_secs(60);
+/// Longest that anything here may take; without an end it takes for ever, and a whole run takes
+/// long on a busy machine.
+const SOON: Duration = Duration::from_secs(180);
 
 /// Waits for a program to end; kills one that does not.
 fn ended(mut command: Command, what: &str) -> Output {
