@@ -59,7 +59,8 @@ fn opened(notes: &Path) -> (Served, String, String) {
 fn wait_for(what: &str, mut is_so: impl FnMut() -> bool) {
     let begun = Instant::now();
     while !is_so() {
-        assert!(begun.elapsed() < Duration::from_secs(30), "law: {what}, got nothing");
+        // Enough on a slow machine, and half the time after which a page goes by itself.
+        assert!(begun.elapsed() < Duration::from_secs(60), "law: {what}, got nothing");
         sleep(Duration::from_millis(20));
     }
 }
