@@ -105,7 +105,8 @@ fn threads_that_are_refused_end_in_no_panic() {
     fs::set_permissions(&results, fs::Permissions::from_mode(0o777)).expect("opened");
     let limited = |most: Option<u32>, args: &[&str], name: &str| {
         let mut command = Command::new("setpriv");
-        command.args(["--reuid=65534", "--regid=65534", "--clear-groups"]);
+        // A user that nobody is: what others run as `nobody`, 65534, would count.
+        command.args(["--reuid=58321", "--regid=58321", "--clear-groups"]);
         if let Some(most) = most {
             command.arg("prlimit").arg(format!("--nproc={most}:{most}"));
         }
