@@ -25,6 +25,8 @@ pub fn page(path: &str) -> String {
 pub fn pluvia() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
     command.current_dir(root());
+    // What it says is compared: a test that means colours or another width asks for them itself.
+    command.env_remove("CLICOLOR_FORCE").env_remove("COLUMNS");
     command
 }
 
