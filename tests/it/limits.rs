@@ -85,7 +85,10 @@ fn typed_threads_stop_at_the_cores() {
 /// The program where any user may run it.
 fn program_for_anybody(folder: &Path) -> PathBuf {
     let program = folder.join("pluvia");
-    fs::copy(env!("CARGO_BIN_EXE_pluvia"), &program).expect("a copy");
+    // By another process: a file that this one writes is open in all that other tests begin at that
+    // moment, too, and a program that is open for writing cannot be started.
+    let copied = Command::new("cp").arg(env!("CARGO_BIN_EXE_pluvia")).arg(&program).status();
+    assert!(copied.is_ok_and(|status| status.success()), "the program is copied");
     for path in [folder, &program] {
         fs::set_permissions(path, fs::Permissions::from_mode(0o755)).expect("opened");
     }
