@@ -21,6 +21,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#![cfg_attr(all(not(test), feature = "rapier"), warn(unused_crate_dependencies))]
+
 pub mod apparatus;
 pub mod caught;
 pub mod cli;
