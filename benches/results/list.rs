@@ -185,12 +185,11 @@ pub const KEPT: &[Kept] = &[
     },
     Kept {
         name: "calibrated-continuous",
-        what: "The paper's continuous vibration with the coefficient that format 19 had, three \
-               realisations",
+        what: "The paper's continuous vibration with the calibrated coefficient, three realisations",
         files: &[("calibration/continuous.csv", "sweep.csv")],
         made: Made::Pluvia(&["sweep scenarios/paper/vibration-continuous.json \
                               --configurations 3 \
-                              --over contact.grain_grain_friction=0.3284 --out OUT"]),
+                              --over contact.grain_grain_friction=0.348 --out OUT"]),
         takes: "half an hour",
     },
     Kept {
