@@ -491,8 +491,7 @@ fn rows_of_earlier_builds_are_named() {
         assert_eq!(got, there, "law: older, under load, several of `{format}`, got {text}");
         assert!(text.contains("by test: column 1, direct shear 1."), "law: how many, got {text}");
     }
-    let far =
-        json!({ "id": "direct-shear-far-end", "test": "direct-shear", "values": [41.0, 42.0] });
+    let far = json!({ "id": "direct-shear-far-end", "test": "direct-shear", "values": [41, 42] });
     let text = build("19", &[shear, far]);
     assert!(text.contains("direct shear 1 to 2."), "law: from the least to the most, got {text}");
     assert!(!text.contains("twice as far"), "law: that was run, got {text}");
