@@ -9,7 +9,9 @@ use pluvia::{
 use super::{
     bench::{Bench, Design, Point, Run},
     row::{Found, Row},
-    standard_tests::{BeverlooFit, Discharge, Held, Outflow, fit_beverloo, steady_outflow},
+    standard_tests::{
+        BeverlooFit, Discharge, Held, Outflow, fit_beverloo, k_in_words, steady_outflow,
+    },
 };
 
 const SCENARIO: &str = "scenarios/validation/hopper-flat.json";
@@ -226,7 +228,8 @@ impl Flows {
         let exponents: Vec<f64> = fits.iter().map(|f| f.exponent).collect();
         let MeanTest { estimate, half_width, .. } = MeanTest::of(&exponents, 0.95)?;
         let (low, high) = (estimate.mean - half_width, estimate.mean + half_width);
-        Some(format!("{:.2} ({low:.2} to {high:.2})", estimate.mean))
+        let mean = estimate.mean;
+        Some(format!("{mean:.2} ({low:.2} to {high:.2}), {}", k_in_words(&fits)))
     }
 
     /// C and k by the usual exponent.
@@ -258,22 +261,27 @@ fn rows(bench: &Bench, grains: &Grains, flows: &Flows, changed: &str) -> Vec<Row
     };
     let all = openings(bench);
     let across = |n: usize| FLOOR[n].1 / to_mm(SIZE);
+    let free = flows.fits(bench, Held::default());
     let wider = flows.exponent_of_wider(bench);
     let wider = wider.map_or_else(String::new, |exponent| {
         format!(". Tried: without the narrowest opening {exponent}")
     });
     let over = format!(
         "{} openings of {:.0} to {:.0} d{jams}. {bin}. Exponent and k make up for each other over \
-         so short a range{wider}",
+         so short a range: {}{wider}",
         all.len(),
         across(all[0]),
-        across(all[all.len() - 1])
+        across(all[all.len() - 1]),
+        k_in_words(&free)
     );
-    let contact = format!("{bin}. Friction between grains 0.5, restitution 0.315{changed}");
-    let free = values(&flows.fits(bench, Held::default()), |f| f.exponent);
+    let usual = flows.usual(bench);
+    let k_of_usual = k_in_words(&usual);
+    let contact = format!(
+        "{bin}. Fitted with {k_of_usual}. Friction between grains 0.5, restitution 0.315{changed}"
+    );
+    let free = values(&free, |f| f.exponent);
     let with_k = Held { exponent: None, k: Some(USUAL_K) };
     let with_k = values(&flows.fits(bench, with_k), |f| f.exponent);
-    let usual = flows.usual(bench);
     let (c, k) = (values(&usual, |f| f.c), values(&usual, |f| f.k));
     vec![
         row("exponent", "exponent, with C and k fitted", free).noted(over),
@@ -281,7 +289,7 @@ fn rows(bench: &Bench, grains: &Grains, flows: &Flows, changed: &str) -> Vec<Row
             .noted("Of the same flows: what is left to the exponent where k is that of beads"),
         row("c", "C, with the exponent held at 2.5", c).noted(contact),
         row("k", "k, with the exponent held at 2.5", k)
-            .noted("d is the equivalent diameter, 9.0 mm"),
+            .noted(format!("{k_of_usual}. d is the equivalent diameter, 9.0 mm")),
     ]
 }
 

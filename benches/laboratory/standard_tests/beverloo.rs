@@ -7,12 +7,17 @@
 
 use pluvia::measure::statistics::least_squares_slope;
 
-/// Lowest k that is tried. Below zero grains would flow where there is no opening.
-const LEAST_K: f64 = 0.0;
+/// Lowest k that is tried. Below zero the law has no meaning by itself: grains would flow where there
+/// is no opening. But rates scatter to either side of the law, k with them, and the exponent makes up
+/// for it: a fit that may not go below zero cuts large exponents off and not small ones, so that their
+/// mean is no longer that of the law. Rates that scatter by 4 % do not come near this bound.
+const LEAST_K: f64 = -20.0;
 /// Least width of an opening beyond k grains, in grains.
 const LEAST_GAP: f64 = 0.02;
 /// Values of k that are tried before the best one is closed in on.
-const TRIED: usize = 400;
+const TRIED: usize = 2000;
+/// How near to a bound a k is at it, in grains.
+const AT_BOUND: f64 = 1e-6;
 
 /// A steady flow through an opening.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,8 +44,10 @@ pub struct Held {
 pub struct BeverlooFit {
     /// The coefficient C.
     pub c: f64,
-    /// Grain diameters by which the opening counts as narrower.
+    /// Grain diameters by which the opening counts as narrower; below zero where scatter asks for it.
     pub k: f64,
+    /// Whether k is the least or the largest that is tried: rates may ask for one beyond it.
+    pub at_bound: bool,
     /// The exponent.
     pub exponent: f64,
     /// Root mean square of the residuals of ln W.
@@ -81,7 +88,25 @@ pub fn fit_beverloo(
         let (a, b) = (high - share * (high - low), low + share * (high - low));
         if squares(a) <= squares(b) { high = b } else { low = a }
     }
-    with((low + high) / 2.0)
+    let fit = with((low + high) / 2.0)?;
+    let at_bound = fit.k - LEAST_K < AT_BOUND || most - fit.k < AT_BOUND;
+    Some(BeverlooFit { at_bound, ..fit })
+}
+
+/// The least and the largest k of fits, and how many are at a bound of what is tried, for a reader.
+pub fn k_in_words(fits: &[BeverlooFit]) -> String {
+    let ks = || fits.iter().map(|fit| fit.k);
+    let (low, high) = (ks().fold(f64::INFINITY, f64::min), ks().fold(f64::NEG_INFINITY, f64::max));
+    let of = |k: f64| format!("{k:.2}").replace('-', "−");
+    let range = match fits.len() {
+        0 => return "no k, nothing could be fitted".to_owned(),
+        1 => format!("k {}", of(low)),
+        _ => format!("k {} to {}", of(low), of(high)),
+    };
+    match fits.iter().filter(|fit| fit.at_bound).count() {
+        0 => range,
+        count => format!("{range}, k at its bound in {count} of {}", fits.len()),
+    }
 }
 
 /// The law of one k, through D/d and ln W.
@@ -94,7 +119,8 @@ fn with_k(points: &[(f64, f64)], k: f64, exponent: Option<f64>) -> Option<Beverl
     };
     let level = logs.iter().map(|(x, y)| y - exponent * x).sum::<f64>() / count;
     let squares: f64 = logs.iter().map(|(x, y)| (y - exponent * x - level).powi(2)).sum();
-    Some(BeverlooFit { c: level.exp(), k, exponent, residual: (squares / count).sqrt() })
+    let residual = (squares / count).sqrt();
+    Some(BeverlooFit { c: level.exp(), k, at_bound: false, exponent, residual })
 }
 
 /// Longest time in s in which nothing passes an opening that is not jammed.
@@ -161,7 +187,9 @@ mod tests {
 
     #[test]
     fn the_law_is_found_again_in_its_own_rates() {
-        for (c, k, exponent) in [(0.58, 1.4, 2.5), (0.3, 0.2, 2.2), (0.7, 2.9, 2.8)] {
+        for (c, k, exponent) in
+            [(0.58, 1.4, 2.5), (0.3, 0.2, 2.2), (0.7, 2.9, 2.8), (0.2, -1.2, 3.4)]
+        {
             let rates = exact(c, k, exponent);
             let fit = fit_beverloo(&rates, SIZE, 9.81, Held::default()).expect("a fit");
             for (name, expected, got) in
@@ -173,6 +201,61 @@ mod tests {
                 );
             }
             assert!(fit.residual < 1e-7, "law: nothing is left over, got {}", fit.residual);
+            assert!(!fit.at_bound, "law: k {k} is at no bound");
+        }
+        let held = Held { exponent: Some(2.5), k: None };
+        let fit = fit_beverloo(&exact(0.4, -0.8, 2.5), SIZE, 9.81, held).expect("a fit");
+        let off = (fit.k + 0.8).abs();
+        assert!(off < 1e-6, "law: k −0.8 by the usual exponent, got {}, tolerance 1e-6", fit.k);
+    }
+
+    /// Law: rates that scatter to either side of a law move its exponent to either side by about as
+    /// much, also where one of both asks for a k below zero.
+    #[test]
+    fn scatter_to_either_side_leaves_the_exponent_where_it_is() {
+        let fit = |sign: f64| {
+            let mut rates = exact(0.58, 0.3, 2.5);
+            for (rate, by) in rates.iter_mut().zip([1.0, -1.0, -1.0, 0.0, 1.0]) {
+                rate.rate *= (0.006 * sign * by).exp();
+            }
+            fit_beverloo(&rates, SIZE, 9.81, Held::default()).expect("a fit")
+        };
+        let (more, less) = (fit(1.0), fit(-1.0));
+        assert!(more.k < -0.1 && less.k > 0.6, "law: to either side of 0.3: {more:?}, {less:?}");
+        assert!(!more.at_bound && !less.at_bound, "law: neither is at a bound");
+        let mean = (more.exponent + less.exponent) / 2.0;
+        assert!((mean - 2.5).abs() < 0.02, "law: 2.5 on average, got {mean}, tolerance 0.02");
+    }
+
+    /// Law: a fit that ends at a bound of k says so, and words count such fits.
+    #[test]
+    fn a_k_at_its_bound_is_counted() {
+        let law = |of: fn(f64) -> f64| -> Vec<Discharge> {
+            let rate = |d: f64| Discharge { opening: d * SIZE, rate: of(d), bulk_density: 1400.0 };
+            [5.0, 6.0, 7.0, 8.0, 10.0].map(rate).to_vec()
+        };
+        let fit = |rates: &[Discharge], held| fit_beverloo(rates, SIZE, 9.81, held).expect("a fit");
+        let (free, usual) = (Held::default(), Held { exponent: Some(2.5), k: None });
+        // An exponential function is a power of k without end; one of 0.01 at 5 d wants a k of 4.99.
+        for (what, rates, held) in [
+            ("the least, free", law(|d| (0.4 * d).exp()), free),
+            ("the least, usual", law(|d| (d + 30.0).powf(2.5)), usual),
+            ("the largest, free", law(|d| (d - 4.99).powf(2.5)), free),
+            ("the largest, usual", law(|d| (d - 4.99).powf(2.5)), usual),
+        ] {
+            let got = fit(&rates, held);
+            assert!(got.at_bound, "law: {what}: k at its bound, got {got:?}");
+        }
+        let inner = fit(&exact(0.58, 1.4, 2.5), free);
+        let below = fit(&exact(0.2, -1.2, 3.4), free);
+        let bound = BeverlooFit { at_bound: true, ..below };
+        for (fits, expected) in [
+            (vec![inner], "k 1.40"),
+            (vec![inner, below], "k −1.20 to 1.40"),
+            (vec![inner, bound, inner], "k −1.20 to 1.40, k at its bound in 1 of 3"),
+            (Vec::new(), "no k, nothing could be fitted"),
+        ] {
+            assert_eq!(k_in_words(&fits), expected, "law: left the words, right what they say");
         }
     }
 

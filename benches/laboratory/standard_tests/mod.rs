@@ -13,7 +13,9 @@ mod shear;
 mod tilt;
 mod triaxial;
 
-pub use beverloo::{BeverlooFit, Discharge, Held, Outflow, fit_beverloo, steady_outflow};
+pub use beverloo::{
+    BeverlooFit, Discharge, Held, Outflow, fit_beverloo, k_in_words, steady_outflow,
+};
 pub use judge::{Verdict, judge};
 pub use oedometer::{Compressed, Rebound, compression_index, rebound, void_ratio_of_height};
 pub use run_out::{deposit_edge, run_out_of_lube, run_out_of_slope};
