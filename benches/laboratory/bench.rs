@@ -38,7 +38,7 @@ pub struct Bench {
     pub configurations: u32,
     /// Stages at a time.
     pub jobs: usize,
-    /// Runs that nothing was read of since this was last taken, and why.
+    /// What nothing was read of since this was last taken, and why: see [`Bench::leave_out`].
     pub left_out: RefCell<Vec<String>>,
 }
 
@@ -86,6 +86,13 @@ impl Bench {
         if self.is_quick() { Vec::new() } else { of }
     }
 
+    /// Says that nothing is read of a run, and why, as `study, run (why)`: on the terminal, and in the
+    /// rows of the test.
+    pub fn leave_out(&self, text: String) {
+        eprintln!("left out: {text}");
+        self.left_out.borrow_mut().push(text);
+    }
+
     /// Options of a study in a folder of its own.
     pub fn options(&self, name: &str) -> RunOptions {
         RunOptions {
@@ -127,10 +134,7 @@ impl Bench {
             };
             match why {
                 None => runs.extend(run),
-                Some(why) => {
-                    eprintln!("{name}, {}: left out, {why}", row.run);
-                    self.left_out.borrow_mut().push(format!("{} ({why})", row.run));
-                }
+                Some(why) => self.leave_out(format!("{name}, {} ({why})", row.run)),
             }
         }
         Ok(runs)
@@ -147,6 +151,11 @@ impl Run {
         let found = summary.checks.as_ref().filter(|checks| checks.passed == Some(false));
         let found = found.map(|checks| format!("checks {}", checks.line()));
         Ok(found.or_else(|| summary.grains.too_few_in_place(summary.laboratory.is_some())))
+    }
+
+    /// Its name: that of its folder.
+    pub fn name(&self) -> String {
+        self.folder.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
     /// Columns of `series.csv` by their names.

@@ -70,7 +70,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
             run.point.checked_sub(aspects.len()).map_or(radius_mm, |n| tried[n].radius_mm);
         match collapse(run, radius_mm * 1e-3)? {
             Some(collapse) => found.push(collapse),
-            None => eprintln!("{}: no deposit", run.folder.display()),
+            None => bench.leave_out(format!("column, {} (no deposit)", run.name())),
         }
     }
     let others: Vec<(&Tried, f64)> = found

@@ -177,8 +177,9 @@ fn carry_out(bench: &Bench, grains: &Grains) -> Result<Found, String> {
         match (discharge(run, opening, total)?, tried) {
             (Flow::Steady(flow), None) => flows.steady.push((run.configuration, flow)),
             (Flow::Steady(flow), Some((_, what, _, _))) => changed.push((what, flow)),
-            (Flow::Jammed, None) => flows.jammed.push(format!("{opening} mm")),
-            (_, _) => eprintln!("{}: no steady flow", run.folder.display()),
+            (Flow::Without(why), _) => {
+                bench.leave_out(format!("{}, {} ({why})", grains.id, run.name()));
+            }
         }
     }
     let is_own = |f: &&(u32, Discharge)| f.0 == 1 && f.1.opening == from_mm(FLOOR[TRIED].1);
@@ -204,8 +205,6 @@ fn carry_out(bench: &Bench, grains: &Grains) -> Result<Found, String> {
 struct Flows {
     /// Realisations and flows.
     steady: Vec<(u32, Discharge)>,
-    /// Openings of flows that jammed.
-    jammed: Vec<String>,
 }
 
 impl Flows {
@@ -223,7 +222,7 @@ impl Flows {
     fn exponent_of_wider(&self, bench: &Bench) -> Option<String> {
         let narrowest = self.steady.iter().map(|f| f.1.opening).fold(f64::INFINITY, f64::min);
         let wider = self.steady.iter().filter(|f| f.1.opening > narrowest).copied();
-        let wider = Self { steady: wider.collect(), ..Self::default() };
+        let wider = Self { steady: wider.collect() };
         let fits = wider.fits(bench, Held::default());
         let exponents: Vec<f64> = fits.iter().map(|f| f.exponent).collect();
         let MeanTest { estimate, half_width, .. } = MeanTest::of(&exponents, 0.95)?;
@@ -249,11 +248,6 @@ fn rows(bench: &Bench, grains: &Grains, flows: &Flows, changed: &str) -> Vec<Row
         ),
         false => "The bin is 360 mm wide, D + 30 d of all openings".to_owned(),
     };
-    let jams = match flows.jammed.len() {
-        0 => String::new(),
-        1 => format!(", one flow jammed and is left out ({})", flows.jammed[0]),
-        count => format!(", {count} flows jammed and are left out ({})", flows.jammed.join(", ")),
-    };
     let row = |id: &str, quantity: &str, values: Vec<f64>| {
         let id = format!("{}-{id}", grains.id);
         let quantity = format!("hopper, {}{quantity}", grains.called);
@@ -267,7 +261,7 @@ fn rows(bench: &Bench, grains: &Grains, flows: &Flows, changed: &str) -> Vec<Row
         format!(". Tried: without the narrowest opening {exponent}")
     });
     let over = format!(
-        "{} openings of {:.0} to {:.0} d{jams}. {bin}. Exponent and k make up for each other over \
+        "{} openings of {:.0} to {:.0} d. {bin}. Exponent and k make up for each other over \
          so short a range: {}{wider}",
         all.len(),
         across(all[0]),
@@ -315,7 +309,9 @@ fn wider() -> Vec<String> {
 /// What ran out of an opening (mm) while the bin, filled with `total` kg, was full.
 fn discharge(run: &Run, opening: f64, total: f64) -> Result<Flow, String> {
     let rows = run.series(["time_s", "stage", "mouth_passed_g", "above_void_ratio"])?;
-    let Some(full) = rows.iter().rfind(|row| row[1] == 0.0) else { return Ok(Flow::Short) };
+    let Some(full) = rows.iter().rfind(|row| row[1] == 0.0) else {
+        return Ok(Flow::Without("it was not filled"));
+    };
     let flow: Vec<(f64, f64)> = rows.iter().map(|row| (row[0], row[2] * 1e-3)).collect();
     Ok(match steady_outflow(&flow, full[0], SETTLED, FULL * total) {
         Outflow::Steady(rate) if rate > 0.0 => Flow::Steady(Discharge {
@@ -323,16 +319,16 @@ fn discharge(run: &Run, opening: f64, total: f64) -> Result<Flow, String> {
             rate,
             bulk_density: SOLIDS / (1.0 + full[3]),
         }),
-        Outflow::Steady(_) | Outflow::Jammed => Flow::Jammed,
-        Outflow::Short => Flow::Short,
+        Outflow::Steady(_) | Outflow::Jammed => Flow::Without("the flow jammed"),
+        Outflow::Short => Flow::Without("too little of a flow was seen"),
     })
 }
 
 /// What came of an opening.
 enum Flow {
     Steady(Discharge),
-    Jammed,
-    Short,
+    /// No rate, and why.
+    Without(&'static str),
 }
 
 fn chart(bench: &Bench, grains: &Grains, flows: &Flows) -> Chart {

@@ -150,7 +150,7 @@ fn run(options: &Options) -> Result<(), String> {
         for row in &mut found.rows {
             bench.design().clone_into(&mut row.design);
             if !left_out.is_empty() {
-                row.note += &format!("; left out of this test: {}", left_out.join(", "));
+                row.note += &format!("; left out of this test: {}", left_out.join("; "));
             }
         }
         for all in [&mut rows, &mut kept_rows] {

@@ -52,6 +52,31 @@ fn verdicts_of_the_standard_tests_are_counted() {
     assert!(!text.contains("Judged rows"), "law: none is judged, got {text}");
 }
 
+/// Law: what was left out is found by the name of its run, not by that of its study.
+#[test]
+fn what_was_left_out_is_found_by_its_run() {
+    let read = "To where a tenth of a ring is covered: 0.7";
+    let missing = "friction 0.2 in place of 0.5, a column twice as wide";
+    for (left_out, expected) in [
+        (
+            "column, spheres-1.2-c1 (checks NOT passed: 1 of 9, creep); column, aspect-2.4-c2 (no deposit)",
+            format!("left out by a check: spheres; no result yet: {missing}"),
+        ),
+        (
+            "hopper-spheres, aspect-2.4-c2 (no deposit)",
+            "no result yet: friction 0.2 in place of 0.5, spheres, a column twice as wide"
+                .to_owned(),
+        ),
+    ] {
+        let row = json!({ "id": "column-run-out-1.2", "quantity": "e", "verdict": "outside",
+            "decimals": 1, "published": { "low": 1.0, "high": 2.0 }, "ours": 0.5, "values": [0.5],
+            "note": format!("{read}; left out of this test: {left_out}") });
+        let text = said("laboratory-missed", &[row]);
+        let expected = format!("| {read}; {expected} |");
+        assert!(text.contains(&expected), "law: `{expected}` of `{left_out}`, got {text}");
+    }
+}
+
 /// Law: specimens whose difference has an interval without 0 did not come to one void ratio.
 #[test]
 fn triaxial_specimens_meet_where_the_interval_holds_none() {
