@@ -320,7 +320,9 @@ fn discharge(run: &Run, opening: f64, total: f64) -> Result<Flow, String> {
             bulk_density: SOLIDS / (1.0 + full[3]),
         }),
         Outflow::Steady(_) | Outflow::Jammed => Flow::Without("the flow jammed"),
-        Outflow::Short => Flow::Without("too little of a flow was seen"),
+        Outflow::Short => {
+            Flow::Without("too little of the flow was seen, or it stood still at the end")
+        }
     })
 }
 

@@ -133,7 +133,7 @@ pub enum Outflow {
     Steady(f64),
     /// For a while nothing passed.
     Jammed,
-    /// Too little was watched to tell.
+    /// Too little was watched to tell, or it stood still when the watch ended.
     Short,
 }
 
@@ -141,7 +141,8 @@ pub enum Outflow {
 /// `settled` s after the opening at `opened` until `most` kg have passed.
 ///
 /// `series` holds times in s and the mass in kg passed since the time before. It is short with less
-/// than four times within.
+/// than four times within; and where it ends before `most` has passed with a stop longer than each
+/// before: who watches no longer cannot tell that from a jam.
 pub fn steady_outflow(series: &[(f64, f64)], opened: f64, settled: f64, most: f64) -> Outflow {
     let mut sum = 0.0;
     let all = series.iter().filter(|(time, _)| *time > opened);
@@ -156,13 +157,19 @@ pub fn steady_outflow(series: &[(f64, f64)], opened: f64, settled: f64, most: f6
     if steady.len() < 4 {
         return Outflow::Short;
     }
-    let mut since = steady[0];
+    let (mut since, mut longest) = (steady[0], 0.0f64);
     for point in &steady {
         if point.1 > since.1 {
+            longest = longest.max(point.0 - since.0);
             since = *point;
         } else if point.0 - since.0 >= LONGEST_STOP {
             return Outflow::Jammed;
         }
+    }
+    let stop = steady[steady.len() - 1].0 - since.0;
+    let goes_on = passed.last().is_some_and(|p| p.1 > most);
+    if !goes_on && stop > longest * (1.0 + 1e-6) {
+        return Outflow::Short;
     }
     least_squares_slope(&steady).map_or(Outflow::Short, Outflow::Steady)
 }
@@ -311,5 +318,36 @@ mod tests {
         series[12].1 = 0.05;
         let slow = steady_outflow(&series, 1.0, 0.25, 2.5);
         assert!(matches!(slow, Outflow::Steady(_)), "law: 0.2 s are no jam, got {slow:?}");
+    }
+
+    /// Law: where the watch ends before the bin is no longer full, a flow that stands still is not
+    /// known to go on, unless it stood as long before; a row between two grains is no stop.
+    #[test]
+    fn an_outflow_that_stands_still_at_the_end_of_the_watch_is_no_rate() {
+        // Rows of 0.05 s, 0.02 kg in each but those that are named.
+        let watched = |rows: usize, empty: &[usize]| -> Vec<(f64, f64)> {
+            let mass = |n: &usize| if empty.contains(n) { 0.0 } else { 0.02 };
+            (1..=rows).map(|n| (0.05 * n as f64, mass(&n))).collect()
+        };
+        for (rows, empty, most, expected) in [
+            (24, Vec::new(), 2.0, "steady"),
+            // The last row alone, as long as from one grain to the next.
+            (24, vec![24], 2.0, "steady"),
+            (24, vec![23, 24], 2.0, "short"),
+            (24, vec![21, 22, 23, 24], 2.0, "short"),
+            (24, vec![18, 19, 20, 21, 22, 23, 24], 2.0, "jammed"),
+            // It stood as long before.
+            (24, vec![12, 13, 14, 22, 23, 24], 2.0, "steady"),
+            // What stops when the bin is no longer full says nothing.
+            (24, vec![21, 22, 23, 24], 0.3, "steady"),
+        ] {
+            let got = steady_outflow(&watched(rows, &empty), 0.0, 0.24, most);
+            let called = match got {
+                Outflow::Steady(_) => "steady",
+                Outflow::Jammed => "jammed",
+                Outflow::Short => "short",
+            };
+            assert_eq!(called, expected, "law: of {rows} rows {empty:?} empty, got {got:?}");
+        }
     }
 }
