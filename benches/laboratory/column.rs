@@ -1,7 +1,7 @@
 //! The collapse of a column: how far the grains run out.
 
 use pluvia::{
-    measure::{Container, HeightMap, height_cell},
+    measure::height_cell,
     report::{Axis, Chart, Look, Plot},
 };
 
@@ -9,7 +9,7 @@ use super::{
     bench::{Bench, Design, Point, Run},
     references::Published,
     row::{Found, Row},
-    standard_tests::{deposit_edge, run_out_of_lube, run_out_of_slope},
+    standard_tests::{column_height, deposit_edge, run_out_of_lube, run_out_of_slope},
 };
 
 const SCENARIO: &str = "scenarios/validation/column-collapse.json";
@@ -147,7 +147,7 @@ fn column(radius_mm: f64, aspect: f64) -> Vec<String> {
 struct Collapse {
     /// Number of its point.
     point: usize,
-    /// h₀/r₀, to the mean surface.
+    /// h₀/r₀, to the mean surface no nearer to the tube than half a grain.
     aspect: f64,
     /// (r∞ − r₀)/r₀.
     run_out: f64,
@@ -157,10 +157,8 @@ struct Collapse {
 
 fn collapse(run: &Run, radius: f64) -> Result<Option<Collapse>, String> {
     let column = run.specimen(Some("0"))?;
-    let container = Container { centre_x: 0.0, radius: radius - SIZE / 2.0, height: 1.0 };
-    let map = HeightMap::of(&column, &container, height_cell(&column.grains))
+    let height = column_height(&column, radius, SIZE / 2.0, height_cell(&column.grains))
         .map_err(|e| e.to_string())?;
-    let height = map.standing_height().mean_surface;
     let deposit = run.specimen(None)?;
     let distances: Vec<f64> = deposit
         .present()

@@ -1,6 +1,7 @@
 //! Standard tests of granular material: the laws by which they are read, as pure functions.
 //!
-//! Discharge of a hopper ([`fit_beverloo`]), run-out of a column ([`deposit_edge`], [`run_out_of_slope`]), a box that is
+//! Discharge of a hopper ([`fit_beverloo`]), height and run-out of a column
+//! ([`column_height`], [`deposit_edge`], [`run_out_of_slope`]), a box that is
 //! tilted ([`sliding_tilt`]), direct shear ([`shear_strength`], [`friction_angle`]), an oedometer
 //! ([`rebound`]), triaxial compression ([`critical_state`]), where a curve of means takes a value
 //! ([`crossing`]), and how what was measured is judged ([`judge`]).
@@ -18,7 +19,7 @@ pub use beverloo::{
 };
 pub use judge::{Verdict, judge};
 pub use oedometer::{Compressed, Rebound, compression_index, rebound, void_ratio_of_height};
-pub use run_out::{deposit_edge, run_out_of_lube, run_out_of_slope};
+pub use run_out::{column_height, deposit_edge, run_out_of_lube, run_out_of_slope};
 pub use shear::{ShearStrength, Sheared, friction_angle, inertial_number, shear_strength};
 pub use tilt::{Tilted, sliding_tilt};
 pub use triaxial::{CriticalState, Triaxial, angle_of_ratio, critical_state, peak_ratio};

@@ -1,4 +1,36 @@
-//! How far a collapsed column has run out.
+//! How high a column stands, and how far it has run out once it has collapsed.
+
+use pluvia::{
+    measure::{Container, HeightMap, MeasureError, statistics::mean},
+    specimen::Specimen,
+};
+
+/// More in m than any column is high.
+const TALL: f64 = 1.0;
+
+/// Mean height in m of the surface of a column in a tube of `radius` (m), no nearer to the tube than
+/// `margin` (m): there the surface falls off to where grains touch the tube. Grains that lie there
+/// still count with what they cover of the rest. `cell` is the side in m of the cells that are read.
+///
+/// # Errors
+/// As [`HeightMap::of`].
+pub fn column_height(
+    column: &Specimen,
+    radius: f64,
+    margin: f64,
+    cell: f64,
+) -> Result<f64, MeasureError> {
+    let tube = Container { centre_x: 0.0, radius, height: TALL };
+    let map = HeightMap::of(column, &tube, cell)?;
+    let middle = (map.across() - 1) as f64 / 2.0;
+    let place = |n: usize| map.cell() * (n as f64 - middle);
+    let mut heights = Vec::new();
+    for j in 0..map.across() {
+        let within = |i: &usize| place(*i).hypot(place(j)) <= radius - margin;
+        heights.extend((0..map.across()).filter(within).filter_map(|i| map.height(i, j)));
+    }
+    Ok(mean(&heights).unwrap_or(0.0))
+}
 
 /// Distance from the axis in m at which the centroids of a deposit end: the outermost at which rings of one grain's
 /// width are still covered to `share`, on straight lines between the middles of rings.
@@ -42,7 +74,14 @@ pub fn run_out_of_slope(aspect: f64, slope: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::SQRT_2;
+    use std::{f64::consts::SQRT_2, sync::Arc};
+
+    use pluvia::{
+        geometry::{ConvexPolyhedron, Pose, Vector},
+        grains::{Grain, GrainSet},
+        specimen::{Fate, GrainState, SpecimenState},
+        world::BodyState,
+    };
 
     use super::*;
 
@@ -56,6 +95,53 @@ mod tests {
             vec![0.01 * (n as f64 + 0.5); count]
         };
         shares.iter().enumerate().flat_map(ring).collect()
+    }
+
+    /// Boxes at rest by their sides and middles in m.
+    fn boxes(of: &[([f64; 3], [f64; 3])]) -> Specimen {
+        let grain = |(sides, _): &([f64; 3], [f64; 3])| {
+            let shape = ConvexPolyhedron::cuboid(Vector::from(*sides)).expect("a box");
+            let (volume, equivalent_diameter) =
+                (shape.signed_volume(), shape.equivalent_diameter());
+            Grain {
+                shape: Arc::new(shape),
+                pose_in_block: Pose::identity(),
+                volume,
+                mass: 2650.0 * volume,
+                inertia: Vector::repeat(1.0),
+                equivalent_diameter,
+                fraction: 0,
+            }
+        };
+        let body = |(_, [x, y, z]): &([f64; 3], [f64; 3])| GrainState {
+            body: BodyState::at_rest(Pose::translation(*x, *y, *z)),
+            fate: Fate::Present,
+        };
+        let (grains, bodies) = (of.iter().map(grain).collect(), of.iter().map(body).collect());
+        let grains = GrainSet { grains, blocks: Vec::new(), density: 2650.0, meshes: Vec::new() };
+        let state = SpecimenState { bodies, ..SpecimenState::default() };
+        Specimen { grains: Arc::new(grains), state }
+    }
+
+    /// Law: a grain in the margin of a tube counts with what it covers of the rest, and a grain that
+    /// covers none of it does not.
+    #[test]
+    fn a_column_is_as_high_as_what_covers_it_away_from_its_tube() {
+        let floor = ([0.2, 0.2, 0.03], [0.0, 0.0, 0.015]);
+        // Over half of the tube; its middle lies in the margin, from 45.5 mm on.
+        let half = ([0.0955, 0.2, 0.06], [0.048, 0.0, 0.03]);
+        let pin = ([0.002, 0.002, 0.002], [-0.048, 0.0, 0.09]);
+        for (column, expected) in [
+            (&[floor][..], 0.03),
+            (&[floor, pin][..], 0.03),
+            (&[floor, half][..], 0.045),
+            (&[floor, half, pin][..], 0.045),
+        ] {
+            let got = column_height(&boxes(column), 0.05, 0.0045, 1e-3).expect("a height");
+            let off = (got - expected).abs();
+            let count = column.len();
+            assert!(off < 3e-4, "law: of {count} boxes {expected} m, got {got}, tolerance 3e-4");
+        }
     }
 
     #[test]
