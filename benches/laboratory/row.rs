@@ -93,6 +93,7 @@ impl Row {
         });
         let ends = self.interval.map(|i| (i.low, i.high));
         self.verdict = match self.published {
+            _ if !self.ours.is_some_and(f64::is_finite) => Verdict::NotRun,
             Some(Published::Range { low, high }) if reference.is_judged => {
                 judge((low, high), self.ours, ends)
             }

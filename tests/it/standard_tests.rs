@@ -112,8 +112,10 @@ fn verdicts_follow_from_the_interval_and_what_is_published() {
         // 1 to 2, not seen.
         ("hopper-k", vec![1.49, 1.50, 1.51], Verdict::NotJudged),
         ("hopper-k", vec![7.0, 7.0, 7.1], Verdict::NotJudged),
+        ("hopper-k", Vec::new(), Verdict::NotRun),
         // Nothing is published.
         ("density-e-max", vec![0.95, 0.96, 0.97], Verdict::NotJudged),
+        ("density-e-max", Vec::new(), Verdict::NotRun),
         // A change that is only tried, whatever it is called; the same without it is judged.
         ("density-basalt-longer-e-min", vec![0.70, 0.70, 0.71], Verdict::NotJudged),
         ("density-basalt-e-min", vec![0.70, 0.70, 0.71], Verdict::Within),

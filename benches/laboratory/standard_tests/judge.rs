@@ -14,7 +14,7 @@ pub enum Verdict {
     Undecided,
     /// The published number was not seen in a source.
     NotJudged,
-    /// Nothing was measured.
+    /// Nothing was measured, whether it would be judged or not.
     NotRun,
 }
 
