@@ -105,7 +105,7 @@ impl Bench {
     }
 
     /// Runs a scenario at all points in all realisations. Runs that fail, and those in which a
-    /// check found something or grains are missing, are reported and left out.
+    /// check found something, grains are missing, or a pile had not settled, are left out.
     pub fn run(&self, name: &str, scenario: &str, points: &[Point]) -> Result<Vec<Run>, String> {
         let change = |text: &String| text.parse::<Override>().map_err(|e| e.to_string());
         let variations = points.iter().map(|point| {
@@ -143,14 +143,18 @@ impl Bench {
 
 impl Run {
     /// Why nothing is to be read of the run, if so. Tests that are read in motion have no rest test:
-    /// that their numerical creep is not known is nothing against them. Where they begin with a rest,
+    /// that their numerical creep is not known is nothing against them, and no stage of theirs says
+    /// whether it settled, as that of a pile does. Where they begin with a rest,
     /// as triaxial compression does, the check watches the numerical creep of that.
     fn why_left_out(&self) -> Result<Option<String>, String> {
         let summary: Summary =
             read_json(&self.folder.join("summary.json")).map_err(|e| e.to_string())?;
         let found = summary.checks.as_ref().filter(|checks| checks.passed == Some(false));
         let found = found.map(|checks| format!("checks {}", checks.line()));
-        Ok(found.or_else(|| summary.grains.too_few_in_place(summary.laboratory.is_some())))
+        let too_few = summary.grains.too_few_in_place(summary.laboratory.is_some());
+        let why: Vec<String> =
+            found.into_iter().chain(summary.read_while_moving()).chain(too_few).collect();
+        Ok((!why.is_empty()).then(|| why.join("; ")))
     }
 
     /// Its name: that of its folder.

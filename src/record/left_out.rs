@@ -39,7 +39,7 @@ impl Summary {
     /// time was over, each for a reader: a pour, the stage before the first vibration, from whose
     /// end settlement counts, also if another run has done it, and the last one. What comes to rest
     /// later is read later.
-    pub(super) fn read_while_moving(&self) -> Vec<String> {
+    pub fn read_while_moving(&self) -> Vec<String> {
         let shaken_first = self.stages.iter().position(|stage| stage.stage == "vibrate");
         let of = |(n, stage): (usize, &StageSummary)| {
             // Earlier summaries say it of vibrations alone.
