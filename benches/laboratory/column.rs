@@ -24,8 +24,9 @@ const TRIED: usize = 1;
 const SLIPPERY: f64 = 0.2;
 /// By how much run-outs may differ from the published ones.
 const TOLERANCE: f64 = 0.15;
-/// Angle of repose in degrees of grains with such friction: docs/repose.md, 0.41 and 0.57.
-const REPOSE: f64 = 43.0;
+/// Angle of repose in degrees of grains with such friction, 0.5: docs/repose.md, between 0.39 and
+/// 0.57; a test compares it with the kept piles.
+const REPOSE: f64 = 42.0;
 
 /// Runs the test.
 pub fn carry_out(bench: &Bench) -> Result<Found, String> {

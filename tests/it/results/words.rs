@@ -195,6 +195,29 @@ fn ratios_in_words_are_those_of_the_results() {
     }
 }
 
+/// Law: the angle of repose by which deposits of columns are explained is that of kept piles with
+/// the columns' friction, 0.5, on straight lines between frictions.
+#[test]
+fn deposits_of_columns_are_explained_by_the_angle_of_kept_piles() {
+    let of = Results::of(root()).source("calibration").expect("kept piles");
+    let number = |value: &Value, field: &str| value[field].as_f64().expect("a number");
+    let values = of["values"].as_array().expect("values");
+    let mut angles: Vec<(f64, f64)> =
+        values.iter().map(|v| (number(v, "value"), number(v, "mean"))).collect();
+    angles.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let about = angles.windows(2).find(|pair| pair[0].0 <= 0.5 && 0.5 < pair[1].0);
+    let [(x0, y0), (x1, y1)] = about.expect("piles about 0.5") else { panic!("two of them") };
+    let kept = y0 + (y1 - y0) * (0.5 - x0) / (x1 - x0);
+    assert!((kept - 42.0).abs() < 1.5, "law: 42° at 0.5, piles say {kept}, tolerance 1.5°");
+    for (file, said) in [
+        ("benches/laboratory/column.rs", "const REPOSE: f64 = 42.0;"),
+        ("docs/results/laboratory.md", "such grains pile up at about 42°"),
+    ] {
+        let text = fs::read_to_string(root().join(file)).expect("the file");
+        assert!(text.contains(said), "law: {file} says `{said}`");
+    }
+}
+
 /// Law: where pages say in words what is reproduced, the kept scorecard says the same.
 #[test]
 fn pages_judge_as_the_kept_scorecard_does() {
