@@ -86,8 +86,8 @@ impl Bench {
         if self.is_quick() { Vec::new() } else { of }
     }
 
-    /// Says that nothing is read of a run, and why, as `study, run (why)`: on the terminal, and in the
-    /// rows of the test.
+    /// Says that nothing is read of a run, and why, as `study, run (why)`: on the terminal, and in
+    /// the rows of the test.
     pub fn leave_out(&self, text: String) {
         eprintln!("left out: {text}");
         self.left_out.borrow_mut().push(text);
@@ -142,10 +142,10 @@ impl Bench {
 }
 
 impl Run {
-    /// Why nothing is to be read of the run, if so. Tests that are read in motion have no rest test:
-    /// that their numerical creep is not known is nothing against them, and no stage of theirs says
-    /// whether it settled, as that of a pile does. Where they begin with a rest,
-    /// as triaxial compression does, the check watches the numerical creep of that.
+    /// Why nothing is to be read of the run, if so. Tests that are read in motion have no rest
+    /// test: that their numerical creep is not known is nothing against them, and no stage of
+    /// theirs says whether it settled, as that of a pile does. Where they begin with a rest, as
+    /// triaxial compression does, the check watches the numerical creep of that.
     fn why_left_out(&self) -> Result<Option<String>, String> {
         let summary: Summary =
             read_json(&self.folder.join("summary.json")).map_err(|e| e.to_string())?;

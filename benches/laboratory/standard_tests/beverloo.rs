@@ -7,10 +7,11 @@
 
 use pluvia::measure::statistics::least_squares_slope;
 
-/// Lowest k that is tried. Below zero the law has no meaning by itself: grains would flow where there
-/// is no opening. But rates scatter to either side of the law, k with them, and the exponent makes up
-/// for it: a fit that may not go below zero cuts large exponents off and not small ones, so that their
-/// mean is no longer that of the law. Rates that scatter by 4 % do not come near this bound.
+/// Lowest k that is tried. Below zero the law has no meaning by itself: grains would flow where
+/// there is no opening. But rates scatter to either side of the law, k with them, and the exponent
+/// makes up for it: a fit that may not go below zero cuts large exponents off and not small ones,
+/// so that their mean is no longer that of the law. Rates that scatter by 4 % do not come near this
+/// bound.
 const LEAST_K: f64 = -20.0;
 /// Least width of an opening beyond k grains, in grains.
 const LEAST_GAP: f64 = 0.02;
@@ -44,7 +45,7 @@ pub struct Held {
 pub struct BeverlooFit {
     /// The coefficient C.
     pub c: f64,
-    /// Grain diameters by which the opening counts as narrower; below zero where scatter asks for it.
+    /// Grain diameters by which the opening counts as narrower; negative where scatter asks for it.
     pub k: f64,
     /// Whether k is the least or the largest that is tried: rates may ask for one beyond it.
     pub at_bound: bool,
@@ -55,7 +56,8 @@ pub struct BeverlooFit {
 }
 
 /// Fits the law to discharges of grains of diameter `size` (m) under `gravity` (m/s²), by least
-/// squares of ln W. `None` where there are no more rates than what is fitted, or one is not positive.
+/// squares of ln W. `None` where there are no more rates than what is fitted, or one is not
+/// positive.
 pub fn fit_beverloo(
     discharges: &[Discharge],
     size: f64,
@@ -243,7 +245,8 @@ mod tests {
         };
         let fit = |rates: &[Discharge], held| fit_beverloo(rates, SIZE, 9.81, held).expect("a fit");
         let (free, usual) = (Held::default(), Held { exponent: Some(2.5), k: None });
-        // An exponential function is a power of k without end; one of 0.01 at 5 d wants a k of 4.99.
+        // An exponential function is a power of k without end; one of 0.01 at 5 d wants a k of
+        // 4.99.
         for (what, rates, held) in [
             ("the least, free", law(|d| (0.4 * d).exp()), free),
             ("the least, usual", law(|d| (d + 30.0).powf(2.5)), usual),

@@ -1,10 +1,10 @@
 //! Standard tests of granular material: the laws by which they are read, as pure functions.
 //!
-//! Discharge of a hopper ([`fit_beverloo`]), height and run-out of a column
-//! ([`column_height`], [`deposit_edge`], [`run_out_of_slope`]), a box that is
-//! tilted ([`sliding_tilt`]), direct shear ([`shear_strength`], [`friction_angle`]), an oedometer
-//! ([`rebound`]), triaxial compression ([`critical_state`]), where a curve of means takes a value
-//! ([`crossing`]), and how what was measured is judged ([`judge`]).
+//! Discharge of a hopper ([`fit_beverloo`]), height and run-out of a column ([`column_height`],
+//! [`deposit_edge`], [`run_out_of_slope`]), a box that is tilted ([`sliding_tilt`]), direct shear
+//! ([`shear_strength`], [`friction_angle`]), an oedometer ([`rebound`]), triaxial compression
+//! ([`critical_state`]), where a curve of means takes a value ([`crossing`]), and how what was
+//! measured is judged ([`judge`]).
 
 mod beverloo;
 mod judge;

@@ -8,9 +8,10 @@ use pluvia::{
 /// More in m than any column is high.
 const TALL: f64 = 1.0;
 
-/// Mean height in m of the surface of a column in a tube of `radius` (m), no nearer to the tube than
-/// `margin` (m): there the surface falls off to where grains touch the tube. Grains that lie there
-/// still count with what they cover of the rest. `cell` is the side in m of the cells that are read.
+/// Mean height in m of the surface of a column in a tube of `radius` (m), no nearer to the tube
+/// than `margin` (m): there the surface falls off to where grains touch the tube. Grains that lie
+/// there still count with what they cover of the rest. `cell` is the side in m of the cells that
+/// are read.
 ///
 /// # Errors
 /// As [`HeightMap::of`].
@@ -123,8 +124,8 @@ mod tests {
         Specimen { grains: Arc::new(grains), state }
     }
 
-    /// Law: a grain in the margin of a tube counts with what it covers of the rest, and a grain that
-    /// covers none of it does not.
+    /// Law: a grain in the margin of a tube counts with what it covers of the rest, and a grain
+    /// that covers none of it does not.
     #[test]
     fn a_column_is_as_high_as_what_covers_it_away_from_its_tube() {
         let floor = ([0.2, 0.2, 0.03], [0.0, 0.0, 0.015]);
