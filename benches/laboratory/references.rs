@@ -146,7 +146,10 @@ pub fn of(id: &str) -> Reference {
         "direct-shear-end" => unseen(Stated::Nothing, NOT_CRITICAL),
         "direct-shear-far-end" => unseen(Stated::Nothing, FAR),
         "direct-shear-far-dilation-end" => unseen(value(0.0), FAR_DILATION),
-        "triaxial-end-difference" | "triaxial-ratio-difference" => unseen(value(0.0), ONE_STATE),
+        "triaxial-end-difference"
+        | "triaxial-end-plates"
+        | "triaxial-ratio-difference"
+        | "triaxial-ratio-plates" => unseen(value(0.0), ONE_STATE),
         "triaxial-angle-loose" | "triaxial-angle-dense" => unseen(range(36.9, 40.3), CRITICAL),
         "oedometer-came-back"
         | "oedometer-compression-index"

@@ -3,7 +3,7 @@
 
 use pluvia::{
     report::{Axis, Chart, Look, Plot},
-    units::{from_kpa, from_mm, to_kpa},
+    units::{from_kpa, from_mm, to_kpa, to_mm},
 };
 use serde_json::json;
 
@@ -17,9 +17,20 @@ use super::{
 
 const SPECIMEN: &str = "scenarios/validation/triaxial-specimen.json";
 const SCENARIO: &str = "scenarios/validation/triaxial-mean-stress.json";
-/// Friction between grains while they are sheared, and while each kind of specimen is made.
+/// Friction between grains while they are sheared.
 const FRICTION: f64 = 0.5;
-const KINDS: [(&str, f64); 2] = [("loose", FRICTION), ("dense", 0.05)];
+/// A kind of specimen: how it is made, so that both are about as high.
+struct Kind {
+    name: &'static str,
+    /// Friction between grains until it is compressed.
+    friction: f64,
+    /// Mass in g in the small design.
+    mass_g: f64,
+}
+const KINDS: [Kind; 2] = [
+    Kind { name: "loose", friction: FRICTION, mass_g: 430.0 },
+    Kind { name: "dense", friction: 0.05, mass_g: 490.0 },
+];
 /// Time in s that a specimen has at rest with its new friction, before it is sheared.
 const REST: f64 = 0.2;
 /// Time in s over which the mean stress is smoothed and restored: see the scenario's notes.
@@ -31,8 +42,8 @@ const SIDES: [&str; 4] = ["west", "east", "south", "north"];
 /// Stress in kPa from all sides.
 const STRESS: f64 = 10.0;
 /// How far the top plate goes, in widths of the cube, and axial strain from which on is the end.
-const TRAVEL: f64 = 0.32;
-const END: f64 = 0.20;
+const TRAVEL: f64 = 0.40;
+const END: f64 = 0.27;
 /// How far it goes in a second.
 const RATE: f64 = 0.20;
 /// Moments that count together as the peak.
@@ -40,38 +51,46 @@ const TOGETHER: usize = 3;
 /// Mean equivalent diameter of the grains in mm, and density of the solids in kg/m³.
 const SIZE_MM: f64 = 9.0;
 const SOLIDS: f64 = 2650.0;
-/// Width in mm of the compressed cube of the scenario, and of the full design.
+/// Width in mm in which a specimen of the scenario is poured, and that of the full design.
 const SIDE_MM: f64 = 66.0;
 const WIDE_MM: f64 = 132.0;
-/// Width in which it is poured, over that.
-const POURED: f64 = 72.0 / 66.0;
+/// Half the thickness of the plates in mm.
+const HALF_PLATE_MM: f64 = 10.0;
 
 /// A specimen that was sheared.
 struct Test {
     /// Number of its kind.
     kind: usize,
     configuration: u32,
+    /// Of the inner region.
     moments: Vec<Triaxial>,
     end: CriticalState,
     peak: f64,
+    /// Of all that is between the plates.
+    between: Vec<Triaxial>,
+    whole: CriticalState,
+    /// Width along x and y, and height, before it is sheared, in m.
+    size: [f64; 3],
 }
 
 /// Runs the test.
 pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     let side = if bench.is_small() { SIDE_MM } else { WIDE_MM };
-    let changes = |friction: f64| {
+    let changes = |kind: &Kind, friction: f64| {
         let mut changes = if bench.is_small() { Vec::new() } else { wide() };
+        let mass_g = (kind.mass_g * (side / SIDE_MM).powi(3)).round();
+        changes.push(format!("grains.total_mass_g={mass_g}"));
         changes.push(format!("contact.grain_grain_friction={friction}"));
         changes
     };
     let made: Vec<Point> = KINDS
         .iter()
-        .map(|(name, friction)| {
-            let mut changes = changes(*friction);
+        .map(|kind| {
+            let mut changes = changes(kind, kind.friction);
             if !bench.is_small() {
                 changes.extend(wide_stages());
             }
-            Point { name: (*name).to_owned(), changes, most: None }
+            Point { name: kind.name.to_owned(), changes, most: None }
         })
         .collect();
     let specimens = bench.run("triaxial-specimen", SPECIMEN, &made)?;
@@ -84,23 +103,26 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
               "travel_mm": TRAVEL * side, "ramp_s": RAMP,
               "keep_mean_stress": { "region": "core", "pieces": SIDES, "window_s": WINDOW } },
         ]);
-        let mut changes = changes(FRICTION);
+        let kind = &KINDS[run.point];
+        let mut changes = changes(kind, FRICTION);
         changes.push(format!("begin.specimen={}", folder.display()));
         changes.push(format!("stages={stages}"));
-        let name = format!("{}-{}", KINDS[run.point].0, run.configuration);
+        let name = format!("{}-{}", kind.name, run.configuration);
         Ok(Point { name, changes, most: Some(1) })
     });
     let points: Vec<Point> = points.collect::<Result<_, String>>()?;
     let mut tests = Vec::new();
     for run in bench.run("triaxial", SCENARIO, &points)? {
         let specimen = &specimens[run.point];
-        let moments = moments(&run)?;
-        match critical_state(&moments, END).zip(peak_ratio(&moments, TOGETHER)) {
-            Some((end, peak)) => {
+        let Moments { core, between, size } = moments(&run)?;
+        let ends = critical_state(&core, END).zip(critical_state(&between, END));
+        match ends.zip(peak_ratio(&core, TOGETHER)) {
+            Some(((end, whole), peak)) => {
                 let (kind, configuration) = (specimen.point, specimen.configuration);
-                tests.push(Test { kind, configuration, moments, end, peak });
+                let moments = core;
+                tests.push(Test { kind, configuration, moments, end, peak, between, whole, size });
             }
-            None => eprintln!("{}: not sheared", run.folder.display()),
+            None => bench.leave_out(format!("{}: not sheared to the end", run.folder.display())),
         }
     }
     let rows = rows(bench, &tests, side);
@@ -109,12 +131,11 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
 
 /// The cube of the full design.
 fn wide() -> Vec<String> {
-    let (side, out) = (WIDE_MM, POURED * WIDE_MM / 2.0 + 10.0);
-    let wide = WIDE_MM + 90.0;
+    let (side, out) = (WIDE_MM, WIDE_MM / 2.0 + HALF_PLATE_MM);
+    let wide = WIDE_MM + 110.0;
     let high = 225.0;
-    let core = 0.3 * side;
+    let core = side / 3.0;
     vec![
-        format!("grains.total_mass_g={}", (430.0 * (side / SIDE_MM).powi(3)).round()),
         format!("pieces.0.shape.plate.size_mm=[{wide},{wide},20]"),
         format!("pieces.1.shape.plate.size_mm=[20,{wide},{high}]"),
         format!("pieces.1.at_mm=[-{out},0,{}]", high / 2.0),
@@ -126,8 +147,8 @@ fn wide() -> Vec<String> {
         format!("pieces.4.at_mm=[0,{out},{}]", high / 2.0),
         format!("pieces.5.shape.plate.size_mm=[{wide},{wide},20]"),
         format!("pieces.5.at_mm=[0,0,{}]", high + 40.0),
-        format!("measures.regions.0.low_mm=[-{core},-{core},{}]", 0.18 * side),
-        format!("measures.regions.0.high_mm=[{core},{core},{}]", 0.55 * side),
+        format!("measures.regions.0.low_mm=[-{core},-{core},{}]", 0.15 * side),
+        format!("measures.regions.0.high_mm=[{core},{core},{}]", 0.48 * side),
     ]
 }
 
@@ -136,38 +157,80 @@ fn wide_stages() -> Vec<String> {
     let force = from_kpa(STRESS) * from_mm(WIDE_MM).powi(2);
     let mut changes = vec![
         "stages.0.at_mm=[0,0,215]".to_owned(),
-        format!("stages.0.area_mm=[{0},{0}]", POURED * WIDE_MM - 12.0),
+        format!("stages.0.area_mm=[{0},{0}]", WIDE_MM - 12.0),
         "stages.0.rate_g_per_s=1800".to_owned(),
         "stages.0.time_limit_s=10".to_owned(),
-        "stages.1.travel_mm=90".to_owned(),
+        "stages.1.time_limit_s=6".to_owned(),
+        "stages.1.until.force_n=8".to_owned(),
     ];
     changes.extend((0..5).map(|n| format!("stages.2.loads.{n}.force_n={force}")));
     changes
 }
 
-fn moments(run: &Run) -> Result<Vec<Triaxial>, String> {
+/// A test as it is sheared.
+struct Moments {
+    /// Of the inner region.
+    core: Vec<Triaxial>,
+    /// Of all that is between the plates, by their places and forces.
+    between: Vec<Triaxial>,
+    /// Width along x and y, and height, before, in m.
+    size: [f64; 3],
+}
+
+fn moments(run: &Run) -> Result<Moments, String> {
     let rows = run.series([
         "stage",
-        "top_z_mm",
+        "time_s",
         "core_stress_xx_kpa",
         "core_stress_yy_kpa",
         "core_stress_zz_kpa",
         "core_void_ratio",
-        "time_s",
+        "west_x_mm",
+        "east_x_mm",
+        "south_y_mm",
+        "north_y_mm",
+        "top_z_mm",
+        "west_force_x_n",
+        "south_force_y_n",
+        "top_force_z_n",
     ])?;
-    // The lower side of the top plate, which is 20 mm thick.
-    let height = |row: &[f64; 7]| row[1] - 10.0;
+    let solids = run.summary("/grains/solids_volume_cm3")?.ok_or("no volume of solids")? * 1e-6;
+    // Between the inner sides of the plates, above the floor at 0.
+    let size = |row: &[f64; 14]| {
+        let between = |low: f64, high: f64| from_mm(high - low - 2.0 * HALF_PLATE_MM);
+        [between(row[6], row[7]), between(row[8], row[9]), from_mm(row[10] - HALF_PLATE_MM)]
+    };
     // Less than half as fast, the plate lets the deviator go.
-    let end = rows.last().map_or(0.0, |row| row[6]) - RAMP / 2.0;
-    let is_sheared = |row: &&[f64; 7]| row[0] == 1.0 && row[6] <= end;
-    let sheared: Vec<&[f64; 7]> = rows.iter().filter(is_sheared).collect();
-    let Some(first) = sheared.first().map(|row| height(row)) else { return Ok(Vec::new()) };
-    let moment = |row: &&[f64; 7]| Triaxial {
-        strain: 1.0 - height(row) / first,
+    let end = rows.last().map_or(0.0, |row| row[1]) - RAMP / 2.0;
+    let is_sheared = |row: &&[f64; 14]| row[0] == 1.0 && row[1] <= end;
+    let sheared: Vec<&[f64; 14]> = rows.iter().filter(is_sheared).collect();
+    let size_before = sheared.first().map_or([f64::NAN; 3], |row| size(row));
+    let strain = |row: &[f64; 14]| 1.0 - size(row)[2] / size_before[2];
+    let core = |row: &&[f64; 14]| Triaxial {
+        strain: strain(row),
         stress: [row[2], row[3], row[4]].map(from_kpa),
         void_ratio: row[5],
     };
-    Ok(sheared.iter().map(moment).filter(|m| m.ratio().is_finite()).collect())
+    let between = |row: &&[f64; 14]| {
+        let [wide, deep, high] = size(row);
+        Triaxial {
+            strain: strain(row),
+            stress: [
+                row[11].abs() / (deep * high),
+                row[12].abs() / (wide * high),
+                row[13].abs() / (wide * deep),
+            ],
+            void_ratio: wide * deep * high / solids - 1.0,
+        }
+    };
+    let finite = |moments: Vec<Triaxial>| -> Vec<Triaxial> {
+        moments.into_iter().filter(|m| m.ratio().is_finite()).collect()
+    };
+    Ok(Moments {
+        core: finite(sheared.iter().map(core).collect()),
+        between: finite(sheared.iter().map(between).collect()),
+        size: size_before,
+    })
 }
 
 /// What is read of a test.
@@ -194,7 +257,8 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
     };
     // A row for each kind of specimen.
     let each = |id: &str, what: &str, when: &str, of: Read, notes: [&str; 2], decimals| {
-        let of_kind = |(kind, (name, _)): (usize, &(&str, f64))| {
+        let of_kind = |(kind, kind_of): (usize, &Kind)| {
+            let name = kind_of.name;
             let (id, quantity) = (format!("{id}-{name}"), format!("{what} of the {name} {when}"));
             row(&id, &quantity, &values(kind, of), notes[kind], decimals)
         };
@@ -203,6 +267,8 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
     let begin: Read = |test| test.moments[0].void_ratio;
     let void_ratio: Read = |test| test.end.void_ratio;
     let ratio: Read = |test| test.end.ratio;
+    let whole_void_ratio: Read = |test| test.whole.void_ratio;
+    let whole_ratio: Read = |test| test.whole.ratio;
     let peak: Read = |test| angle_of_ratio(test.peak).to_degrees();
     let angle: Read = |test| angle_of_ratio(test.end.ratio).to_degrees();
     let still = |kind: usize| {
@@ -212,35 +278,68 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
         })
     };
     let inertial = inertial_number(RATE, from_mm(SIZE_MM), SOLIDS, from_kpa(STRESS));
-    let how = format!(
-        "A cube {:.0} grains wide, smooth plates, void ratio and stress of an inner region, whose \
-         mean stress the plates at the sides keep; means beyond an axial strain of {:.0} %, \
+    let core_mm = 2.0 * side / 3.0;
+    let region = format!(
+        "An inner region of {core_mm:.0} by {core_mm:.0} by {:.0} mm in a specimen {:.0} grains \
+         wide between smooth plates; those at the sides keep its mean stress; \
          I = ε̇ d √(ρ/p) = {inertial:.0e}",
-        side / SIZE_MM,
+        side / 3.0,
+        side / SIZE_MM
+    );
+    let how = format!("{region}; means beyond an axial strain of {:.0} %", 100.0 * END);
+    let plates = format!(
+        "By places and forces of the plates: all grains, with the looser ones at the plates; \
+         means beyond an axial strain of {:.0} %",
         100.0 * END
     );
-    let made = "Poured and compressed by 10 kPa with friction between grains of 0.5 and of 0.05, \
-                sheared with 0.5";
+    let highest = format!(
+        "{region}; the largest mean of {TOGETHER} samples in succession, which their scatter raises"
+    );
+    let made = [0, 1].map(|kind| made(tests, kind));
+    let made_both = format!("{}. {}", made[0], made[1]);
+    let made = made.each_ref().map(String::as_str);
     let at_end = [0, 1].map(|kind| how.clone() + &still(kind));
     let at_end = at_end.each_ref().map(String::as_str);
-    let how = how.as_str();
-    let mut rows = vec![less("begin", "void ratio", "at the beginning", begin, made, 3)];
-    rows.extend(each("begin", "void ratio", "at the beginning", begin, [made; 2], 3));
+    let (how, highest, plates) = (how.as_str(), highest.as_str(), plates.as_str());
+    let mut rows = vec![less("begin", "void ratio", "at the beginning", begin, &made_both, 3)];
+    rows.extend(each("begin", "void ratio", "at the beginning", begin, made, 3));
     rows.push(less("end-difference", "void ratio", "at the end", void_ratio, how, 3));
     rows.extend(each("end", "void ratio", "at the end", void_ratio, at_end, 3));
+    let all = "void ratio between the plates";
+    rows.push(less("end-plates", all, "at the end", whole_void_ratio, plates, 3));
     rows.push(less("ratio-difference", "q/p", "at the end", ratio, how, 2));
     rows.extend(each("ratio", "q/p", "at the end", ratio, [how; 2], 2));
-    rows.extend(each("peak", "friction angle", "at its peak, °", peak, [how; 2], 1));
+    rows.push(less("ratio-plates", "q/p by the plates", "at the end", whole_ratio, plates, 2));
+    rows.extend(each("peak", "friction angle", "at its peak, °", peak, [highest; 2], 1));
     rows.extend(each("angle", "friction angle", "at the end, °", angle, [how; 2], 1));
     rows
 }
 
-/// A line for each test: what is to the right and what is upwards at a moment.
+/// How a kind of specimen was made, and what it was before it was sheared.
+fn made(tests: &[Test], kind: usize) -> String {
+    let of = |read: &dyn Fn(&Test) -> f64| {
+        let values: Vec<f64> = tests.iter().filter(|t| t.kind == kind).map(read).collect();
+        pluvia::measure::statistics::mean(&values).unwrap_or(f64::NAN)
+    };
+    let Kind { name, friction, .. } = KINDS[kind];
+    format!(
+        "{name}: poured and compressed by 10 kPa from all sides with friction between grains of \
+         {friction}, sheared with {FRICTION}; {:.0} by {:.0} mm wide and {:.0} mm high, q/p {:.2}, \
+         means",
+        to_mm(of(&|t| t.size[0])),
+        to_mm(of(&|t| t.size[1])),
+        to_mm(of(&|t| t.size[2])),
+        of(&|t| t.moments[0].ratio())
+    )
+}
+
+/// A line for each test: what is to the right and what is upwards at each of its moments.
 fn plot(
     tests: &[Test],
     axes: [Axis; 2],
-    x: impl Fn(&Triaxial) -> f64,
-    y: impl Fn(&Triaxial) -> f64,
+    moments: fn(&Test) -> &[Triaxial],
+    x: fn(&Triaxial) -> f64,
+    y: fn(&Triaxial) -> f64,
 ) -> Plot {
     let [right, up] = axes;
     let mut plot = Plot::new(right, up);
@@ -251,24 +350,28 @@ fn plot(
             (true, _) => "Dense",
             _ => "",
         };
-        let points = test.moments.iter().map(|m| (x(m), y(m))).collect();
+        let points = moments(test).iter().map(|m| (x(m), y(m))).collect();
         plot.add(name, Look::marked(test.kind), points);
     }
     plot
 }
 
 fn chart(tests: &[Test]) -> Chart {
-    let panel = |up: Axis, y: fn(&Triaxial) -> f64| {
+    let panel = |up: Axis, moments: fn(&Test) -> &[Triaxial], y: fn(&Triaxial) -> f64| {
         let strain = Axis::linear("Axial strain (%)").from_zero();
-        plot(tests, [strain, up], |m| 100.0 * m.strain, y)
+        plot(tests, [strain, up], moments, |m| 100.0 * m.strain, y)
     };
+    let core: fn(&Test) -> &[Triaxial] = |test| &test.moments;
+    let between: fn(&Test) -> &[Triaxial] = |test| &test.between;
     Chart::new(
         "triaxial",
         "Triaxial compression of loose and dense specimens",
-        "q/p and void ratio of an inner region against axial strain, each realisation a line.",
+        "q/p and void ratio of an inner region, and void ratio of all between the plates, against \
+         axial strain, each realisation a line.",
         vec![
-            panel(Axis::linear("q/p").from_zero(), Triaxial::ratio),
-            panel(Axis::linear("Void ratio"), |m| m.void_ratio),
+            panel(Axis::linear("q/p").from_zero(), core, Triaxial::ratio),
+            panel(Axis::linear("Void ratio, inner region"), core, |m| m.void_ratio),
+            panel(Axis::linear("Void ratio between plates"), between, |m| m.void_ratio),
         ],
     )
 }
@@ -281,7 +384,13 @@ fn path(tests: &[Test]) -> Chart {
         "triaxial-path",
         "Stress paths of loose and dense specimens",
         "Deviator stress against mean stress of an inner region, each realisation a line: p is \
-         kept by the forces at the sides, and q grows to its peak and falls.",
-        vec![plot(tests, axes, |m| to_kpa(m.mean()), |m| to_kpa(m.deviator()))],
+         kept by the forces at the sides, once these can follow.",
+        vec![plot(
+            tests,
+            axes,
+            |test| &test.moments,
+            |m| to_kpa(m.mean()),
+            |m| to_kpa(m.deviator()),
+        )],
     )
 }

@@ -261,27 +261,36 @@ pub fn shear_end(quote: Cells, all: &Value) -> Result<String, String> {
     Ok(text)
 }
 
-/// Whether loose and dense triaxial specimens end at one void ratio, as far as the interval tells.
+/// Whether loose and dense triaxial specimens end at one void ratio, as far as the intervals tell.
 pub fn triaxial_end(quote: Cells, all: &Value) -> Result<String, String> {
-    let find = |id: &str| {
-        rows(all).find(|value| value["id"] == id).filter(|value| value["ours"].is_number())
-    };
-    let Some(apart) = find("triaxial-end-difference") else { return Ok(String::new()) };
-    let bound = |name: &str| apart["interval"][name].as_f64();
-    let told = match bound("low").zip(bound("high")) {
-        None => "too few specimens to tell whether both end at one void ratio".to_owned(),
-        Some((low, high)) if low <= 0.0 && high >= 0.0 => {
-            "within the interval both end at one void ratio".to_owned()
+    let told = |row: &Value| {
+        let bound = |name: &str| row["interval"][name].as_f64();
+        match bound("low").zip(bound("high")) {
+            None => "too few specimens to tell whether both end at one void ratio".to_owned(),
+            Some((low, high)) if low <= 0.0 && high >= 0.0 => {
+                "both may end at one void ratio: the interval does not tell".to_owned()
+            }
+            Some((_, high)) => format!(
+                "**they do not end at one void ratio**: dense ones are {} at the end",
+                if high < 0.0 { "looser" } else { "still denser" }
+            ),
         }
-        Some((_, high)) => format!(
-            "**they do not end at one void ratio**: dense ones are {} at the end",
-            if high < 0.0 { "looser" } else { "still denser" }
-        ),
     };
-    Ok(format!(
-        "Loose less dense specimens, void ratio at the end: {};\n{told}.\n",
-        ours(quote, apart)?
-    ))
+    let mut text = String::new();
+    for (id, of) in [
+        ("triaxial-end-difference", "of the inner region"),
+        ("triaxial-end-plates", "between the plates"),
+    ] {
+        let row = rows(all).find(|row| row["id"] == id).filter(|row| row["ours"].is_number());
+        if let Some(row) = row {
+            text += &format!(
+                "- Void ratio {of} at the end, loose less dense: {}; {}.\n",
+                ours(quote, row)?,
+                told(row)
+            );
+        }
+    }
+    Ok(text)
 }
 
 /// Tests by their names in rows, and what they are called.

@@ -80,20 +80,20 @@ fn what_was_left_out_is_found_by_its_run() {
 /// Law: specimens whose difference has an interval without 0 did not come to one void ratio.
 #[test]
 fn triaxial_specimens_meet_where_the_interval_holds_none() {
-    let row = |interval: Value| {
-        vec![json!({ "id": "triaxial-end-difference", "ours": -0.05, "interval": interval,
-            "values": [-0.05], "decimals": 2 })]
-    };
+    let row = |id: &str, interval: Value| json!({ "id": id, "ours": -0.05, "interval": interval, "values": [-0.05], "decimals": 2 });
+    let region = |interval: Value| vec![row("triaxial-end-difference", interval)];
     let ends = |low: f64, high: f64| json!({ "low": low, "high": high });
     for (interval, expected) in [
-        (ends(-0.09, -0.01), "at the end: −0.05 (−0.09 to −0.01);\n**they do not end at one void"),
+        (ends(-0.09, -0.01), "loose less dense: −0.05 (−0.09 to −0.01); **they do not end at one"),
         (ends(-0.09, -0.01), "dense ones are looser at the end.\n"),
         (ends(0.01, 0.09), "dense ones are still denser at the end.\n"),
-        (ends(-0.09, 0.01), ";\nwithin the interval both end at one void ratio.\n"),
-        (Value::Null, "at the end: −0.05;\ntoo few specimens to tell"),
+        (ends(-0.09, 0.01), "; both may end at one void ratio: the interval does not tell.\n"),
+        (Value::Null, "loose less dense: −0.05; too few specimens to tell"),
     ] {
-        let text = said("laboratory-triaxial", &row(interval));
+        let text = said("laboratory-triaxial", &region(interval));
         assert!(text.contains(expected), "law: `{expected}`, got {text}");
     }
+    let plates = said("laboratory-triaxial", &[row("triaxial-end-plates", Value::Null)]);
+    assert!(plates.starts_with("- Void ratio between the plates"), "law: both, got {plates}");
     assert_eq!(said("laboratory-triaxial", &[]), "", "law: no row, no sentence");
 }
