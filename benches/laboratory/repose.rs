@@ -5,7 +5,7 @@ use pluvia::report::{Axis, Chart, Look, Plot};
 use super::{
     bench::{Bench, Design, Point, Run},
     row::{Found, Row},
-    standard_tests::{Tilted, crossing, sliding_tilt},
+    standard_tests::{Crossing, Tilted, crossing, sliding_tilt},
 };
 
 /// The angle that the paper measured, in degrees.
@@ -70,27 +70,27 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         for run in &runs {
             match (method.read)(run)? {
                 Some(angle) => angles.push((run.configuration, frictions[run.point], angle)),
-                None => eprintln!("{}: no angle", run.folder.display()),
+                None => {
+                    let run = run.folder.file_name().unwrap_or_default().to_string_lossy();
+                    bench.leave_out(format!("{run} of {name} (no angle)"));
+                }
             }
         }
-        let found = (1..=bench.configurations).filter_map(|configuration| {
-            let own: Vec<(f64, f64)> =
-                angles.iter().filter(|a| a.0 == configuration).map(|a| (a.1, a.2)).collect();
-            crossing(&own, WANTED)
-        });
-        let values: Vec<f64> = found.collect();
-        let highest = angles.iter().map(|a| a.2).fold(f64::NEG_INFINITY, f64::max);
-        let quantity = format!("friction coefficient at 38.40°, {}", method.name.to_lowercase());
-        let note = match values.len() < bench.configurations as usize {
-            true => format!(
-                "{} of {} realisations reach 38.40° between {} and {}; the steepest angle is {highest:.1}°",
-                values.len(),
-                bench.configurations,
-                frictions[0],
-                frictions[frictions.len() - 1]
-            ),
-            false => "On straight lines between frictions, realisation by realisation".to_owned(),
+        let curve = |configuration: u32| -> Vec<(f64, Option<f64>)> {
+            let is_of = |mu: f64, a: &(u32, f64, f64)| a.0 == configuration && a.1 == mu;
+            let at = |mu: &f64| (*mu, angles.iter().find(|a| is_of(*mu, a)).map(|a| a.2));
+            frictions.iter().map(at).collect()
         };
+        let found: Vec<Crossing> =
+            (1..=bench.configurations).map(|c| crossing(&curve(c), WANTED)).collect();
+        let place = |found: &Crossing| match found {
+            Crossing::At { place, .. } => Some(*place),
+            _ => None,
+        };
+        let values: Vec<f64> = found.iter().filter_map(place).collect();
+        let all_angles: Vec<f64> = angles.iter().map(|a| a.2).collect();
+        let quantity = format!("friction coefficient at 38.40°, {}", method.name.to_lowercase());
+        let note = note(&found, frictions, &all_angles);
         let id = format!("repose-{}", method.id);
         rows.push(Row::of("repose", &id, &quantity, &values).noted(note));
         let at = |mu: f64| {
@@ -105,6 +105,40 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     let seen = "Angle against the friction between grains, means over realisations.";
     let chart = Chart::new("repose", "Angle of repose by three methods", seen, vec![plot]);
     Ok(Found { rows, charts: vec![chart] })
+}
+
+/// What must be known of where the curves of realisations cross the line, by all angles in degrees.
+fn note(found: &[Crossing], frictions: &[f64], angles: &[f64]) -> String {
+    let all = found.len();
+    let count = |is: fn(&Crossing) -> bool| found.iter().filter(|of| is(of)).count();
+    let several = count(|of| matches!(of, Crossing::At { times: 2.., .. }));
+    let nowhere = count(|of| matches!(of, Crossing::Nowhere));
+    let unknown = count(|of| matches!(of, Crossing::Unknown));
+    let mut text =
+        "On straight lines between neighbouring frictions, realisation by realisation".to_owned();
+    if several > 0 {
+        text += &format!(
+            "; {several} of {all} cross 38.40° several times, of which the middle counts, of an \
+             even number the mean of the middle two"
+        );
+    }
+    if let (1.., [first, .., last]) = (nowhere, frictions) {
+        let lowest = angles.iter().copied().fold(f64::INFINITY, f64::min);
+        let highest = angles.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        text += &format!(
+            "; {nowhere} of {all} do not cross 38.40° between {first} and {last}: angles of all \
+             are {lowest:.1}° to {highest:.1}°"
+        );
+    }
+    let missing = all * frictions.len() - angles.len();
+    if missing > 0 {
+        let runs = all * frictions.len();
+        text += &format!("; {missing} of {runs} runs are left out or have no angle");
+    }
+    if unknown > 0 {
+        text += &format!(", so that the crossing of {unknown} of {all} realisations is not known");
+    }
+    text
 }
 
 /// Slope of a pile, in degrees.
