@@ -1,11 +1,14 @@
 //! The angle of repose of the same grains by three methods, over the friction between them.
 
-use pluvia::report::{Axis, Chart, Look, Plot};
+use pluvia::{
+    report::{Axis, Chart, Look, Plot},
+    units::from_mm,
+};
 
 use super::{
     bench::{Bench, Design, Point, Run},
     row::{Found, Row},
-    standard_tests::{Crossing, Tilted, crossing, sliding_tilt},
+    standard_tests::{Borne, Crossing, Tilted, crossing, sliding_tilt},
 };
 
 /// The angle that the paper measured, in degrees.
@@ -159,27 +162,20 @@ fn tilting_box(run: &Run) -> Result<Option<f64>, String> {
     names.extend(columns.iter().map(String::as_str));
     let names: [&str; 11] = names.try_into().map_err(|_| "11 columns")?;
     let rows = run.series(names)?;
-    let Some(level) = rows.iter().rfind(|row| row[0] == 0.0) else { return Ok(None) };
-    // (r × F)_y of both pieces about the middle of the level floor, with what each place adds.
-    let moment = |row: &[f64; 11]| -> (f64, f64) {
-        let of = |n: usize| {
-            let [x, z, fx, fz, own] = [row[n], row[n + 1], row[n + 2], row[n + 3], row[n + 4]];
-            (own + 1e-3 * (z * fx - x * fz), fz)
-        };
-        let (a, b) = (of(1), of(6));
-        (a.0 + b.0, a.1 + b.1)
-    };
-    let moments: Vec<Tilted> = std::iter::once(level)
-        .chain(rows.iter().filter(|row| row[0] == 1.0))
-        .map(|row| {
-            let (moment, down) = moment(row);
-            // Grains press down with their weight: x of their centre of mass is the moment over it.
-            let downhill = moment / -down - AXIS;
-            // The middle of the floor goes round the axis.
-            let tilt = (1e-3 * row[7]).atan2(AXIS - 1e-3 * row[6]);
-            Tilted { tilt, downhill }
+    // The origin of the walls is the middle of the level floor, that of the floor lies below it.
+    let borne = |row: &[f64; 11]| -> [Borne; 2] {
+        [6, 1].map(|n| Borne {
+            at: [from_mm(row[n]), from_mm(row[n + 1])],
+            force: [row[n + 2], row[n + 3]],
+            moment: row[n + 4],
         })
-        .collect();
+    };
+    let Some(level) = rows.iter().rfind(|row| row[0] == 0.0).map(borne) else { return Ok(None) };
+    // The first of these is at the moment at which the box begins to turn.
+    let samples: Vec<[Borne; 2]> = rows.iter().filter(|row| row[0] == 1.0).map(borne).collect();
+    let turning = samples.windows(2).map(|pair| Tilted::between(&pair[0], &pair[1], AXIS));
+    let moments: Vec<Tilted> =
+        std::iter::once(Tilted::between(&level, &level, AXIS)).chain(turning).collect();
     Ok(sliding_tilt(&moments, RIGID.to_radians(), SLID * SIZE).map(f64::to_degrees))
 }
 

@@ -9,6 +9,35 @@ pub struct Tilted {
     pub downhill: f64,
 }
 
+/// A piece of a box at a sample, and the load of the grains on it since the sample before.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Borne {
+    /// Where its origin is, along x and up, in m.
+    pub at: [f64; 2],
+    /// Mean force in N along x and up.
+    pub force: [f64; 2],
+    /// Mean moment in N m about its origin, about y.
+    pub moment: f64,
+}
+
+impl Tilted {
+    /// Half way between two samples of pieces that turn about a level axis, along y through
+    /// (`axis` m, 0), the first of which began at the origin: mean loads belong to the mean of the tilts and of
+    /// the places, not to those at the end. Grains press down with their weight alone, so that
+    /// their centre of mass lies where the moment over it says.
+    pub fn between(before: &[Borne], now: &[Borne], axis: f64) -> Self {
+        let tilt = |pieces: &[Borne]| pieces[0].at[1].atan2(axis - pieces[0].at[0]);
+        let [mut moment, mut down] = [0.0; 2];
+        for (before, now) in before.iter().zip(now) {
+            let middle = |n: usize| 0.5 * (before.at[n] + now.at[n]);
+            // (r × F) about y.
+            moment += now.moment + middle(1) * now.force[0] - middle(0) * now.force[1];
+            down -= now.force[1];
+        }
+        Self { tilt: 0.5 * (tilt(before) + tilt(now)), downhill: moment / down - axis }
+    }
+}
+
 /// Tilt in rad at which grains have slid by `slid` m along the floor on average: where their centre
 /// of mass lies so much further downhill than it would if it turned with the box.
 ///
@@ -73,6 +102,54 @@ mod tests {
                     "law: {slid} m slid at {expected}°, got {got}°, tolerance 1e-6"
                 );
             }
+        }
+    }
+
+    /// Samples of a box of two pieces, every 0.96° up to 50°: grains of 5 N as in [`box_of`], their
+    /// loads means over the interval before.
+    fn samples(above: f64, from: f64, axis: f64) -> Vec<[Borne; 2]> {
+        let every = 0.96;
+        let sample = |n: u32| {
+            let at_end = every * f64::from(n);
+            let piece = |height: f64, weight: f64| {
+                let place = |tilt: f64| {
+                    let (sin, cos) = tilt.sin_cos();
+                    [axis * (1.0 - cos) + height * sin, axis * sin + height * cos]
+                };
+                let moment = |part: u32| {
+                    let degrees = at_end - every * (f64::from(part) + 0.5) / 100.0;
+                    let tilt = degrees.max(0.0).to_radians();
+                    let slid = 0.001 * (degrees - from).max(0.0);
+                    let downhill = (-0.07 + slid) * tilt.cos() + above * tilt.sin();
+                    weight * (axis + downhill - place(tilt)[0])
+                };
+                let moment = (0..100).map(moment).sum::<f64>() / 100.0;
+                Borne { at: place(at_end.to_radians()), force: [0.0, -weight], moment }
+            };
+            [piece(0.0, 2.0), piece(-0.005, 3.0)]
+        };
+        (0..=52).map(sample).collect()
+    }
+
+    #[test]
+    fn loads_that_are_means_belong_to_the_middle_of_their_interval() {
+        let axis = 0.06;
+        for (slid, expected) in [(0.001, 36.0), (0.0025, 37.5)] {
+            let samples = samples(0.03, 35.0, axis);
+            let read = |first: usize| -> f64 {
+                let between = |pair: &[[Borne; 2]]| Tilted::between(&pair[first], &pair[1], axis);
+                let moments: Vec<Tilted> = samples.windows(2).map(between).collect();
+                let got = sliding_tilt(&moments, 10f64.to_radians(), slid);
+                got.expect("they slide").to_degrees()
+            };
+            let got = read(0);
+            assert!(
+                (got - expected).abs() < 0.02,
+                "law: {slid} m slid at {expected}° by means over 0.96°, got {got}°, tolerance 0.02°"
+            );
+            // Taken for those at the end, the same loads are late.
+            let late = read(1);
+            assert!((late - expected).abs() > 0.2, "law: half of 0.96° late, got {late}°");
         }
     }
 }
