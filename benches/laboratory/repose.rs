@@ -8,7 +8,7 @@ use pluvia::{
 use super::{
     bench::{Bench, Design, Point, Run},
     row::{Found, Row},
-    standard_tests::{Borne, Crossing, Tilted, crossing, sliding_tilt},
+    standard_tests::{Borne, Crossing, Tilted, Turned, carried_up, crossing, sliding_tilt},
 };
 
 /// The angle that the paper measured, in degrees.
@@ -21,6 +21,11 @@ const SLID: f64 = 0.2;
 const RIGID: f64 = 10.0;
 /// Axis of the tilting box in m along x.
 const AXIS: f64 = 0.060;
+
+/// Part of its turn from which on a drum is read, and time in s in which `drum.json` slows it down
+/// at the end.
+const LATER: f64 = 0.5;
+const SLOWS_DOWN: f64 = 0.5;
 
 /// A method of measuring.
 struct Method {
@@ -180,25 +185,17 @@ fn tilting_box(run: &Run) -> Result<Option<f64>, String> {
 }
 
 /// Angle in degrees by which the centre of mass of the grains in a turning drum is carried up,
-/// on average over the second half of the turn.
+/// on average over the second half of the turn until it slows down.
 fn drum(run: &Run) -> Result<Option<f64>, String> {
-    let rows = run.series([
-        "time_s",
-        "stage",
-        "mean_grain_height_mm",
-        "drum_force_z_n",
-        "drum_moment_y_n_m",
-    ])?;
-    let turning: Vec<&[f64; 5]> = rows.iter().filter(|row| row[1] == 1.0).collect();
-    let later = &turning[turning.len() / 2..];
-    let angles: Vec<f64> = later
+    let rows = run.series(["time_s", "stage", "potential_energy_j", "drum_moment_y_n_m"])?;
+    let turning: Vec<&[f64; 4]> = rows.iter().filter(|row| row[1] == 1.0).collect();
+    let [first, .., last] = turning[..] else { return Ok(None) };
+    let (began, duration) = (first[0], last[0] - first[0]);
+    let samples: Vec<Turned> = turning
         .iter()
-        .map(|row| {
-            // The axis is the origin; grains lie below it.
-            let sideways = row[4] / row[3];
-            sideways.abs().atan2(-1e-3 * row[2]).to_degrees()
-        })
-        .filter(|angle| angle.is_finite())
+        .map(|row| Turned { time: row[0] - began, energy: row[2], moment: row[3] })
         .collect();
-    Ok(pluvia::measure::statistics::mean(&angles))
+    // The axis is at height 0, above which energies are.
+    let angle = carried_up(&samples, LATER * duration, duration - SLOWS_DOWN);
+    Ok(angle.map(f64::to_degrees))
 }

@@ -1,7 +1,8 @@
 //! Standard tests of granular material: the laws by which they are read, as pure functions.
 //!
 //! Discharge of a hopper ([`fit_beverloo`]), height and run-out of a column ([`column_height`],
-//! [`deposit_edge`], [`run_out_of_slope`]), a box that is tilted ([`sliding_tilt`]), direct shear
+//! [`deposit_edge`], [`run_out_of_slope`]), a box that is tilted ([`sliding_tilt`]), a drum that
+//! turns ([`carried_up`]), direct shear
 //! ([`shear_strength`], [`friction_angle`]), an oedometer ([`rebound`]), triaxial compression
 //! ([`critical_state`]), where a curve takes a value ([`crossing`]), and how what was
 //! measured is judged ([`judge`]).
@@ -23,7 +24,7 @@ pub use judge::{Verdict, judge};
 pub use oedometer::{Compressed, Rebound, compression_index, rebound, void_ratio_of_height};
 pub use run_out::{column_height, deposit_edge, run_out_of_lube, run_out_of_slope};
 pub use shear::{ShearStrength, Sheared, friction_angle, inertial_number, shear_strength};
-pub use tilt::{Borne, Tilted, sliding_tilt};
+pub use tilt::{Borne, Tilted, Turned, carried_up, sliding_tilt};
 pub use triaxial::{CriticalState, Triaxial, angle_of_ratio, critical_state, peak_ratio};
 
 /// Mean of some numbers; NaN of none.
