@@ -13,7 +13,7 @@ use super::{
     row::{Found, Row},
     shear_lines::{called, names, panels},
     standard_tests::{
-        ShearStrength, Sheared, friction_angle, inertial_number, shear_strength,
+        ShearStrength, Sheared, between_samples, friction_angle, inertial_number, shear_strength,
         void_ratio_of_height,
     },
 };
@@ -161,7 +161,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         let end_from = if point == FAR { design.far().end_from() } else { design.end_from() };
         match shear_strength(&moments, together, end_from) {
             Some(strength) => {
-                let void_ratios = void_ratios(run, &moments, &design)?;
+                let void_ratios = void_ratios(run, &design)?;
                 let configuration = run.configuration;
                 let profile = profile(run)?;
                 tests.push(Test { point, configuration, moments, strength, void_ratios, profile });
@@ -392,15 +392,18 @@ pub fn changes(
     (1..=bench.configurations).filter_map(|c| Some(angle(with, c)? - angle(without, c)?)).collect()
 }
 
-/// Void ratio of all grains in the box at the first moment and at the last.
-fn void_ratios(run: &Run, moments: &[Sheared], design: &ShearBox) -> Result<[f64; 2], String> {
+/// Void ratio of all grains in the box before they are sheared and at the end.
+fn void_ratios(run: &Run, design: &ShearBox) -> Result<[f64; 2], String> {
     let solids = run.summary("/grains/solids_volume_cm3")?.ok_or("no volume of solids")? * 1e-6;
     let area = from_mm(design.side_mm).powi(2);
-    let of = |moment: Option<&Sheared>| {
-        let height = moment.map_or(f64::NAN, |m| m.height) - from_mm(HALF_LID_MM);
+    let rows = run.series(["stage", "lid_z_mm"])?;
+    let shearing: Vec<f64> =
+        rows.iter().filter(|row| row[0] == SHEARING).map(|row| row[1]).collect();
+    let of = |lid_mm: Option<&f64>| {
+        let height = from_mm(lid_mm.map_or(f64::NAN, |mm| mm - HALF_LID_MM));
         void_ratio_of_height(height, area, solids)
     };
-    Ok([of(moments.first()), of(moments.last())])
+    Ok([of(shearing.first()), of(shearing.last())])
 }
 
 /// How far grains have come along the box in the end, in layers a grain high.
@@ -417,8 +420,9 @@ fn profile(run: &Run) -> Result<Vec<(f64, f64)>, String> {
     Ok(layers.into_iter().map(|(layer, (count, sum))| (middle(layer), sum / count)).collect())
 }
 
-/// Displacement, forces on the lower half and height of the lid while it is sheared. The weight of
-/// the grains in the lower half, below the height of the plane in m, is no force across it.
+/// Displacement, forces on the lower half and height of the lid while it is sheared, half way
+/// between samples. The weight of the grains in the lower half, below the height of the plane in m,
+/// is no force across it.
 pub fn moments(run: &Run, plane: f64) -> Result<Vec<Sheared>, String> {
     let rows = run.series([
         "time_s",
@@ -431,18 +435,14 @@ pub fn moments(run: &Run, plane: f64) -> Result<Vec<Sheared>, String> {
     let before = run.specimen(Some("2"))?;
     let below = |i: &usize| before.state.bodies[*i].body.pose.translation.z < plane;
     let mass: f64 = before.present().filter(below).map(|i| before.grains.grains[i].mass).sum();
-    let shearing: Vec<&[f64; 6]> = rows.iter().filter(|row| row[1] == SHEARING).collect();
-    let usual = shearing.windows(2).map(|pair| pair[1][0] - pair[0][0]).fold(0.0, f64::max);
-    let first = shearing.first().copied().into_iter();
-    // Forces are means since the row before: those of half an interval at the end are left out.
-    let whole = shearing.windows(2).filter(|pair| pair[1][0] - pair[0][0] > 0.5 * usual);
-    let moment = |row: &[f64; 6]| Sheared {
-        displacement: from_mm(row[2]),
-        shear: -row[3],
-        normal: -row[4] - mass * GRAVITY,
-        height: from_mm(row[5]),
+    let sample = |row: &[f64; 6]| {
+        let (displacement, height) = (from_mm(row[2]), from_mm(row[5]));
+        let (shear, normal) = (-row[3], -row[4] - mass * GRAVITY);
+        (row[0], Sheared { displacement, shear, normal, height })
     };
-    Ok(first.chain(whole.map(|pair| pair[1])).map(moment).collect())
+    // The first is at the moment at which the half begins to move.
+    let shearing = rows.iter().filter(|row| row[1] == SHEARING);
+    Ok(between_samples(&shearing.map(sample).collect::<Vec<_>>()))
 }
 
 /// Tests at the stresses, of which the quick design has one, and that which goes further.

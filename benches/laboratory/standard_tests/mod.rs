@@ -23,7 +23,9 @@ pub use crossing::{Crossing, crossing};
 pub use judge::{Verdict, judge};
 pub use oedometer::{Compressed, Rebound, compression_index, rebound, void_ratio_of_height};
 pub use run_out::{column_height, deposit_edge, run_out_of_lube, run_out_of_slope};
-pub use shear::{ShearStrength, Sheared, friction_angle, inertial_number, shear_strength};
+pub use shear::{
+    ShearStrength, Sheared, between_samples, friction_angle, inertial_number, shear_strength,
+};
 pub use tilt::{Borne, Tilted, Turned, carried_up, sliding_tilt};
 pub use triaxial::{CriticalState, Triaxial, angle_of_ratio, critical_state, peak_ratio};
 

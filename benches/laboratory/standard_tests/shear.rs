@@ -38,6 +38,30 @@ impl Sheared {
     }
 }
 
+/// Part of the full speed below which halves slow down.
+const SLOW: f64 = 0.99;
+
+/// Moments of a test from its samples in the order of their times in s, whose forces are means
+/// since the sample before: half way between samples, where these forces belong. What lies at the
+/// end, where the halves slow down and stand, is left out.
+pub fn between_samples(samples: &[(f64, Sheared)]) -> Vec<Sheared> {
+    let fastest = samples.windows(2).map(speed).fold(0.0, f64::max);
+    let slow = samples.windows(2).rev().take_while(|pair| speed(pair) < SLOW * fastest).count();
+    let moment = |pair: &[(f64, Sheared)]| {
+        let (before, now) = (pair[0].1, pair[1].1);
+        let displacement = 0.5 * (before.displacement + now.displacement);
+        Sheared { displacement, height: 0.5 * (before.height + now.height), ..now }
+    };
+    let intervals = samples.windows(2);
+    let count = intervals.len() - slow;
+    intervals.take(count).map(moment).collect()
+}
+
+/// Speed in m/s between a sample and the next.
+fn speed(pair: &[(f64, Sheared)]) -> f64 {
+    (pair[1].1.displacement - pair[0].1.displacement) / (pair[1].0 - pair[0].0)
+}
+
 /// Peak and end state of a test. The peak is the largest mean of `together` moments in succession,
 /// the end state the mean over what lies beyond `end_from` m. `None` where there are fewer than
 /// `together` moments in all, or than two beyond `end_from`.
@@ -123,6 +147,29 @@ mod tests {
         assert_eq!(shear_strength(&moments, 8, 4e-3), None, "law: fewer moments than that");
         assert_eq!(shear_strength(&moments, 1, 5.5e-3), None, "law: one alone is no end state");
         assert_eq!(shear_strength(&[], 1, 0.0), None, "law: no test");
+    }
+
+    #[test]
+    fn forces_that_are_means_belong_to_the_middle_of_their_interval() {
+        // 10 mm/s, then 0.5 mm in a ramp, then still.
+        let moves = [(0.0, 0.0), (0.1, 1.0), (0.2, 2.0), (0.3, 3.0), (0.4, 3.5), (0.5, 3.5)];
+        // The ratio is 0.1 for each mm, on average over an interval that of its middle.
+        let mut before = 0.0;
+        let samples = moves.map(|(time, mm)| {
+            let middle = 0.5 * (before + mm);
+            before = mm;
+            let (displacement, height) = (1e-3 * mm, 0.04 + 2e-4 * mm);
+            (time, Sheared { displacement, shear: 10.0 * middle, normal: 100.0, height })
+        });
+        let got = between_samples(&samples);
+        assert_eq!(got.len(), 3, "law: three intervals at full speed, got {got:?}");
+        for (moment, mm) in got.iter().zip([0.5, 1.5, 2.5]) {
+            near("the middle of an interval", 1e3 * moment.displacement, mm);
+            near("the ratio of that displacement", moment.ratio(), 0.1 * mm);
+            near("the height there", moment.height, 0.04 + 2e-4 * mm);
+        }
+        assert!(between_samples(&samples[..1]).is_empty(), "law: one sample is no interval");
+        assert!(between_samples(&[]).is_empty(), "law: no test");
     }
 
     #[test]
