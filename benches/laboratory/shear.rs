@@ -38,8 +38,12 @@ const END: f64 = 2.0 / 3.0;
 const SHEARING: f64 = 3.0;
 /// Roundness of the rounder grains.
 const ROUNDER: [f64; 2] = [0.2, 0.45];
-/// Number of the first of their points, after the stresses and what is tried once.
-const FIRST_ROUNDER: usize = STRESSES.len() + 3;
+/// Numbers of other points, after the stresses: half the speed, stiffer contacts, less friction, and
+/// the first of rounder grains.
+const HALF_SPEED: usize = STRESSES.len();
+const STIFFER: usize = HALF_SPEED + 1;
+const SLIPPERY: usize = STIFFER + 1;
+const FIRST_ROUNDER: usize = SLIPPERY + 1;
 /// How much further the halves go where the approach to the critical state is looked at, and the
 /// number of that point.
 const FURTHER: f64 = 2.0;
@@ -132,24 +136,23 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         })
         .collect();
     // What numbers must not depend on, and friction, which they must.
-    let most = bench.is_small().then_some(1);
-    let tried = |name: &str, faster: f64, more: &[&str]| {
+    let once = bench.is_small().then_some(1);
+    let tried = |name: &str, faster: f64, more: &[&str], most: Option<u32>| {
         let mut changes = design.changes(STRESSES[TRIED], faster);
         changes.extend(more.iter().map(|change| (*change).to_owned()));
         Point { name: name.to_owned(), changes, most }
     };
     let mut others = vec![
-        tried("half-speed", HALF, &[]),
-        tried("stiffer", 1.0, &["engine.native.contact_stiffness_n_per_m=860000"]),
-        tried("friction-0.3", 1.0, &["contact.grain_grain_friction=0.3"]),
+        tried("half-speed", HALF, &[], None),
+        tried("stiffer", 1.0, &["engine.native.contact_stiffness_n_per_m=860000"], None),
+        tried("friction-0.3", 1.0, &["contact.grain_grain_friction=0.3"], once),
     ];
-    others.extend(ROUNDER.iter().map(|roundness| {
-        let mut changes = design.changes(STRESSES[TRIED], 1.0);
-        changes.push(format!("grains.cells.rounding={roundness}"));
-        Point { name: format!("roundness-{roundness}"), changes, most: None }
+    others.extend(ROUNDER.map(|roundness| {
+        let change = format!("grains.cells.rounding={roundness}");
+        tried(&format!("roundness-{roundness}"), 1.0, &[&change[..]], None)
     }));
     let far = design.far().changes(STRESSES[TRIED], 1.0);
-    others.push(Point { name: "far".to_owned(), changes: far, most });
+    others.push(Point { name: "far".to_owned(), changes: far, most: once });
     points.extend(bench.unless_quick(others));
     let runs = bench.run("direct-shear", SCENARIO, &points)?;
     let mut tests = Vec::new();
@@ -157,7 +160,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         let moments = moments(run, PLANE)?;
         let point = loads[0].0 + run.point;
         // The peak is a mean over the same displacement at either speed.
-        let together = if point == STRESSES.len() { 2 * TOGETHER } else { TOGETHER };
+        let together = if point == HALF_SPEED { 2 * TOGETHER } else { TOGETHER };
         let end_from = if point == FAR { design.far().end_from() } else { design.end_from() };
         match shear_strength(&moments, together, end_from) {
             Some(strength) => {
@@ -216,7 +219,7 @@ fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
     let slippery: Vec<String> = [("peak", peak), ("end", end)]
         .iter()
         .filter_map(|(name, ratio)| {
-            let changes = change(STRESSES.len() + 2, *ratio);
+            let changes = change(SLIPPERY, *ratio);
             let mean = pluvia::measure::statistics::mean(&changes)?;
             Some(format!("{name} {mean:+.1}°"))
         })
@@ -313,8 +316,8 @@ fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
         ),
     ];
     for (point, id, what, note) in [
-        (3, "rate", "direct shear at half the speed", &half),
-        (4, "stiffness", "direct shear, contacts twice as stiff", &stiffer),
+        (HALF_SPEED, "rate", "direct shear at half the speed", &half),
+        (STIFFER, "stiffness", "direct shear, contacts twice as stiff", &stiffer),
     ] {
         for (name, ratio) in [("peak", peak), ("end", end)] {
             let quantity = format!("{what}, change of the {name}, °");
