@@ -1,6 +1,7 @@
 //! Direct shear of steel beads, in the box of the paper's first author's later work.
 
 use pluvia::{
+    plain::counted,
     report::Chart,
     units::{from_kpa, from_mm},
 };
@@ -81,8 +82,9 @@ fn rows(bench: &Bench, tests: &[Test]) -> Vec<Row> {
         .iter()
         .enumerate()
         .filter_map(|(n, friction)| {
-            let mean = pluvia::measure::statistics::mean(&change(STRESSES.len() + n))?;
-            Some(format!("{friction}: {mean:+.1}°"))
+            let changes = change(STRESSES.len() + n);
+            let mean = pluvia::measure::statistics::mean(&changes)?;
+            Some(format!("{friction}: {mean:+.1}° ({})", counted(changes.len(), "realisation")))
         })
         .collect();
     let inertial = inertial_number(
@@ -93,8 +95,9 @@ fn rows(bench: &Bench, tests: &[Test]) -> Vec<Row> {
     );
     let note = format!(
         "25, 50 and 100 kPa, regression through the origin; 4 mm beads in a box of 60 x 60 x 30 mm, \
-         {SPEED_MM_PER_S} mm/s, I {inertial:.0e} at 50 kPa. Friction between beads 0.2, ours; the \
-         mobilised angle changes with one of {}",
+         {SPEED_MM_PER_S} mm/s, I {inertial:.0e} at 50 kPa. Friction between beads 0.2, ours; at 50 \
+         kPa, poured anew while lid, floor and lower walls keep 0.2, the mobilised angle changes \
+         with one of {}",
         changes.join(", of ")
     );
     let loads: Vec<(usize, f64)> = STRESSES.into_iter().enumerate().collect();

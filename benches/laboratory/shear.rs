@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use pluvia::{
+    plain::counted,
     report::{Axis, Chart, Look, Plot},
     specimen::Specimen,
     units::{from_kpa, from_mm, to_mm},
@@ -224,11 +225,17 @@ fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
             Some(format!("{name} {mean:+.1}°"))
         })
         .collect();
-    let with_less = match slippery.is_empty() {
-        true => String::new(),
-        false => {
-            format!(". With friction between grains of 0.3, at 50 kPa: {}", slippery.join(", "))
-        }
+    let void_ratio = |point: usize, c: u32| Some(of(point, c)?.void_ratios[0]);
+    let emptier = |c: u32| Some(void_ratio(SLIPPERY, c)? - void_ratio(TRIED, c)?);
+    let emptier: Vec<f64> = (1..=bench.configurations).filter_map(emptier).collect();
+    let with_less = match pluvia::measure::statistics::mean(&emptier) {
+        None => String::new(),
+        Some(mean) => format!(
+            ". With friction between grains of 0.3, at 50 kPa in {}, poured anew with it (void \
+             ratio before the shearing {mean:+.3}), while lid, floor and lower walls keep 0.5: {}",
+            counted(emptier.len(), "realisation"),
+            slippery.join(", ")
+        ),
     };
     let each = |point: usize, what: &dyn Fn(&Test) -> f64| -> Vec<f64> {
         (1..=bench.configurations).filter_map(|c| of(point, c).map(what)).collect()
