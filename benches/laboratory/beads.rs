@@ -9,8 +9,8 @@ use pluvia::{
 use super::{
     bench::{Bench, Point},
     row::{Found, Row},
-    shear::{angles, changes, moments},
-    shear_lines::{called, panels},
+    shear::{angles, changes},
+    shear_lines::{called, leave_out, moments, panels},
     standard_tests::{Sheared, inertial_number, shear_strength},
 };
 
@@ -60,7 +60,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     for run in bench.run("beads", SCENARIO, &points)? {
         let moments = moments(&run, PLANE)?;
         let Some(strength) = shear_strength(&moments, TOGETHER, END * TRAVEL) else {
-            eprintln!("{}: not sheared", run.folder.display());
+            leave_out(bench, &run);
             continue;
         };
         let from = |part: f64| moments.partition_point(|m| m.displacement < part * TRAVEL);

@@ -12,9 +12,9 @@ use pluvia::{
 use super::{
     bench::{Bench, Point, Run},
     row::{Found, Row},
-    shear_lines::{called, names, panels},
+    shear_lines::{SHEARING, called, leave_out, moments, names, panels},
     standard_tests::{
-        ShearStrength, Sheared, between_samples, friction_angle, inertial_number, shear_strength,
+        ShearStrength, Sheared, friction_angle, inertial_number, shear_strength,
         void_ratio_of_height,
     },
 };
@@ -35,8 +35,6 @@ const TOGETHER: usize = 3;
 const HALF: f64 = 0.5;
 /// Part of the displacement from which on is the end.
 const END: f64 = 2.0 / 3.0;
-/// Stage in which the lower half is drawn aside.
-const SHEARING: f64 = 3.0;
 /// Roundness of the rounder grains.
 const ROUNDER: [f64; 2] = [0.2, 0.45];
 /// Numbers of other points, after the stresses: half the speed, stiffer contacts, less friction, and
@@ -53,7 +51,6 @@ const FAR: usize = FIRST_ROUNDER + ROUNDER.len();
 const HALF_LID_MM: f64 = 5.0;
 /// Height in m of the plane between the halves.
 const PLANE: f64 = 0.025_25;
-const GRAVITY: f64 = 9.81;
 
 /// Box and speed of a design.
 struct ShearBox {
@@ -170,7 +167,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
                 let profile = profile(run)?;
                 tests.push(Test { point, configuration, moments, strength, void_ratios, profile });
             }
-            None => eprintln!("{}: not sheared", run.folder.display()),
+            None => leave_out(bench, run),
         }
     }
     let mut rows = rows(bench, &design, &tests);
@@ -428,31 +425,6 @@ fn profile(run: &Run) -> Result<Vec<(f64, f64)>, String> {
     }
     let middle = |layer: usize| from_mm(SIZE_MM) * (layer as f64 + 0.5);
     Ok(layers.into_iter().map(|(layer, (count, sum))| (middle(layer), sum / count)).collect())
-}
-
-/// Displacement, forces on the lower half and height of the lid while it is sheared, half way
-/// between samples. The weight of the grains in the lower half, below the height of the plane in m,
-/// is no force across it.
-pub fn moments(run: &Run, plane: f64) -> Result<Vec<Sheared>, String> {
-    let rows = run.series([
-        "time_s",
-        "stage",
-        "lower_x_mm",
-        "lower_force_x_n",
-        "lower_force_z_n",
-        "lid_z_mm",
-    ])?;
-    let before = run.specimen(Some("2"))?;
-    let below = |i: &usize| before.state.bodies[*i].body.pose.translation.z < plane;
-    let mass: f64 = before.present().filter(below).map(|i| before.grains.grains[i].mass).sum();
-    let sample = |row: &[f64; 6]| {
-        let (displacement, height) = (from_mm(row[2]), from_mm(row[5]));
-        let (shear, normal) = (-row[3], -row[4] - mass * GRAVITY);
-        (row[0], Sheared { displacement, shear, normal, height })
-    };
-    // The first is at the moment at which the half begins to move.
-    let shearing = rows.iter().filter(|row| row[1] == SHEARING);
-    Ok(between_samples(&shearing.map(sample).collect::<Vec<_>>()))
 }
 
 /// Tests at the stresses, of which the quick design has one, and that which goes further.
