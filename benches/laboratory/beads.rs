@@ -10,7 +10,7 @@ use super::{
     bench::{Bench, Point},
     row::{Found, Row},
     shear::{angles, changes},
-    shear_lines::{called, leave_out, moments, panels},
+    shear_lines::{NOISE, called, leave_out, moments, panels},
     standard_tests::{Sheared, inertial_number, shear_strength},
 };
 
@@ -111,7 +111,9 @@ fn rows(bench: &Bench, tests: &[Test]) -> Vec<Row> {
     .map(|(which, (id, quantity))| {
         let values = angles(bench, &loads, ratio(which));
         let row = Row::of("beads", &format!("beads-{id}"), quantity, &values);
-        let row = row.noted(note.clone());
+        let of_peak = format!(". The peak is the largest mean of {TOGETHER} samples: {NOISE}");
+        let more = if *id == "peak" { of_peak.as_str() } else { "" };
+        let row = row.noted(note.clone() + more);
         Row { decimals: 1, ..row }
     })
     .collect()

@@ -12,7 +12,7 @@ use pluvia::{
 use super::{
     bench::{Bench, Point, Run},
     row::{Found, Row},
-    shear_lines::{SHEARING, called, leave_out, moments, names, panels},
+    shear_lines::{NOISE, SHEARING, called, leave_out, moments, names, panels},
     standard_tests::{
         ShearStrength, Sheared, friction_angle, inertial_number, shear_strength,
         void_ratio_of_height,
@@ -259,13 +259,15 @@ fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
         let apart = pairs.map(|pair| pair[1].displacement - pair[0].displacement);
         let apart = apart.fold(0.0, f64::max);
         format!(
-            ". The peak is the largest mean of {TOGETHER} samples in succession of {}, over {:.1} mm",
+            ". The peak is the largest mean of {TOGETHER} samples in succession of {}, over {:.1} mm: \
+             {NOISE}",
             test.moments.len(),
             to_mm(TOGETHER as f64 * apart)
         )
     });
     let half = format!(
-        "{} in place of {} mm/s, at 50 kPa: I {:.0e} in place of {:.0e}",
+        "{} in place of {} mm/s, at 50 kPa: I {:.0e} in place of {:.0e}. The peak is a mean over as \
+         many mm, of twice as many samples: noise raises it by another amount",
         HALF * design.speed_mm_per_s,
         design.speed_mm_per_s,
         HALF * design.inertial(STRESSES[TRIED]),

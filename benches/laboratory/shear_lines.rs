@@ -39,6 +39,10 @@ pub fn moments(run: &Run, plane: f64) -> Result<Vec<Sheared>, String> {
     Ok(between_samples(&shearing.map(sample).collect::<Vec<_>>()))
 }
 
+/// What must be known of a largest mean. How much it is too large does not follow from a test: what
+/// of a dozen samples is noise depends on the line that is drawn through them.
+pub const NOISE: &str = "of means that scatter the largest is taken, so that noise raises the peak";
+
 /// Says that a run has no peak or no end.
 pub fn leave_out(bench: &Bench, run: &Run) {
     let run = run.folder.file_name().unwrap_or_default().to_string_lossy();
