@@ -8,7 +8,8 @@ use crate::study::{DensityOptions, IndexState, density};
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Grains, contact and engine are the scenario's; the command has a mould and a procedure of its own.
-Loosest state: grains fall into the mould from just above those already there (after ASTM D4254).
+Loosest state: grains fall into the mould from just above those already there (after ASTM D4254),
+and the height follows their surface.
 Densest state: the same grains, vibrated vertically. Grains poured without friction are a bound that
 grains with friction do not reach by themselves. ASTM D4253 vibrates for 8 minutes at 60 Hz and
 0.33 mm under 13.8 kPa. That is too long to simulate, and after a few seconds grains still sink, so

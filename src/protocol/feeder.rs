@@ -6,6 +6,7 @@ use rand_pcg::Pcg64;
 use super::*;
 use crate::grains::{self, Realisation};
 use crate::plain::counted;
+use crate::units::to_mm;
 
 /// Places under the spout that are tried before a grain waits for the next check.
 const TRIES: usize = 16;
@@ -49,6 +50,13 @@ pub(super) enum Outlet {
     },
     /// From an area that stays where it is.
     Area(Area),
+    /// From above what lies beneath, within an area seen from above.
+    Above {
+        /// Grains begin at its height or above it.
+        area: Area,
+        /// From the sphere around a grain let go to where it meets that around another, in m.
+        fall: f64,
+    },
 }
 
 /// An area from which grains are let go, in m.
@@ -138,6 +146,9 @@ pub struct Fed {
     /// not in a checkpoint of before these were counted.
     #[serde(default)]
     blocked: u32,
+    /// Grains let go above a surface, and the heights of their centroids then in m.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    let_go: Vec<(usize, f64)>,
 }
 
 impl Fed {
@@ -149,6 +160,9 @@ impl Fed {
         if self.count > grains {
             let of = counted(grains, "grain");
             return Err(format!("`fed.count` is {}, more than {of}", self.count));
+        }
+        if let Some((grain, _)) = self.let_go.iter().find(|(grain, _)| *grain >= grains) {
+            return Err(format!("`fed.let_go` names grain {grain} of {grains}"));
         }
         Ok(())
     }
@@ -184,6 +198,7 @@ impl Feeder {
                 falling: Vec::new(),
                 rng: stream(seed, &format!("places under the spout of mixing {configuration}")),
                 blocked: 0,
+                let_go: Vec::new(),
             }),
             feed,
             gravity,
@@ -218,12 +233,16 @@ impl Feeder {
                     (drop_height, *top.get_or_insert_with(|| self.top_of_pile(specimen)))
                 }
                 Outlet::Area(area) => (0.0, area.middle.z),
+                Outlet::Above { area, fall } => (fall, area.middle.z),
             };
             let room = self.find_room(grain, top, specimen, &released, clear);
             let Some(place) = room else { break };
             let pose = Pose::from_parts(place.into(), self.orientations[grain]);
             let fall = (2.0 * (drop_height + self.radii[grain]) / self.gravity).sqrt();
             self.so_far.falling.push((grain, time + FALLS * fall + self.landed_after));
+            if matches!(self.feed.outlet, Outlet::Above { .. }) {
+                self.so_far.let_go.push((grain, place.z));
+            }
             released.push((grain, pose));
             self.so_far.count += 1;
         }
@@ -260,6 +279,31 @@ impl Feeder {
         landed.map(|i| specimen.top(i)).fold(self.base_top, f64::max)
     }
 
+    /// How far grains that were let go above a surface have sunk since, of those that are there;
+    /// none where grains were not let go so.
+    pub(super) fn fall(&self, specimen: &Specimen) -> Option<Fall> {
+        let is_there = |grain: usize| specimen.state.bodies[grain].fate == Fate::Present;
+        let let_go = self.so_far.let_go.iter().filter(|(grain, _)| is_there(*grain));
+        let sunk: Vec<f64> =
+            let_go.map(|(grain, from)| to_mm(from - specimen.centroid(*grain).z)).collect();
+        let largest_mm = sunk.iter().copied().reduce(f64::max)?;
+        Some(Fall { mean_mm: sunk.iter().sum::<f64>() / sunk.len() as f64, largest_mm })
+    }
+
+    /// Height in m of the centre of a ball of a radius that comes down at a place, where it meets
+    /// the first ball around a grain that has landed; −∞ where it meets none.
+    fn meets(&self, place: &Vector, radius: f64, specimen: &Specimen) -> f64 {
+        let landed =
+            specimen.present().filter(|i| !self.so_far.falling.iter().any(|(g, _)| g == i));
+        let met = landed.filter_map(|i| {
+            let at = specimen.centroid(i);
+            let across = (at.xy() - place.xy()).norm_squared();
+            let up = (radius + self.radii[i]).powi(2) - across;
+            (up > 0.0).then(|| at.z + up.sqrt())
+        });
+        met.fold(f64::NEG_INFINITY, f64::max)
+    }
+
     /// A place for a grain above the top of the pile, clear of every other grain.
     fn find_room(
         &mut self,
@@ -277,6 +321,11 @@ impl Feeder {
                     Vector::new(x * spout, y * spout, top + drop_height + radius)
                 }
                 Outlet::Area(area) => area.place(radius, &mut self.so_far.rng),
+                Outlet::Above { area, fall } => {
+                    let mut place = area.place(radius, &mut self.so_far.rng);
+                    place.z = place.z.max(self.meets(&place, radius, specimen) + fall);
+                    place
+                }
             };
             let clear = |other: usize, at: &Vector| {
                 (at - place).norm_squared() > (radius + self.radii[other]).powi(2)

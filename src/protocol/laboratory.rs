@@ -50,7 +50,10 @@ impl Laboratory<'_> {
             (DepositKind::Rain, Some(rate)) => {
                 course.feed = Some(Feed {
                     rate: Rate::Mass(from_g(rate)),
-                    outlet: Outlet::Area(area),
+                    outlet: match stage.above_surface_mm.map(from_mm) {
+                        Some(fall) => Outlet::Above { area, fall },
+                        None => Outlet::Area(area),
+                    },
                     grains: Some(chosen),
                 });
             }

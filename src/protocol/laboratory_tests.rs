@@ -121,6 +121,72 @@ fn rain_falls_at_its_rate_and_only_as_much_as_is_asked_for() {
     );
 }
 
+/// Keeps which grains were let go, and where.
+#[derive(Default)]
+struct LetGo(Vec<(usize, Vector)>);
+
+impl Observer for LetGo {
+    fn observe(&mut self, _: &Specimen, _: Moment) {}
+
+    fn let_go(&mut self, grain: usize, at: &Vector) {
+        self.0.push((grain, *at));
+    }
+}
+
+/// Law: above a surface the sphere around a grain begins as far as is typed above where it would
+/// meet the first one beneath, and not below the area; what stays where it was let go has not sunk.
+#[test]
+fn a_rain_above_a_surface_follows_what_lies_beneath() {
+    let rain = stage(json!({ "stage": "deposit", "at_mm": [0, 0, 20], "diameter_mm": 40,
+        "above_surface_mm": 5, "rate_g_per_s": 2, "mass_g": 12, "time_limit_s": 30 }));
+    // In this world grains stay where they are let go.
+    let make = scripted_worlds(|| ScriptedWorld::still(STEP));
+    let mut seen = LetGo::default();
+    let outcome = run_stage(&scenario(), &make, specimen(), &rain, None, &mut seen);
+    let outcome = outcome.expect("rain");
+    let set = &outcome.specimen.grains;
+    let clearance = set.rain_clearance();
+    let radius = |n: usize| set.grains[n].shape.radius_about_origin() + clearance;
+    assert!(seen.0.len() >= 5, "some grains, got {}", seen.0.len());
+    let mut over_others = 0;
+    for (n, (grain, at)) in seen.0.iter().enumerate() {
+        let meets = seen.0[..n].iter().filter_map(|(other, there)| {
+            let up = (radius(*grain) + radius(*other)).powi(2);
+            let up = up - (at.xy() - there.xy()).norm_squared();
+            (up > 0.0).then(|| there.z + up.sqrt() + 0.005)
+        });
+        let expected = meets.fold(0.02, f64::max);
+        over_others += u32::from(expected > 0.02);
+        near(&format!("height of grain {n} let go, m"), at.z, expected, 1e-12);
+    }
+    assert!(over_others > 0, "law: some lie over others");
+    let fall = outcome.fall.expect("law: it is known");
+    near("mean of what sank, mm", fall.mean_mm, 0.0, 1e-9);
+    near("the most that sank, mm", fall.largest_mm, 0.0, 1e-9);
+    let from_area = stage(json!({ "stage": "deposit", "at_mm": [0, 0, 90], "diameter_mm": 40,
+        "rate_g_per_s": 20, "mass_g": 3, "time_limit_s": 5 }));
+    let other = carry_out(specimen(), &from_area).expect("rain");
+    assert_eq!(other.fall, None, "law: an area that stays says nothing of a surface");
+}
+
+/// Law: in the engine, grains let go above a surface sink by less than the area is high, and go on
+/// from a checkpoint with the same bits.
+#[test]
+fn a_rain_above_a_surface_falls_little_and_goes_on_with_the_same_bits() {
+    let mut scenario = scenario();
+    scenario.engine.native.checkpoint_every_s = Some(0.5);
+    let rain = stage(json!({ "stage": "deposit", "at_mm": [0, 0, 20], "diameter_mm": 55,
+        "above_surface_mm": 5, "rate_g_per_s": 20, "time_limit_s": 30 }));
+    let (whole, _) = same_from_seams(&scenario, &specimen(), &rain, &[]);
+    let fall = whole.fall.expect("law: it is known");
+    let (mean, largest) = (fall.mean_mm, fall.largest_mm);
+    // From the area to a floor without grains it is 20 mm less the height of a grain that lies.
+    assert!(
+        mean > 0.0 && mean <= largest && mean < 20.0,
+        "law: mean {mean} mm, below the area's height, 20 mm, and the largest {largest} mm"
+    );
+}
+
 /// Law: a deposit whose grains find no place ends when everything has been at rest for a while, and
 /// says so; one that goes on from a checkpoint ends at the same time.
 #[test]

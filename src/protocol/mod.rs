@@ -142,6 +142,8 @@ pub struct StageOutcome {
     pub engine_time: Duration,
     /// How a pour, a pile, a plate or a vibration came to rest; none of another stage.
     pub settling: Option<Settling>,
+    /// How far grains sank that were let go above a surface; none of another stage.
+    pub fall: Option<Fall>,
     /// What came of the condition that was to end it; none of a stage without one.
     pub until: Option<UntilFound>,
     /// Findings a reader must know.
@@ -166,6 +168,16 @@ pub struct Settling {
     pub limit_s: f64,
     /// Whether it settled by the scenario's criterion.
     pub settled: bool,
+}
+
+/// How far the centroids of grains sank from where they were let go to where they lay at the end of
+/// the stage: the fall, and what they rolled and sank after it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Fall {
+    /// Mean in mm.
+    pub mean_mm: f64,
+    /// The largest in mm.
+    pub largest_mm: f64,
 }
 
 /// Why a stage did not finish.

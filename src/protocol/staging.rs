@@ -102,6 +102,7 @@ impl<'a> Laboratory<'a> {
         let (limit, time) = (course.until.limit, stand.time_s());
         // Less than a step before its end, a stage has reached its limit.
         let stuck = feeder.as_ref().is_some_and(Feeder::is_stuck) && time < limit - 1e-3;
+        let fall = feeder.as_ref().and_then(|feeder| feeder.fall(&stand.specimen));
         let waiting = feeder.map_or(0, |feeder| feeder.waiting());
         if stuck {
             stand.warn(format!(
@@ -114,7 +115,7 @@ impl<'a> Laboratory<'a> {
         } else if !settled {
             stand.warn(not_settled(what, limit));
         }
-        Ok((stand.finish(), settled))
+        Ok((StageOutcome { fall, ..stand.finish() }, settled))
     }
 }
 

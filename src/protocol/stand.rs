@@ -359,6 +359,7 @@ impl<'a> Stand<'a> {
         StageOutcome {
             corners: self.grains.iter().map(of_grain).collect(),
             settling: None,
+            fall: None,
             until,
             simulated: self.midway.steps as f64 * self.world.time_step(),
             effective: self.world.effective(),

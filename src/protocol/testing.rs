@@ -96,6 +96,7 @@ pub(super) fn same_from_seams(
         assert_eq!(got.steps, whole.steps, "law: the same end from seam {n}");
         assert_eq!(got.specimen.state, whole.specimen.state, "law: the same from seam {n}");
         assert_eq!(got.until, whole.until, "law: told alike from seam {n}");
+        assert_eq!(got.fall, whole.fall, "law: the same fall from seam {n}");
     }
     (whole, seams)
 }

@@ -51,6 +51,9 @@ pub struct StageSummary {
     /// that was not recorded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settling: Option<Settling>,
+    /// How far grains sank that a deposit let go above a surface; none of another stage.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fall: Option<Fall>,
     /// Peaks and jumps of the motion of pieces, of a rotation those of their farthest point where
     /// they are put up; none of a stage that moves none.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -215,6 +215,7 @@ mod tests {
             rotation: None,
             until: None,
             settling: settled.map(|settled| Settling { time_s: 1.0, limit_s: 0.5, settled }),
+            fall: None,
             motion: None,
         };
         of.iter().map(stage).collect()

@@ -72,7 +72,7 @@ use serde_json::Value;
 use crate::grains::{GrainShape, ShapeRatio, Sieved};
 use crate::input;
 use crate::plain::{counted, in_number};
-use crate::protocol::{Settling, UntilFound};
+use crate::protocol::{Fall, Settling, UntilFound};
 use crate::specimen::{Fate, SpecimenState};
 use crate::units::{from_mm, to_mm};
 use {

@@ -50,6 +50,9 @@ pub struct StageRecord {
     /// but vibrations where the stage was stored before this was recorded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settling: Option<Settling>,
+    /// How far grains sank that were let go above a surface; none of another stage.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fall: Option<Fall>,
     /// What came of the condition that was to end it; none of a stage without `until`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub until: Option<UntilFound>,

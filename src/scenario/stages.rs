@@ -225,6 +225,10 @@ pub struct DepositSpec {
     pub area_mm: Option<[f64; 2]>, skip "Option::is_none";
     /// Diameter of a round area in mm, in place of `area_mm`.
     pub diameter_mm: Option<f64>, skip "Option::is_none", above 0.0 to 10000.0;
+    /// Lets the height of a rain follow the grains that lie there: the sphere around a grain begins
+    /// so far in mm above where it would meet that around another, and nowhere below `at_mm`. Left
+    /// out, all begin at the height of `at_mm`.
+    pub above_surface_mm: Option<f64>, skip "Option::is_none", above 0.0 to 10000.0;
     /// Mass in g that is let go in a second; rain needs it. A grain waits where others
     /// are still in its way.
     pub rate_g_per_s: Option<f64>, skip "Option::is_none", above 0.0 to 1e9;

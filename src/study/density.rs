@@ -1,10 +1,11 @@
 //! Index densities: the loosest and the densest state of a scenario's grains.
 //!
 //! After ASTM D4254 the loosest state is that of grains that are let fall into a mould from just
-//! above what lies in it. The densest is that of grains vibrated vertically, as in ASTM D4253, which
-//! does so at 60 Hz and 0.33 mm under 13.8 kPa for 8 minutes: too long to simulate, and in some
-//! seconds it moves them little. Grains without any friction, poured, are a bound beside them. The
-//! mould is as large as the grains fill; what differs from the standards is said in the result.
+//! above what lies in it, whose surface the height follows. The densest is that of grains vibrated
+//! vertically, as in ASTM D4253, which does so at 60 Hz and 0.33 mm under 13.8 kPa for 8 minutes:
+//! too long to simulate, and in some seconds it moves them little. Grains without any friction,
+//! poured, are a bound beside them. The mould is as large as the grains fill; what differs from the
+//! standards is said in the result.
 
 mod faults;
 mod mould;
@@ -12,6 +13,7 @@ mod mould;
 use super::begin::{GRAINS_FILE, read_grains};
 use super::*;
 use crate::measure::statistics;
+use crate::protocol::Fall;
 use crate::record::{read_file, run_file, series_from_csv};
 use mould::Mould;
 
@@ -86,6 +88,9 @@ pub struct IndexDensities {
     pub intervals: OfStates<Option<[f64; 2]>>,
     /// How each was made, and every configuration.
     pub states: OfStates<IndexState>,
+    /// How far grains of the loosest state sank from where they were let go to where they lie: the
+    /// mean over realisations, and the largest; none where no run counts.
+    pub fall: Option<Fall>,
     /// By how much the vibrated specimens grew denser in the second half of the vibration, in
     /// motion.
     pub second_half: Vec<f64>,
@@ -151,7 +156,14 @@ impl Mould {
             "vibrated vertically at {frequency_hz} Hz and {double_amplitude_mm} mm from end to end for \
              {duration_s} s under {surcharge_kpa} kPa"
         );
-        let loosest = "let fall one by one from just above what lies in the mould".to_owned();
+        let fall = self.fall(&rows, &run.out)?;
+        let loosest = format!(
+            "let fall from just above what lies in the mould, whose surface the height follows{}",
+            fall.map_or_else(String::new, |fall| format!(
+                ": to where they lie, centres sank by {:.1} mm in the mean and by {:.1} mm at most",
+                fall.mean_mm, fall.largest_mm
+            ))
+        );
         let states = OfStates {
             e_max: state("loosest", loosest)?,
             e_min: state("densest", densest)?,
@@ -167,6 +179,7 @@ impl Mould {
             means: states.map(|of| of.mean),
             intervals: states.map(interval),
             states,
+            fall,
             second_half: self.second_half(&rows, options, &run.out)?,
             departures: self.departures(grains, options),
         };
@@ -219,6 +232,22 @@ impl Mould {
         Ok(voids.map(|v| v.void_ratio).ok_or_else(|| "there are no grains".to_owned()))
     }
 
+    /// How far grains of the loosest state sank from where they were let go, in runs that count.
+    fn fall(&self, rows: &[RunRow], out: &Path) -> Result<Option<Fall>, StudyError> {
+        let mut falls = Vec::new();
+        for row in rows.iter().filter(|row| row.variation == "loosest") {
+            if self.void_ratio(row, out)?.is_ok() {
+                let file = folder_of(out, &row.run).join("summary.json");
+                let summary: Summary = read_json(&file)?;
+                falls.extend(summary.stages.iter().filter_map(|stage| stage.fall));
+            }
+        }
+        let means: Vec<f64> = falls.iter().map(|fall| fall.mean_mm).collect();
+        let largest_mm = falls.iter().map(|fall| fall.largest_mm).reduce(f64::max);
+        let mean_mm = statistics::mean(&means);
+        Ok(mean_mm.zip(largest_mm).map(|(mean_mm, largest_mm)| Fall { mean_mm, largest_mm }))
+    }
+
     /// By how much specimens grew denser in the second half of their vibration: the void ratio
     /// falls as (1 + e) times the share by which the mean surface sinks.
     fn second_half(
@@ -253,9 +282,13 @@ impl Mould {
                 grains.grains.len()
             ),
             "the surface is not struck off level: volumes reach to the mean surface".to_owned(),
-            "grains fall by 13 mm and some more, one by one, not from a spout that is drawn along \
-             the surface"
-                .to_owned(),
+            format!(
+                "grains begin at random places over the mould, the sphere around each {:.1} mm \
+                 above where it meets one beneath, and {:.1} of them fall at a time on average, \
+                 not from a spout that is drawn along the surface",
+                to_mm(self.above),
+                self.in_the_air()
+            ),
             format!(
                 "vibrated for {} s at {} Hz and {} mm under {} kPa, where ASTM D4253 asks for 8 minutes \
                  at 60 Hz and 0.33 mm under 13.8 kPa",

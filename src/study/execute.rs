@@ -311,6 +311,7 @@ impl<'a> Shop<'a> {
             solver_residuals: outcome.residuals,
             effective: outcome.effective,
             settling: outcome.settling,
+            fall: outcome.fall,
             until: outcome.until,
             before_vibration_mm: observed.reference.before_vibration_mm,
             sieved_mm: sieved_mm(&outcome.corners),

@@ -189,6 +189,7 @@ pub(super) fn stage_summaries(
             rotation: RotationSummary::of(turned.into_iter().flatten()),
             until: stage.record.until.clone(),
             settling: stage.record.settling,
+            fall: stage.record.fall,
             motion: motions::of_pieces(spec, setup),
         }
     };

@@ -168,6 +168,8 @@ fn check_deposit(parts: &Parts, deposit: &DepositSpec, faults: &mut Faults) {
     faults.add_if(missing, "rate_g_per_s", "", "a number above 0", "rain needs its rate");
     let rate = rate_g_per_s.filter(|_| !is_rain);
     faults.idle("rate_g_per_s", rate, "grains of a lattice begin all at once");
+    let above = deposit.above_surface_mm.filter(|_| !is_rain);
+    faults.idle("above_surface_mm", above, "grains of a lattice begin all at once");
     // All that there is, where the stage is the only one that takes some of it.
     let deposits = parts.specs().filter(|(_, spec)| matches!(spec, StageSpec::Deposit { .. }));
     let alone = deposits.count() == 1 && parts.begun_after.is_none() && sizes_mm.is_none();

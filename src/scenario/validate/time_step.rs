@@ -186,7 +186,8 @@ fn motions(parts: &Parts) -> Vec<Fast> {
         }
         StageSpec::Deposit(stage) => {
             let lowest = lowest_mm(parts.pieces().map(|(_, piece)| piece))?;
-            fall(i, (stage.at_mm[2] - lowest).max(0.0), "from the deposit to the lowest piece")
+            let above = stage.above_surface_mm.unwrap_or(0.0);
+            fall(i, (stage.at_mm[2] - lowest).max(above), "from the deposit to the lowest piece")
         }
         StageSpec::Move { .. } => {
             let motion = spec.piece_motion()?;

@@ -8,11 +8,15 @@ use crate::scale::Law;
 const SLENDERNESS: f64 = 1.1;
 /// Void ratio by which the mould is chosen.
 const EXPECTED: f64 = 0.9;
-/// A void ratio that no layer has: grains begin above what would then lie in the mould.
-const LOOSER: f64 = 1.15;
 /// Free fall onto the specimen in m: half an inch, ASTM D4254.
 const FREE_FALL: f64 = 0.013;
-const MOST_LAYERS: usize = 60;
+/// How far above the specimen the spheres around grains begin at least, in mean grains: where those
+/// reach farther beyond their grains than that fall.
+const LEAST_ABOVE: f64 = 0.05;
+/// How long a layer one mean grain thick takes to be let go, in units of √(d/g), about two seconds
+/// for the paper's grains: some fifty grains in forty times as long as one falls, so that one lands
+/// before its neighbours come.
+const LAYER_TIME: f64 = 64.0;
 /// How many mean grains wide a mould is at least in which walls do not dominate.
 const LEAST_ACROSS: f64 = 6.0;
 /// How long grains without friction rest, in units of √(d/g), about six seconds for the paper's: they
@@ -36,6 +40,11 @@ pub(super) struct Mould {
     pub(super) size: f64,
     /// Radius of the sphere about the longest grain.
     reach: f64,
+    /// From the sphere around a grain that is let go to where it meets one that lies there, so that
+    /// grains themselves fall about [`FREE_FALL`] before they touch.
+    pub(super) above: f64,
+    /// Number of grains.
+    count: usize,
     /// Mass of the grains in g.
     mass_g: f64,
     /// √(d/g) in s.
@@ -53,12 +62,18 @@ impl Mould {
     pub(super) fn of(grains: &GrainSet, scale: &Scale, stiffness: f64) -> Self {
         let bulk = (1.0 + EXPECTED) * grains.total_volume();
         let diameter = (4.0 * bulk / (std::f64::consts::PI * SLENDERNESS)).cbrt();
-        let sizes = || grains.grains.iter().map(|g| g.equivalent_diameter);
+        let count = grains.grains.len();
+        let reaches = || grains.grains.iter().map(|g| g.shape.radius_about_origin());
+        let mean = |all: f64| all / count.max(1) as f64;
+        let size = mean(grains.grains.iter().map(|g| g.equivalent_diameter).sum());
+        let beyond = mean(reaches().sum()) - size / 2.0;
         Self {
             diameter,
             filled: SLENDERNESS * diameter,
-            size: sizes().sum::<f64>() / grains.grains.len().max(1) as f64,
-            reach: grains.grains.iter().map(|g| g.shape.radius_about_origin()).fold(0.0, f64::max),
+            size,
+            reach: reaches().fold(0.0, f64::max),
+            above: (FREE_FALL - 2.0 * beyond).max(LEAST_ABOVE * size),
+            count,
             mass_g: to_g(grains.total_mass()),
             time: Law::Time.unit(scale),
             smallest: scale.sizes.smallest,
@@ -80,32 +95,28 @@ impl Mould {
         })
     }
 
-    /// Layers of about one grain.
-    fn layers(&self) -> usize {
-        ((self.filled / self.size).ceil() as usize).clamp(1, MOST_LAYERS)
+    /// How long all grains take to be let go, in s.
+    fn pours_for(&self) -> f64 {
+        LAYER_TIME * self.time * (self.filled / self.size).max(1.0)
     }
 
-    /// Deposits, one a layer, each from as low above the layer as it may be.
-    fn deposits(&self) -> Vec<Value> {
-        let count = self.layers();
-        let layer = self.filled * (1.0 + LOOSER) / (1.0 + EXPECTED) / count as f64;
-        let mass_g = self.mass_g / count as f64;
-        (1..=count)
-            .map(|n| {
-                let height = n as f64 * layer + FREE_FALL + self.reach;
-                let mut stage = json!({
-                    "stage": "deposit",
-                    "at_mm": [0, 0, rounded(height)],
-                    "diameter_mm": rounded(self.diameter - self.reach),
-                    "rate_g_per_s": 4.0 * mass_g,
-                    "time_limit_s": 6,
-                });
-                if n < count {
-                    stage["mass_g"] = mass_g.into();
-                }
-                stage
-            })
-            .collect()
+    /// How many grains fall at a time, on average.
+    pub(super) fn in_the_air(&self) -> f64 {
+        self.count as f64 / self.pours_for() * (2.0 * FREE_FALL / self.gravity).sqrt()
+    }
+
+    /// The deposit of all grains, which follows their surface.
+    fn deposit(&self) -> Value {
+        let pours_for = self.pours_for();
+        json!({
+            "stage": "deposit",
+            "at_mm": [0, 0, rounded_up(self.above + self.reach)],
+            "diameter_mm": rounded(self.diameter),
+            "above_surface_mm": to_mm(self.above),
+            "rate_g_per_s": self.mass_g / pours_for,
+            // Grains wait for each other, and settle.
+            "time_limit_s": (2.0 * pours_for + 6.0).ceil(),
+        })
     }
 
     /// The scenarios of the three states.
@@ -147,7 +158,7 @@ impl Mould {
         };
         let mut loosest = common();
         loosest.push(set("pieces", piece));
-        loosest.push(set("stages", self.deposits().into()));
+        loosest.push(set("stages", json!([self.deposit()])));
         let plated = (options.surcharge_kpa > 0.0).then(|| json!({ "stage": "place_top_plate" }));
         let mut densest =
             built_in(poured.iter().cloned().chain(plated).chain([vibrate.clone()]).collect());
@@ -187,6 +198,11 @@ pub(super) fn ramp_of(options: &DensityOptions) -> f64 {
     if 2.0 * ramp <= options.duration_s { ramp } else { 0.0 }
 }
 
+/// A length in mm to a hundredth, no less than it is.
+fn rounded_up(length: f64) -> f64 {
+    (to_mm(length) * 100.0).ceil() / 100.0
+}
+
 /// A length in mm to a hundredth.
 fn rounded(length: f64) -> f64 {
     (to_mm(length) * 100.0).round() / 100.0
@@ -207,26 +223,62 @@ mod tests {
     }
 
     #[test]
-    fn the_mould_holds_the_grains_and_the_layers_hold_their_mass() {
+    fn the_mould_holds_the_grains_which_begin_just_above_each_other() {
         let grains = gravel();
         let mould = Mould::of(&grains, &Scale::PAPER, 10_000.0);
         let volume = std::f64::consts::PI / 4.0 * mould.diameter.powi(2) * mould.filled;
         let expected = 1.9 * grains.total_volume();
         assert!((volume / expected - 1.0).abs() < 1e-12, "law: e 0.9 fills it, got {volume} m³");
-        let deposits = mould.deposits();
-        assert_eq!(deposits.len(), mould.layers(), "law: a stage a layer");
+        let deposit = mould.deposit();
+        let of = |field: &str| deposit[field].as_f64().expect("a number");
+        assert!(deposit.get("mass_g").is_none(), "law: one deposit takes all grains");
+        // Of the spheres around two grains, which reach beyond them, and of the fall.
+        let reach = |g: &crate::grains::Grain| g.shape.radius_about_origin();
+        let beyond = |g: &crate::grains::Grain| reach(g) - g.equivalent_diameter / 2.0;
+        let mean = grains.grains.iter().map(beyond).sum::<f64>() / grains.grains.len() as f64;
+        let fall = of("above_surface_mm") + to_mm(2.0 * mean);
         assert!(
-            deposits.last().is_some_and(|d| d.get("mass_g").is_none()),
-            "law: the last takes the rest"
+            (fall - 13.0).abs() < 1e-9,
+            "law: balls as large as the grains fall 13 mm, got {fall} mm, tolerance 1e-9"
         );
-        let heights: Vec<f64> = deposits.iter().filter_map(|d| d["at_mm"][2].as_f64()).collect();
-        let layer = to_mm(mould.filled * 2.15 / 1.9 / deposits.len() as f64);
-        let (low, expected) = (heights[0] - layer, to_mm(FREE_FALL + mould.reach));
+        let lowest = deposit["at_mm"][2].as_f64().expect("a height");
+        let longest = to_mm(grains.grains.iter().map(reach).fold(0.0, f64::max));
+        let over = lowest - longest - of("above_surface_mm");
         assert!(
-            (low - expected).abs() < 0.02,
-            "law: the lowest corner 13 mm above a loose layer, expected {expected} mm, got {low} mm"
+            (0.0..0.011).contains(&over),
+            "law: the longest grain begins as far above the floor, got {over} mm more"
         );
-        assert!(heights.windows(2).all(|w| w[1] > w[0]), "law: each from higher up");
+        let pours_for = to_g(grains.total_mass()) / of("rate_g_per_s");
+        assert!(
+            of("time_limit_s") >= 2.0 * pours_for,
+            "law: there is time for {pours_for} s of rain, got {} s",
+            of("time_limit_s")
+        );
+        // As wide as the mould is in grains, so many fit side by side.
+        let side_by_side = (mould.diameter / mould.size).powi(2);
+        assert!(
+            mould.in_the_air() < 0.05 * side_by_side,
+            "law: few of {side_by_side} that fit side by side fall at a time, got {}",
+            mould.in_the_air()
+        );
+    }
+
+    /// Law: where spheres around large grains reach farther beyond them than the fall, they still
+    /// begin above each other.
+    #[test]
+    fn large_grains_begin_just_above_each_other() {
+        let coarse: SievedGrains = serde_json::from_str(
+            r#"{ "total_mass_g": 8e5, "density_kg_per_m3": 2650, "sieve_table": [
+                 { "passing_mm": 200, "retained_mm": 160, "mass_percent": 100 }] }"#,
+        )
+        .expect("a sieve table");
+        let grains = crate::grains::generate(&coarse, 1).expect("grains");
+        let mould = Mould::of(&grains, &Scale::PAPER, 10_000.0);
+        let (got, expected) = (mould.above, LEAST_ABOVE * mould.size);
+        assert!(
+            (got / expected - 1.0).abs() < 1e-12,
+            "law: a twentieth of a grain, expected {expected} m, got {got} m, tolerance 1e-12"
+        );
     }
 
     /// Law: the weight of the plate is the surcharge on the area of the mould, whatever gravity is.
