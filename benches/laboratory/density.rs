@@ -149,19 +149,20 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     let mut rows = Vec::new();
     if !bench.is_quick() {
         let (found, _) = states(bench, paper(bench), &STRONG)?;
-        rows.extend(index_rows("density", "the paper's grains", &found, ""));
+        rows.extend(index_rows("density", "the paper's grains", &found, ["", ""]));
     }
     let mut points = Vec::new();
     let materials = if bench.is_quick() { &MATERIALS[GRAVEL..=GRAVEL] } else { &MATERIALS[..] };
     for material in materials {
         let scenario = format!("validation/density-{}", material.name);
         let (found, duration_s) = states(bench, &scenario, &STRONG)?;
-        let grains = match material.roundness {
-            Some(roundness) => format!("; roundness {roundness}, friction between grains 0.5"),
-            None => "; sharp edges, friction between grains 0.5".to_owned(),
+        let edges = match material.roundness {
+            Some(roundness) => format!("; roundness {roundness}"),
+            None => "; sharp edges".to_owned(),
         };
+        let grains = [&edges[..], ", friction between grains 0.5"];
         let begin = format!("density-{}", material.name);
-        let mut own = index_rows(&begin, material.title, &found, &grains);
+        let mut own = index_rows(&begin, material.title, &found, grains);
         let mut others = Vec::new();
         for tried in bench.unless_quick(material.tried.iter().collect()) {
             let made_of_it = match with_change(bench, &scenario, tried, duration_s) {
@@ -201,11 +202,17 @@ fn paper(bench: &Bench) -> &'static str {
     if bench.is_small() { "quick/pluviation" } else { "paper/pluviation" }
 }
 
-/// Rows of the loosest and the densest state, how far they are from each other, and the bound.
-fn index_rows(begin: &str, grains: &str, found: &IndexDensities, more: &str) -> Vec<Row> {
+/// Rows of the loosest and the densest state, how far they are from each other, and the bound; with
+/// what notes say of the grains' edges, and of their friction, which the bound has not.
+fn index_rows(
+    begin: &str,
+    grains: &str,
+    found: &IndexDensities,
+    [edges, friction]: [&str; 2],
+) -> Vec<Row> {
     let of = |id: &str, what: &str, state: &IndexState, note: &str| {
         let quantity = format!("void ratio of {grains}, {what}");
-        let note = made(found, state) + more + note;
+        let note = made(found, state) + edges + note;
         row(&format!("{begin}-{id}"), &quantity, &state.values).noted(note)
     };
     let states = &found.states;
@@ -216,8 +223,8 @@ fn index_rows(begin: &str, grains: &str, found: &IndexDensities, more: &str) -> 
     let less = format!("void ratio of {grains}, loosest less densest");
     let densest = format!("densest{}", sinking(found));
     vec![
-        of("e-max", "loosest", &states.e_max, ""),
-        of("e-min", &densest, &states.e_min, &still_falls(found)),
+        of("e-max", "loosest", &states.e_max, friction),
+        of("e-min", &densest, &states.e_min, &(friction.to_owned() + &still_falls(found))),
         row(&format!("{begin}-range"), &less, &ranges),
         of("frictionless", "without friction, a bound", &states.frictionless, ""),
     ]
@@ -288,10 +295,10 @@ fn as_in_the_standard(
     let note = made(standard, state) + &still_falls(standard);
     let mut rows = vec![row("density-d4253", &quantity, &state.values).noted(note)];
     if let Some((e_max, e_min)) = found.means.e_max.zip(found.means.e_min) {
+        // Its interval and note are derived beside the rows of those states.
         let values: Vec<f64> = state.values.iter().map(|e| (e_max - e) / (e_max - e_min)).collect();
         let quantity = format!("relative density of the paper's grains, {vibrated}");
-        let row = Row::of("density", "density-d4253-relative", &quantity, &values);
-        rows.push(row.noted("By the means of the loosest and the densest state above"));
+        rows.push(Row::of("density", "density-d4253-relative", &quantity, &values));
     }
     rows
 }
@@ -302,7 +309,10 @@ fn row(id: &str, quantity: &str, values: &[f64]) -> Row {
 
 /// How a state was made.
 fn made(found: &IndexDensities, state: &IndexState) -> String {
-    let mut note = format!("{} grains, {}", found.grains, state.method);
+    let mut note = format!(
+        "{} grains in a mould {:.0} mm wide, {}",
+        found.grains, found.mould_diameter_mm, state.method
+    );
     for failure in &state.failures {
         note += &format!("; {failure}");
     }
