@@ -152,9 +152,13 @@ fn a_kept_row_takes_the_published_number_of_today() {
 
 #[test]
 fn kept_rows_are_judged_by_the_references_of_today() {
+    // Relative densities are judged by more than their own values.
+    let mut judged = kept();
+    judged.iter_mut().for_each(Row::judge);
+    relative::derive(&mut judged);
     for row in kept() {
-        let mut today = row.clone();
-        today.judge();
+        let today = judged.iter().find(|today| today.id == row.id);
+        let today = today.unwrap_or_else(|| panic!("law: {} is derived today", row.id));
         assert_eq!(
             (today.published, &today.source[..], today.verdict),
             (row.published, &row.source[..], row.verdict),
@@ -166,7 +170,7 @@ fn kept_rows_are_judged_by_the_references_of_today() {
             let ends = row.interval.map(|i| (i.low, i.high)).unzip();
             [("mean", row.ours), ("low end", ends.0), ("high end", ends.1)]
         };
-        for ((what, kept), (_, found)) in of(&row).into_iter().zip(of(&today)) {
+        for ((what, kept), (_, found)) in of(&row).into_iter().zip(of(today)) {
             let is_same = match (kept, found) {
                 (Some(kept), Some(found)) => (kept - found).abs() <= 1e-9 * kept.abs().max(1e-3),
                 _ => kept.is_none() && found.is_none(),
@@ -214,6 +218,62 @@ fn relative_densities_follow_from_the_index_densities_beside_them() {
     let mut alone = vec![row("density-d4253", &[0.7]), row(own, &[0.1])];
     relative::derive(&mut alone);
     assert_eq!(alone[1].values, [0.1], "law: without index densities the row stays");
+}
+
+/// Law: a relative density is as uncertain as the specimen and both index densities make it, is of
+/// the oldest build of the three, and says so.
+#[test]
+fn a_relative_density_has_the_uncertainty_of_all_three() {
+    let row = |id: &str, values: &[f64]| Row::of("density", id, "a void ratio", values);
+    let of = |loosest: &[f64], densest: &[f64], specimen: &[f64]| {
+        let mut rows = vec![
+            row("density-fraction-e-max", loosest),
+            Row { format: Some(3), ..row("density-fraction-e-min", densest) },
+            row("oedometer-void-ratio", specimen),
+            row("triaxial-begin-loose", specimen),
+        ];
+        relative::derive(&mut rows);
+        let [lid, inner] = ["oedometer-void-ratio", "triaxial-begin-loose"].map(|id| {
+            let id = format!("relative-density-{id}");
+            rows.iter().find(|row| row.id == id).cloned().expect("law: the row is there")
+        });
+        assert_eq!(lid.format, Some(3), "law: the format of the oldest, of {loosest:?}");
+        assert!(lid.note.contains("densest of 3"), "law: it is said, got `{}`", lid.note);
+        assert!(lid.note.contains("walls make its void ratio larger"), "got `{}`", lid.note);
+        let walls = "without the looser grains at its walls";
+        assert!(inner.note.contains(walls), "law: read in a region, got `{}`", inner.note);
+        lid
+    };
+    // Student's t of 95 % at 1 and at 2 degrees of freedom.
+    let [t_1, t_2] = [12.706_204_736_174_7, 4.302_652_729_749_5];
+    let ends = |row: &Row| row.interval.map(|i| [i.low, i.high]);
+    let near = |what: &str, got: Option<[f64; 2]>, expected: [f64; 2]| {
+        let is_near = got.is_some_and(|got| {
+            got.iter().zip(&expected).all(|(got, expected)| (got - expected).abs() < 1e-6)
+        });
+        assert!(is_near, "law: {what}, expected {expected:?} to 1e-6, got {got:?}");
+    };
+    // Only the specimen scatters: its own interval over the range.
+    let half = t_2 * 0.01 / 3_f64.sqrt() / 0.2;
+    let got = of(&[0.8, 0.8], &[0.6, 0.6], &[0.69, 0.70, 0.71]);
+    near("of the specimen alone", ends(&got), [0.5 - half, 0.5 + half]);
+    // Only the densest scatters, D = 0.1/(0.8 − n): the ends are those of n.
+    let n = t_1 * 0.001;
+    let got = of(&[0.8, 0.8], &[0.599, 0.601], &[0.7, 0.7]);
+    near("of the densest alone", ends(&got), [0.1 / (0.2 + n), 0.1 / (0.2 - n)]);
+    // Only the loosest scatters, D = 1 − 0.1/(x − 0.6).
+    let got = of(&[0.799, 0.801], &[0.6, 0.6], &[0.7, 0.7]);
+    near("of the loosest alone", ends(&got), [1.0 - 0.1 / (0.2 - n), 1.0 - 0.1 / (0.2 + n)]);
+    for (why, loosest, densest, specimen) in [
+        ("single realisation", &[0.8, 0.8][..], &[0.6, 0.6][..], &[0.7][..]),
+        ("single realisation", &[0.8][..], &[0.6, 0.6][..], &[0.69, 0.71][..]),
+        ("single realisation", &[0.8, 0.8][..], &[0.6][..], &[0.69, 0.71][..]),
+        ("may be the same", &[0.7, 0.9][..], &[0.5, 0.7][..], &[0.69, 0.71][..]),
+    ] {
+        let got = of(loosest, densest, specimen);
+        assert_eq!(ends(&got), None, "law: none where it is not known, {why}");
+        assert!(got.note.contains(why), "law: it says `{why}`, got `{}`", got.note);
+    }
 }
 
 #[test]
