@@ -148,8 +148,35 @@ pub fn density_tried(all: &Value) -> String {
     // Rows of both states say what it changes of both.
     let of = |(begin, name): &(&str, &str)| {
         tries(all, &format!("{begin}e-max"), &OF_DENSITIES, &format!("{name}, "))
+            + &all_together(all, begin, name)
     };
     PUBLISHED.iter().map(of).collect()
+}
+
+/// How far from a published void ratio one counts as the same: the range of the judged rows.
+const AS_PUBLISHED: f64 = 0.05;
+
+/// Whether all that was tried together makes grains as they are published, of both states; nothing
+/// where it has no result.
+fn all_together(all: &Value, begin: &str, name: &str) -> String {
+    let state = |id: &str, what: &str| {
+        let id = format!("{begin}long-flat-rough-{id}");
+        let of = rows(all).find(|row| row["id"] == id.as_str())?;
+        let apart = of["ours"].as_f64()? - stated(of)?;
+        let is = if apart.abs() <= AS_PUBLISHED { "within" } else { "not within" };
+        let sinks = typed(of, "quantity").contains("still sinking");
+        let sinks = if sinks { ", still sinking" } else { "" };
+        Some(format!("its {what} state{sinks} is {is} {AS_PUBLISHED} of the published one"))
+    };
+    let states = [state("e-max", "loosest"), state("e-min", "densest")];
+    let [Some(loosest), Some(densest)] = states else { return String::new() };
+    format!("- {name}, both together: {loosest}, {densest}.\n")
+}
+
+/// The void ratio that is published of a row, or the middle of its range.
+fn stated(of: &Value) -> Option<f64> {
+    let number = |field: &str| of["published"][field].as_f64();
+    number("value").or_else(|| Some((number("low")? + number("high")?) / 2.0))
 }
 
 /// What must be known of rows by which a vibration has not ended.
@@ -201,9 +228,8 @@ pub fn density(quote: Cells, all: &Value) -> Result<String, String> {
     for value in rows(all) {
         let id = typed(value, "id");
         let is_one = PUBLISHED.iter().any(|(begin, _)| id.starts_with(begin));
-        let of = |field: &str| value["published"][field].as_f64();
-        let stated = of("value").or_else(|| Some((of("low")? + of("high")?) / 2.0));
-        let Some((stated, mean)) = stated.zip(value["ours"].as_f64()).filter(|_| is_one) else {
+        let both = stated(value).zip(value["ours"].as_f64());
+        let Some((stated, mean)) = both.filter(|_| is_one) else {
             continue;
         };
         let apart = format!("{:+.3}", mean - stated).replace('-', "−");
