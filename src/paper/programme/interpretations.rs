@@ -162,6 +162,23 @@ mod tests {
         }
     }
 
+    /// Law: a text that names Blender's box says whether it is ticked, as its setting has it.
+    #[test]
+    fn grains_sleep_only_where_the_box_is_said_to_be_ticked() {
+        for of in Interpretation::all().expect("they can be read") {
+            let sleeps = scenario(of.name, "paper/pluviation.json").engine.stock.sleeping;
+            let titled = of.title.contains("slow grains sleep");
+            assert_eq!(titled, sleeps, "law: `{}` of {} says that grains sleep", of.title, of.name);
+            if of.name.starts_with("blender") && of.like.is_none() {
+                let ticked = of.meaning.contains("with the box Enable Deactivation ticked");
+                assert_eq!(ticked, sleeps, "law: {} says that it is ticked", of.name);
+                let source = "sleeping only where Enable Deactivation is ticked";
+                assert!(of.source.contains(source), "law: `{source}` in {}", of.name);
+                assert!(of.meaning.contains("stays awake"), "law: {} says what is new", of.name);
+            }
+        }
+    }
+
     #[test]
     fn a_wrong_name_is_refused_with_the_right_ones() {
         let error =
