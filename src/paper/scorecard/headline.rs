@@ -13,9 +13,9 @@ pub(super) const MOVES_SETTLEMENT: &str = "At full size a gradual start and stop
      first period. Friction, cell shape, amplitude and crank over rod showed no effect beyond the \
      wide scatter (docs/studies.md).";
 
-/// What moves the settlement of the smaller specimen, as its page says.
-pub(super) const MOVES_QUICK_SETTLEMENT: &str = "On the quick specimen no parameter by itself moves the settlement beyond scatter \
-     (docs/results/sensitivity-quick.md).";
+/// What moves the settlement of the smaller specimen's plate, as its page says.
+pub(super) const MOVES_QUICK_SETTLEMENT: &str = "On the quick specimen no parameter by itself \
+     moves the settlement of the plate beyond scatter (docs/results/sensitivity-quick.md).";
 
 /// Why piles are steeper than the friction of their grains' surfaces: numbers of `calibrate.json`
 /// in `docs/results/calibration`.

@@ -261,8 +261,8 @@ fn what_moves_the_settlement_is_as_it_was_measured() {
     }
 }
 
-/// Law: what is said to move the settlement of the quick specimen is what its page has beyond
-/// scatter, and nothing else is.
+/// Law: what is said to move the settlement of the quick specimen's plate is what its page has
+/// beyond scatter, and nothing else is.
 #[test]
 fn what_moves_the_quick_settlement_is_as_its_page_says() {
     let page = include_str!("../../../docs/results/sensitivity-quick.md");
@@ -275,8 +275,19 @@ fn what_moves_the_quick_settlement_is_as_its_page_says() {
         .map(str::trim)
         .collect();
     assert!(beyond.is_empty(), "law: none, got {beyond:?}");
-    let said = "no parameter by itself moves the settlement";
+    let said = "no parameter by itself moves the settlement of the plate beyond scatter";
     assert!(MOVES_QUICK_SETTLEMENT.contains(said), "law: {said}: {MOVES_QUICK_SETTLEMENT}");
+}
+
+/// Law: the kept scorecard gives today's reasons for what it misses or leaves open.
+#[test]
+fn the_kept_scorecard_says_what_is_said_today() {
+    let text = include_str!("../../../docs/results/scorecard.json");
+    let kept: serde_json::Value = serde_json::from_str(text).expect("JSON");
+    let reasons = kept["reasons"].as_str().expect("reasons");
+    for said in [MOVES_SETTLEMENT, MOVES_QUICK_SETTLEMENT, CALIBRATED] {
+        assert!(reasons.contains(said), "law: expected `{said}`, got `{reasons}`");
+    }
 }
 
 /// Law: a verdict by a range is decided where the whole interval lies on its side, within and
