@@ -14,9 +14,9 @@ pub enum SievedShape {
 }
 
 parts! {
-/// Shape of the Voronoi cells that grains are cut into. The defaults are the
-/// paper's: cells of random points, as they come, in no direction longer than
-/// in another but by chance.
+/// Shape of the Voronoi cells that grains are cut into. The paper's text says only that
+/// blocks were cut by Voronoi tessellation; the defaults are ours: cells of random points, as
+/// they come, in no direction longer than in another but by chance.
 #[derive(Copy)]
 #[serde(default)]
 pub struct CellShape {

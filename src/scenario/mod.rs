@@ -279,7 +279,8 @@ pub struct ApparatusSpec {
     pub top_plate: TopPlateSpec;
 }
 
-/// The cylindrical container (paper, section 2: 11.5 cm × 20 cm, inside).
+/// The cylindrical container (paper, section 2: diameter 11.5 cm and height 20 cm, which we read
+/// as inside).
 #[serde(default)]
 pub struct CylinderSpec {
     /// Inner diameter in mm.
