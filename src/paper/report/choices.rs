@@ -100,12 +100,14 @@ fn facts(scenario: &Scenario) -> Value {
     let is_stock = engine.is_stock();
     for (name, value) in [
         ("native", engine.is_native().into()),
+        ("bullet", (engine.backend == Backend::Bullet).into()),
         ("stock", is_stock.into()),
         ("rapier", (engine.backend == Backend::Rapier).into()),
         ("stock_settings", (is_stock && engine.stock != StockSettings::default()).into()),
         ("native_substeps", engine.native.substeps(engine.rate_hz).into()),
         ("native_tolerance_percent", json!(100.0 * engine.native.solver_tolerance)),
         ("sieve_table", grains(&scenario.grains).into()),
+        ("voronoi", is_voronoi(&scenario.grains).into()),
         (
             "rest_test",
             match scenario.rest_test_s {
@@ -117,6 +119,11 @@ fn facts(scenario: &Scenario) -> Value {
         facts[name] = value;
     }
     facts
+}
+
+/// Whether grains are cut as Voronoi cells.
+fn is_voronoi(grains: &GrainsSpec) -> bool {
+    matches!(grains, GrainsSpec::Sieved(sieved) if sieved.shape == SievedShape::Cells)
 }
 
 fn amplitude(amplitude_mm: Option<f64>, stroke: StrokeKind) -> String {
