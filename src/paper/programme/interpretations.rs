@@ -252,6 +252,30 @@ mod tests {
         held
     }
 
+    /// Law: with values of each body, walls and plate keep their friction, and every pair has the
+    /// product of the restitutions.
+    #[test]
+    fn values_of_each_body_change_the_restitution_of_every_pair() {
+        use Material::{Grain, Plate, Wall};
+        let pairs = |name: &str| {
+            Setup::new(&scenario(name, "paper/pluviation.json")).expect("a laboratory").pairs
+        };
+        let (of_pairs, of_bodies) = (pairs("converged"), pairs("per_body"));
+        for (a, b) in [(Grain, Grain), (Grain, Wall), (Grain, Plate), (Plate, Wall)] {
+            let [was, is] = [&of_pairs, &of_bodies].map(|table| table.get(a, b));
+            let factor = if (a, b) == (Grain, Grain) { 0.793 } else { 1.0 };
+            for (what, expected, got) in [
+                ("restitution", 0.315 * was.restitution, is.restitution),
+                ("friction", factor * was.friction, is.friction),
+            ] {
+                assert!(
+                    (got - expected).abs() < 1e-9,
+                    "law: {what} of {a:?} on {b:?}: expected {expected}, got {got}, tolerance 1e-9"
+                );
+            }
+        }
+    }
+
     #[test]
     fn each_interpretation_is_in_the_engine_what_it_says() {
         let _turn = crate::world::exclusive_turn();
