@@ -25,6 +25,7 @@ pub fn named(name: &str) -> Option<Work> {
         "tally" => tally,
         "joint-met" => joint,
         "placements-scatter" => placements,
+        "repose-by-volume" => by_volume,
         _ => return None,
     })
 }
@@ -33,6 +34,21 @@ pub fn named(name: &str) -> Option<Work> {
 /// has jammed.
 const GRAINS: f64 = 364.0;
 const LEAST: f64 = 350.0;
+
+/// Smallest and largest angle of the programme's piles by volume, in degrees: `claims.json` has
+/// them in a note alone.
+fn by_volume(results: &Results) -> Result<Value, String> {
+    let claims = results.source("claims")?;
+    let claim = claims.as_array().and_then(|all| all.iter().find(|c| c["id"] == "angle-of-repose"));
+    let note = claim.and_then(|claim| claim["note"].as_str()).unwrap_or_default();
+    let ends = note.split_once("By volume and height ours are ").and_then(|(_, after)| {
+        let (low, after) = after.split_once("° to ")?;
+        let (high, _) = after.split_once('°')?;
+        Some((low.parse::<f64>().ok()?, high.parse::<f64>().ok()?))
+    });
+    let (low, high) = ends.ok_or("no angles by volume in the note of `angle-of-repose`")?;
+    Ok(json!({ "low": low, "high": high }))
+}
 
 type Rows = Vec<Map<String, Value>>;
 
