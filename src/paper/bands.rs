@@ -21,7 +21,8 @@ pub enum PaperValue {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stated {
-    /// A range that the paper prints.
+    /// A range that the paper prints. Its ends count as they stand: 13.97 is below a range from 14,
+    /// though it rounds to it.
     Range(f64, f64),
     /// A value that the paper prints with a number of decimals: everything that rounds to it
     /// agrees.
@@ -109,6 +110,16 @@ mod tests {
             [(2673.86, true), (2673.94, true), (2673.8, false), (2674.0, false)]
         {
             assert_eq!(density.contains(value), expected, "{value} rounds to 2673.9: {expected}");
+        }
+    }
+
+    /// Law: what is below the end of a printed range is outside, also where it rounds to it.
+    #[test]
+    fn ends_of_a_printed_range_count_as_they_stand() {
+        let (range, printed) = (Stated::Range(14.0, 19.61), Stated::Printed(14.0, 0));
+        for (stated, expected) in [(range, false), (printed, true)] {
+            let got = stated.read_as().contains(13.97);
+            assert_eq!(got, expected, "law: 13.97 is met by {stated:?}: expected {expected}");
         }
     }
 

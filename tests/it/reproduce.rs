@@ -33,7 +33,7 @@ fn every_file_of_the_contract_is_there() {
     let folder = programme();
     let claims = read(&folder.join("claims.json"));
     let claims = claims.as_array().expect("a list");
-    assert!(claims.len() >= 25, "law: every statement of the paper, got {}", claims.len());
+    assert!(claims.len() >= 25, "law: every statement that runs can show, got {}", claims.len());
     for claim in claims {
         for field in ["id", "source", "paper", "ours", "unit", "kind", "verdict"] {
             assert!(claim.get(field).is_some(), "law: a claim has `{field}`, got {claim}");
