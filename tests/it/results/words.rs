@@ -68,7 +68,8 @@ fn choices_say_what_kept_results_show() {
         (
             "voronoi",
             "Points of the Voronoi cells",
-            "relaxation showed no effect on settlement and angle of repose beyond scatter",
+            "Relaxation showed no effect on the settlement at full size, nor on the angle of piles of \
+             364 grains, beyond scatter",
             cells_show_none,
         ),
         (
