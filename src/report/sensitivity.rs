@@ -22,7 +22,8 @@ pub struct Effect {
     pub per_unit_half_width_95_mm: Option<f64>,
     /// The largest of the three differences, by which parameters are ranked.
     pub largest_mm: Option<Estimate>,
-    /// Whether that cannot be told from zero, at 95 %; `None` of a single configuration.
+    /// Whether none of the three can be told from zero, at 95 % for all of them together (one
+    /// where an end of the range is the default); `None` of a single configuration.
     pub inside_scatter: Option<bool>,
 }
 
@@ -151,11 +152,12 @@ fn page(of: &Sensitivity, figure: Figure) -> Page {
          Differences in mm ± standard error, paired by configuration: runs of a pair have the same \
          grains in the same order; other seeds and realisations make no such pairs, and scatter as \
          single runs do. A packing is chaotic, so that pairs scatter; \"~\" marks an \
-         effect that lies inside that scatter: the 95 % confidence interval (Student's t) of its \
-         largest difference contains zero. Grains outside are those that do not lie in the \
-         cylinder at the end: a jam in the funnel lowers the specimen by what is stuck there. Runs \
-         that do not count in means are left out of every difference with their pair \
-         (docs/accuracy.md), and counted.",
+         effect that lies inside that scatter: none of its differences (both ends and the range, \
+         or one where an end is the default) can be told from zero, at 95 % for all of them together \
+         (Student's t, Bonferroni). Parameters are ranked by their largest difference. Grains \
+         outside are those that do not lie in the cylinder at the end: a jam in the funnel lowers \
+         the specimen by what is stuck there. Runs that do not count in means are left out of \
+         every difference with their pair (docs/accuracy.md), and counted.",
         specimen(&of.scenario, of.grains, of.quick),
         counted(of.configurations as usize, "configuration"),
     );

@@ -276,11 +276,21 @@ pub(super) mod tests {
             tables.iter().map(line).collect::<Vec<_>>()
         };
         let (none, surface) = ([false; 3], [false, false, true]);
+        let height = [true, false, false];
         for (choice, text, parameters, expected) in [
             ("Sieve table", "neither height nor settlement", &["Coarse fraction"][..], none),
-            ("Funnel", "opening and half angle move neither", &["Funnel opening"], none),
-            ("Funnel", "half angle moves that of the surface", &["Funnel half angle"], surface),
-            ("Friction of grains on cylinder", "no effect on height", &["Friction on walls"], none),
+            (
+                "Funnel",
+                "opening and half angle move neither height nor settlement",
+                &["Funnel opening", "Funnel half angle"],
+                none,
+            ),
+            (
+                "Friction of grains on cylinder",
+                "moves the height, which less of it lowers, and no settlement",
+                &["Friction on walls"],
+                height,
+            ),
             (
                 "Friction of grains on the top plate",
                 "no effect of either",

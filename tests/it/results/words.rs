@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use pluvia::measure::inference::t_quantile;
 use serde_json::Value;
 
 use super::{Results, root};
@@ -316,4 +317,50 @@ fn stock_specimens_sink_at_rest_as_far_as_the_paper_s_when_shaken() {
         let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(text.contains(said), "law: {page} says `{said}`");
     }
+}
+
+/// Law: the page of the sensitivity marks a row as within scatter where its own numbers say so. How
+/// many pairs a row has it does not say: at most all realisations, at least those left when every
+/// run that is left out, and that of the default, takes a pair with it.
+#[test]
+fn the_sensitivity_page_marks_what_its_numbers_say() {
+    let page = fs::read_to_string(root().join("docs/results/sensitivity-quick.md"));
+    let page = page.expect("the page");
+    let command = page.split("--configurations ").nth(1).and_then(|rest| rest.split(' ').next());
+    let most: usize = command.and_then(|n| n.parse().ok()).expect("how many realisations");
+    // Means and errors have two digits.
+    const ROUNDING: f64 = 1.06;
+    let mut beyond = 0;
+    for table in page.split("\n## ").skip(1).take(3) {
+        for row in table.lines().filter(|line| line.starts_with("| ")).skip(2) {
+            let cells: Vec<&str> = row.trim_matches('|').split('|').map(str::trim).collect();
+            let number = |text: &str| text.replace('−', "-").parse::<f64>().expect("a number");
+            let t = |cell: &&str| {
+                let (mean, error) = cell.split_once(" ± ")?;
+                let (mean, error) = (number(mean), number(error));
+                Some(if mean == 0.0 { 0.0 } else { mean.abs() / error })
+            };
+            let largest = cells[2..5].iter().filter_map(t).fold(0.0, f64::max);
+            let tests = if cells[2..4].contains(&"default") { 1.0 } else { 3.0 };
+            let left_out = cells[6].split(", ").find_map(|said| said.strip_suffix(" left out"));
+            let left_out: usize = left_out.map_or(0, |n| n.parse().expect("a number"));
+            let needed = |pairs: usize| {
+                let freedom = pairs.max(2) as f64 - 1.0;
+                t_quantile(1.0 - 0.025 / tests, freedom).expect("a quantile")
+            };
+            if cells[6].contains('~') {
+                let least = most.saturating_sub(left_out + 1);
+                let allowed = ROUNDING * needed(least);
+                assert!(largest <= allowed, "law: t = {largest:.2} is at most {allowed:.2}: {row}");
+            } else {
+                let allowed = needed(most) / ROUNDING;
+                assert!(
+                    largest >= allowed,
+                    "law: t = {largest:.2} is at least {allowed:.2}: {row}"
+                );
+                beyond += 1;
+            }
+        }
+    }
+    assert!(beyond > 0, "law: some rows are beyond scatter");
 }
