@@ -1,7 +1,6 @@
 //! Claims on pluviation: section 4, Figure 7.
 
 use super::*;
-use crate::measure::statistics::least_squares_slope;
 
 pub(super) fn claims(study: &StudyView) -> Vec<Claim> {
     vec![falls(study), monotone(study), slope(study), within_laboratory(study), reproducible(study)]
@@ -54,13 +53,12 @@ fn monotone(study: &StudyView) -> Claim {
 }
 
 fn slope(study: &StudyView) -> Claim {
-    let slope = |c| Some(least_squares_slope(&study.standing_heights(c))? * MM_IN_CM);
-    let slopes: Vec<f64> = study.configurations().filter_map(slope).collect();
+    let trend = trend(study);
     Draft::of("standing-height-slope")
-        .ours(mean(&slopes))
-        .spread(slopes)
+        .ours(mean(&trend.slopes_mm_per_cm))
+        .spread(trend.slopes_mm_per_cm)
         .runs(study.of_kind(RunKind::Pluviation))
-        .note(trend(study).verdict)
+        .note(trend.verdict)
         .judge()
 }
 

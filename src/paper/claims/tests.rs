@@ -105,6 +105,28 @@ fn standing_heights_fall_by_what_they_were_made_to() {
     near("range over configurations", 2.0 * canned::CONFIGURATION_STEP_MM, range.ours, 1e-9);
 }
 
+/// Law: the slope is that of configurations with every falling height, as its note says.
+#[test]
+fn a_configuration_without_every_height_has_no_part_in_the_slope() {
+    let mut runs = canned::valid_runs();
+    runs.retain(|run| {
+        let is_of_third = run.kind == RunKind::Pluviation && run.configuration == 3;
+        !is_of_third || run.falling_height_mm < 150.0
+    });
+    // What is left of it rises by much more than the others fall.
+    for run in runs.iter_mut().filter(|r| r.configuration == 3) {
+        run.summary.standing_height_mm.mean_surface += run.falling_height_mm;
+    }
+    let study = canned::study(&runs);
+    assert_eq!(trend(&study).configurations, [1, 2], "law: those with every height");
+    let c = claim(&study, "standing-height-slope");
+    near("slope of the others in mm per cm", canned::SLOPE_MM_PER_CM, c.ours, 1e-9);
+    let ends = c.spread.map(|of| (of.low, of.high)).expect("two slopes");
+    for end in [ends.0, ends.1] {
+        near("either slope in mm per cm", canned::SLOPE_MM_PER_CM, Some(end), 1e-9);
+    }
+}
+
 #[test]
 fn a_height_that_rises_is_not_hidden() {
     let mut runs = canned::valid_runs();
