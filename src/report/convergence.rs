@@ -78,8 +78,8 @@ pub struct ConvergenceRow {
     pub error_over_limit: Option<f64>,
     /// Whether it meets the whole standard by its means.
     pub meets: Option<bool>,
-    /// Whether the scatter of a deviation leaves that open; `None` where the
-    /// scatter is not known.
+    /// Whether the scatter of a deviation, of overlap or of numerical creep leaves that open; `None`
+    /// where the scatter of one is not known.
     pub open: Option<bool>,
 }
 
@@ -328,7 +328,9 @@ fn how_to_read(of: &Convergence) -> String {
          found something misses the standard, as one with a run that failed. Grains outside are \
          those that do not lie in the cylinder at the end, in the mean over runs: a jam in the \
          funnel lowers the specimen by what is stuck there. Numerical creep is without its sign. \
-         \"standard\" takes everything together, with the deviations from both references.",
+         \"standard\" takes everything together, with the deviations from both references: \
+         \"open\" where the 95 % confidence interval of a deviation, or of a mean of overlap or \
+         numerical creep, contains its limit.",
         compact(of.height_limit_percent),
         compact(of.settlement_limit_percent)
     )

@@ -154,7 +154,8 @@ fn judged(row: ConvergenceRow, is_poured: bool, standard: &Standard) -> Converge
     // A setting does not pass by what is left out of its means: overlap and numerical creep are of
     // all its runs, and one in which a run-time check found something counts as one that failed.
     let meets = if is_spoilt(v) { Some(false) } else { passed };
-    let open = any(deviations.iter().map(|d| d.open));
+    let quality_open = quality.iter().map(|(value, limit)| value.and_then(|e| is_open(e, *limit)));
+    let open = any(quality_open.chain(deviations.iter().map(|d| d.open)));
     ConvergenceRow { error_over_limit, meets, open, ..row }
 }
 
@@ -165,6 +166,12 @@ fn quality(of: &VariationRow, standard: &Standard) -> [(Option<Estimate>, f64); 
         (of.overlap_p99_percent, standard.overlap_p99_percent),
         (of.creep_um_per_s, standard.creep_um_per_s),
     ]
+}
+
+/// Whether scatter leaves open, at 95 %, if a mean lies below its limit; `None` of a single run.
+fn is_open(mean: Estimate, limit: f64) -> Option<bool> {
+    let half = mean.half_width_95()?;
+    Some(mean.mean - half < limit && limit <= mean.mean + half)
 }
 
 /// Whether a run failed, or a run-time check found something in one.
@@ -190,7 +197,9 @@ pub(super) fn cheapest(rows: &[ConvergenceRow], standard: &Standard) -> Cheapest
             let deviations = [r.from_ladder, r.from_study];
             let mut deviations = deviations.iter().flat_map(|d| [d.height, d.plate, d.surface]);
             !is_spoilt(&r.result)
-                && good.iter().all(|(value, limit)| value.is_some_and(|e| e.mean < *limit))
+                && good.iter().all(|(value, limit)| {
+                    value.is_some_and(|e| e.mean < *limit || is_open(e, *limit) == Some(true))
+                })
                 && deviations.all(|d| d.may_pass() != Some(false))
         }),
     }

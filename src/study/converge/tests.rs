@@ -167,6 +167,42 @@ fn what_is_not_known_is_no_pass() {
     assert_eq!((found.meeting, found.surely_meeting), (Some(0), None), "law: one run proves none");
 }
 
+/// Law: a setting is open where the interval of its overlap or numerical creep contains the limit,
+/// whichever side the mean is on.
+#[test]
+fn the_scatter_of_overlap_and_creep_leaves_settings_open() {
+    type Spread = (&'static str, fn(&mut RunRow, f64), [f64; 3], bool, bool);
+    fn p99(row: &mut RunRow, value: f64) {
+        row.overlap_p99_percent = Some(value);
+    }
+    fn mean(row: &mut RunRow, value: f64) {
+        row.overlap_mean_percent = Some(value);
+    }
+    fn creep(row: &mut RunRow, value: f64) {
+        row.creep_um_per_s = Some(value);
+    }
+    let cases: [Spread; 6] = [
+        ("2.97 ± 8.5 % of 3", p99, [1.0, 1.0, 6.9], true, true),
+        ("1 ± 0.2 % of 3", p99, [0.9, 1.0, 1.1], true, false),
+        ("3.05 ± 0.5 % of 3", p99, [2.85, 3.05, 3.25], false, true),
+        ("4 ± 0.2 % of 3", p99, [3.9, 4.0, 4.1], false, false),
+        ("0.48 ± 0.05 % of 0.5", mean, [0.46, 0.48, 0.5], true, true),
+        ("5.1 ± 1.2 µm/s of 5", creep, [4.6, -5.1, 5.6], false, true),
+    ];
+    for (what, change, values, meets, open) in cases {
+        let mut coarse = three("coarse", 160.0, 1.0);
+        coarse.iter_mut().zip(values).for_each(|(row, value)| change(row, value));
+        let runs = [coarse, three("fine", 160.0, 4.0)].concat();
+        let rows = judged(&runs, &[ladder("rate", &["coarse", "fine"])]);
+        assert_eq!((rows[0].meets, rows[0].open), (Some(meets), Some(open)), "law: {what}");
+        let found = cheapest(&rows, &standard());
+        let first_if = |is: bool| Some(usize::from(!is));
+        assert_eq!(found.meeting, first_if(meets), "law: by its means, {what}");
+        assert_eq!(found.surely_meeting, first_if(meets && !open), "law: no doubt, {what}");
+        assert_eq!(found.not_shown_to_miss, first_if(meets || open), "law: may meet, {what}");
+    }
+}
+
 /// Law: what is not valid is left out of heights and deviations, and a setting does not pass by it.
 #[test]
 fn a_setting_does_not_pass_by_leaving_its_bad_runs_out() {
