@@ -285,15 +285,16 @@ fn twins(quote: Cells) -> Result<String, String> {
 }
 
 fn calibration(found: &Value) -> Result<String, String> {
-    let mut text =
-        head("friction coefficient μ | atan μ | angle of repose, 95 % confidence | piles");
+    let mut text = head(
+        "friction coefficient μ | atan μ | angle of repose, 95 % confidence | piles that count",
+    );
     for of in found["values"].as_array().ok_or("a calibration has values")? {
         let at = |field: &str| of[field].as_f64().ok_or(format!("a value has its {field}"));
         text += &row(&[
             format!("{:.2}", at("value")?),
             format!("{:.1}°", at("value")?.atan().to_degrees()),
             format!("{:.1} ± {:.1}°", at("mean")?, at("half_width_95")?),
-            format!("{}", at("runs")?),
+            format!("{}", at("runs")? - at("failed")? - at("left_out")?),
         ]);
     }
     Ok(text)

@@ -28,6 +28,7 @@ mod pages;
 #[path = "../../benches/results/pictures.rs"]
 mod pictures;
 mod pours;
+mod quoted;
 #[allow(dead_code)]
 #[path = "../../benches/results/referee.rs"]
 mod referee;
@@ -45,14 +46,13 @@ mod tables;
 mod value;
 mod words;
 
+use super::program::root;
 use builds::Build;
 use make::{Asked, Maker};
 use pluvia::study::STAGE_FORMAT;
 use scan::{Allowed, Kind};
 use serde_json::{Value, json};
 use value::Results;
-
-use super::program::root;
 
 #[test]
 fn pages_quote_their_results() {
