@@ -96,8 +96,8 @@ fn values(rows: &Rows, field: &str) -> Vec<f64> {
     rows.iter().filter_map(|r| number(r, field)).collect()
 }
 
-/// How much more a field is than in the rows of another list, realisation by realisation.
-fn pairs(rows: &Rows, other: &Rows, change: impl Fn(f64, f64) -> f64, field: &str) -> Vec<f64> {
+/// What a field is beside that of the rows of another list, realisation by realisation.
+fn pairs<T>(rows: &Rows, other: &Rows, change: impl Fn(f64, f64) -> T, field: &str) -> Vec<T> {
     let other = by_realisation(other);
     by_realisation(rows)
         .iter()
@@ -110,8 +110,11 @@ fn height_percent(a: f64, b: f64) -> f64 {
     100.0 * ((1.0 + a) / (1.0 + b) - 1.0)
 }
 
-fn percent(a: f64, b: f64) -> f64 {
-    100.0 * (a / b - 1.0)
+/// Differences of pairs in percent of the mean of the second ones. The mean of the ratios would be
+/// larger than 1 wherever the second ones scatter, also without a difference.
+fn percent_of_mean(pairs: &[(f64, f64)]) -> Vec<f64> {
+    let mean = pairs.iter().map(|pair| pair.1).sum::<f64>() / pairs.len() as f64;
+    pairs.iter().map(|(a, b)| 100.0 * (a - b) / mean).collect()
 }
 
 /// The rows that did not jam, and how many did.
@@ -217,7 +220,8 @@ fn settlement(results: &Results) -> Result<Value, String> {
         let (rows, jam) = whole(point.clone());
         let name = setting(point, &points[0]);
         let change = |field: &str| {
-            (name != "the default").then(|| interval(&pairs(&rows, &default, percent, field)))
+            let both = || pairs(&rows, &default, |a, b| (a, b), field);
+            (name != "the default").then(|| interval(&percent_of_mean(&both())))
         };
         let [height, surface, plate] =
             ["poured_height_mm.mean_surface", "surface_settlement_mm.final", "settlement_mm.final"];

@@ -16,6 +16,48 @@ fn with(file: &str, text: &str) -> (tempfile::TempDir, Results) {
     (folder, results)
 }
 
+/// Law: two settings with the same settlements in another order do not differ, whichever is the
+/// default, and one that settles by a tenth more does so by 10 %, however much settlements scatter.
+#[test]
+fn deviations_are_of_the_mean_settlement() {
+    let settled = [5.0, 7.0, 12.0];
+    let of = |default: [f64; 3], other: [f64; 3]| {
+        let mut text = String::from(
+            "point,configuration,engine.rate_hz,settlement_mm.final,surface_settlement_mm.final,\
+             poured_height_mm.mean_surface\n",
+        );
+        for (point, rate, settled) in [("a", 480, default), ("b", 240, other)] {
+            for (n, mm) in (1..).zip(settled) {
+                text += &format!("{point},{n},{rate},{mm},{mm},100\n");
+            }
+        }
+        let (_folder, results) = with("engines/native-settlement.csv", &text);
+        let found = results.source("settlement").expect("a table");
+        ["plate_percent", "surface_percent", "height_percent"].map(|field| {
+            let of = |of: &str| found[1][field][of].as_f64().expect("an interval");
+            (of("mean"), of("half"))
+        })
+    };
+    let turned = [7.0, 12.0, 5.0];
+    let tenth = settled.map(|mm| 1.1 * mm);
+    // Student's t of three pairs, 4.303, times the standard error of 2, 5 and -7 mm, or of 0.5, 0.7
+    // and 1.2 mm, over 8 mm.
+    let (of_turned, of_tenth) = (193.92, 11.2);
+    for (default, other, mean, half) in [
+        (settled, turned, 0.0, of_turned),
+        (turned, settled, 0.0, of_turned),
+        (settled, tenth, 10.0, of_tenth),
+    ] {
+        let [plate, surface, height] = of(default, other);
+        for got in [plate, surface] {
+            let law = format!("{other:?} beside {default:?}: {mean} ± {half}, got {got:?}");
+            assert!((got.0 - mean).abs() < 1e-9, "law: {law}, tolerance 1e-9");
+            assert!((got.1 - half).abs() < 0.05, "law: {law}, tolerance 0.05");
+        }
+        assert_eq!(height, (0.0, 0.0), "law: the same height");
+    }
+}
+
 /// Law: the interval of a coefficient's angle is of the piles that have one and count.
 #[test]
 fn a_calibration_counts_the_piles_of_its_means() {
