@@ -21,6 +21,8 @@ pub fn named(name: &str) -> Option<Work> {
         "settlement" => settlement,
         "handed" => handed,
         "twins-means" => twins,
+        "twins-differences" => twin_differences,
+        "twins-beyond" => twins_beyond,
         "sizes" => sizes,
         "tally" => tally,
         "joint-met" => joint,
@@ -84,11 +86,6 @@ fn interval(values: &[f64]) -> Value {
             "high": values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         })
     })
-}
-
-/// Half the 95 % confidence interval of a mean, in percent of it.
-fn half_percent(values: &[f64]) -> Option<f64> {
-    MeanTest::of(values, 0.95).map(|t| 100.0 * t.half_width / t.estimate.mean)
 }
 
 /// Values of a field.
@@ -272,27 +269,28 @@ fn handed(results: &Results) -> Result<Value, String> {
     Ok(found.into())
 }
 
+const HEIGHT: &str = "standing_height_mm.mean_surface";
+
+/// Twins of a size that did not jam, and how many did.
+fn twins_of(all: &Rows, larger: f64) -> (Rows, usize) {
+    whole(all.iter().filter(|r| number(r, "larger") == Some(larger)).cloned().collect())
+}
+
 /// `docs/scale.md`: twins by size.
 fn twins(results: &Results) -> Result<Value, String> {
     let all = rows(results, "twins")?;
     let mut found = Vec::new();
     for larger in [0.1, 1.0, 5.0] {
-        let of: Rows =
-            all.iter().filter(|r| number(r, "larger") == Some(larger)).cloned().collect();
-        let (rows, jam) = whole(of);
-        let heights: Vec<f64> =
-            values(&rows, "standing_height_mm.mean_surface").iter().map(|h| h / larger).collect();
+        let (rows, jam) = twins_of(&all, larger);
+        let heights: Vec<f64> = values(&rows, HEIGHT).iter().map(|h| h / larger).collect();
         let creep = values(&rows, "creep_um_per_s").into_iter().map(f64::abs);
         let [voids, coordination] =
             ["void_ratio", "coordination_number"].map(|field| values(&rows, field));
         found.push(json!({
             "name": larger.to_string(), "larger": larger, "count": rows.len(), "jammed": jam,
             "void_ratio": interval(&voids),
-            "void_ratio_half_percent": half_percent(&voids),
             "height_over_size_mm": interval(&heights),
-            "height_half_percent": half_percent(&heights),
             "coordination_number": interval(&coordination),
-            "coordination_half_percent": half_percent(&coordination),
             "overlap_mean_percent": interval(&values(&rows, "overlap.mean_percent")),
             "overlap_p99_percent": interval(&values(&rows, "overlap.p99_percent")),
             "largest_creep_um_per_s": creep.fold(0.0, f64::max),
@@ -300,6 +298,52 @@ fn twins(results: &Results) -> Result<Value, String> {
         }));
     }
     Ok(found.into())
+}
+
+/// Fields of [`twin_differences`]: intervals, and how far each reaches from zero.
+const TWIN_FIELDS: [(&str, &str, &str); 3] = [
+    (HEIGHT, "height_percent", "height_reach_percent"),
+    ("void_ratio", "void_ratio_percent", "void_ratio_reach_percent"),
+    ("coordination_number", "coordination_percent", "coordination_reach_percent"),
+];
+
+/// `docs/scale.md`: twins of two sizes, realisation by realisation; heights over the size.
+fn twin_differences(results: &Results) -> Result<Value, String> {
+    let all = rows(results, "twins")?;
+    let mut found = Vec::new();
+    for (one, other) in [(0.1, 1.0), (5.0, 1.0), (5.0, 0.1)] {
+        let [(rows, _), (others, _)] = [one, other].map(|larger| twins_of(&all, larger));
+        let mut row = Map::new();
+        row.insert("name".to_owned(), format!("{one} less {other}").into());
+        for (field, percent, reach) in TWIN_FIELDS {
+            let over = if field == HEIGHT { [one, other] } else { [1.0; 2] };
+            let both = pairs(&rows, &others, |a, b| (a / over[0], b / over[1]), field);
+            let of = percent_of_mean(&both);
+            row.insert("count".to_owned(), of.len().into());
+            let reaches = MeanTest::of(&of, 0.95).map(|t| t.estimate.mean.abs() + t.half_width);
+            row.insert(reach.to_owned(), reaches.into());
+            row.insert(percent.to_owned(), interval(&of));
+        }
+        found.push(Value::Object(row));
+    }
+    Ok(found.into())
+}
+
+/// How many intervals of [`twin_differences`] there are, and how many lack zero.
+fn twins_beyond(results: &Results) -> Result<Value, String> {
+    let all = rows(results, "twins-differences")?;
+    let of_row = |row: &Map<String, Value>| {
+        TWIN_FIELDS.map(|(_, percent, _)| row.get(percent).is_some_and(lacks_zero))
+    };
+    let beyond: Vec<bool> = all.iter().flat_map(of_row).collect();
+    let count = beyond.iter().filter(|is| **is).count();
+    Ok(json!({ "differences": beyond.len(), "beyond": count }))
+}
+
+/// Whether an interval, by its `mean` and `half`, lacks zero.
+pub fn lacks_zero(interval: &Value) -> bool {
+    let of = |field: &str| interval[field].as_f64();
+    of("mean").zip(of("half")).is_some_and(|(mean, half)| mean.abs() > half)
 }
 
 /// `docs/scale.md`: grains of other sizes with nothing typed but grains and stages; `finest_mm` is

@@ -2,7 +2,9 @@
 
 use serde_json::Value;
 
-use super::{builds, joint, laboratory, list, missed::missed, referee, speed, value::Results};
+use super::{
+    builds, derived, joint, laboratory, list, missed::missed, referee, speed, value::Results,
+};
 
 pub(super) type Cells<'a> = &'a dyn Fn(&str) -> Result<String, String>;
 
@@ -18,6 +20,9 @@ pub fn named(name: &str, results: &Results) -> Result<String, String> {
         "settlement" => settlement(&quote, results.source("settlement")?.as_ref()),
         "sizes" => sizes(&quote),
         "twins" => twins(&quote),
+        "twins-differences" => {
+            twin_differences(&quote, results.source("twins-differences")?.as_ref())
+        }
         "calibration" => calibration(results.source("calibration")?.as_ref()),
         "stock" => by_realisation(&quote, "stock", &STOCK),
         "stock-at-rest" => by_realisation(&quote, "stock-at-rest", &STOCK_AT_REST),
@@ -280,6 +285,22 @@ fn twins(quote: Cells) -> Result<String, String> {
         let fields = "count void_ratio:±.3 height_over_size_mm:±.1 coordination_number:±.2 \
                       overlap_mean_percent:mean.3 overlap_p99_percent:mean.2";
         text += &row(&[vec![larger.to_owned()], cells(&at, fields)?, vec![creep]].concat());
+    }
+    Ok(text)
+}
+
+fn twin_differences(quote: Cells, all: &Value) -> Result<String, String> {
+    let mut text =
+        head("times as large | pairs | height / size, % | void ratio, % | coordination number, %");
+    for (n, (name, value)) in items(all).into_iter().enumerate() {
+        let mut found = vec![name, quote(&format!("twins-differences:{n}/count:"))?];
+        for field in ["height_percent", "void_ratio_percent", "coordination_percent"] {
+            let path = format!("{n}/{field}");
+            let difference = cell(quote, value, "twins-differences", &path, "+±.2")?;
+            let is_plain = difference.is_empty() || derived::lacks_zero(&value[field]);
+            found.push(difference + if is_plain { "" } else { " ~" });
+        }
+        text += &row(&found);
     }
     Ok(text)
 }

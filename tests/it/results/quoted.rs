@@ -71,3 +71,49 @@ fn a_calibration_counts_the_piles_of_its_means() {
     let ends: Vec<&str> = text.lines().skip(2).filter_map(|row| row.rsplit('°').next()).collect();
     assert_eq!(ends, [" | 4 |", " | 2 |"], "law: runs less failed less left out, got {text}");
 }
+
+/// Law: sizes are compared realisation by realisation: a difference that every pair has is beyond
+/// scatter, however wide the intervals of either size are; heights are over the size. A realisation
+/// that jams in one of the sizes is in neither.
+#[test]
+fn twins_are_compared_in_pairs() {
+    let mut text = String::from(
+        "larger,configuration,void_ratio,standing_height_mm.mean_surface,coordination_number,\
+         grains.left_in_funnel\n",
+    );
+    for (n, height) in (1..).zip([90.0, 100.0, 110.0, 500.0]) {
+        // Pairs differ in void ratio by chance, in height over the size by 1 mm.
+        let chance = [0.02, -0.03, 0.01, 0.0][n - 1];
+        for (larger, more, apart) in [(0.1, 1.0, chance), (1.0, 0.0, 0.0), (5.0, 0.0, 0.0)] {
+            let stuck = if n == 4 && larger == 5.0 { 100 } else { 0 };
+            let height = larger * (height + more);
+            text += &format!("{larger},{n},{},{height},4.5,{stuck}\n", 1.0 + apart);
+        }
+    }
+    // The fourth is far off, and jams at the largest size alone.
+    let (_folder, results) = with("scale/twins.csv", &text);
+    let found = results.source("twins-differences").expect("differences");
+    let found = found.as_array().expect("rows");
+    let expected =
+        [("0.1 less 1", 4, 0.5), ("5 less 1", 3, 0.0), ("5 less 0.1", 3, -100.0 / 101.0)];
+    assert_eq!(found.len(), expected.len(), "law: every two sizes");
+    for ((name, pairs, height), row) in expected.into_iter().zip(found) {
+        assert_eq!((&row["name"], &row["count"]), (&json!(name), &json!(pairs)), "law: {row}");
+        let [mean, half] = ["mean", "half"].map(|of| {
+            let number = row["height_percent"][of].as_f64();
+            number.unwrap_or_else(|| panic!("no {of} in {row}"))
+        });
+        let law = format!("{name}: {height} ± 0 % of the height, got {mean} ± {half}");
+        assert!((mean - height).abs() < 1e-9 && half < 1e-9, "law: {law}, tolerance 1e-9");
+        let reach = row["height_reach_percent"].as_f64().expect("how far");
+        assert!((reach - height.abs()).abs() < 1e-9, "law: {law}, reaches to {reach}");
+    }
+    let beyond = results.source("twins-beyond").expect("how many");
+    let expected = json!({ "differences": 9, "beyond": 2 });
+    assert_eq!(*beyond, expected, "law: heights at 0.1 alone are beyond scatter");
+    let table = tables::named("twins-differences", &results).expect("a table");
+    let rows: Vec<&str> = table.lines().skip(2).collect();
+    assert!(rows[0].starts_with("| 0.1 less 1 | 4 | +0.50 ± 0.00 | 0.00 ± "), "law: {table}");
+    assert!(rows[0].ends_with(" ~ | 0.00 ± 0.00 ~ |"), "law: scatter is marked, got {table}");
+    assert!(rows[1].starts_with("| 5 less 1 | 3 | 0.00 ± 0.00 ~ | "), "law: {table}");
+}
