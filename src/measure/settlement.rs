@@ -34,8 +34,9 @@ pub struct Settlement {
     /// share out (`at_end` zero or negative).
     pub share_after_5_s: Option<f64>,
     /// After each period, in m, read where the laboratory read it: "between two successive
-    /// vibration periods" (paper, section 4), that is just before the next period begins, and at
-    /// the end of the series for the last one. Without rests this is the end of the period.
+    /// vibration periods" (paper, section 4), that is at the last sample before the next period
+    /// begins, and at the end of the series for the last one. Without rests this is the end of the
+    /// period.
     pub after_each_period: Vec<f64>,
 }
 
@@ -50,14 +51,11 @@ pub struct Settlement {
 pub fn settlement(series: &[(f64, f64)], periods: &[[f64; 2]]) -> Result<Settlement, MeasureError> {
     check(series, periods)?;
     let start = height_clamped(series, periods[0][0]);
-    let after = |time| start - height_clamped(series, time);
-    let (end, last) = series[series.len() - 1];
-    let at_end = start - last;
-    let after_5_s = shaking_clock(periods, EARLY_SHAKING, end).map(after);
-    let end_of_shaking = after(periods[periods.len() - 1][1]);
-    let mut after_each_period: Vec<f64> =
-        periods[1..].iter().map(|[start, _]| after(*start)).collect();
-    after_each_period.push(at_end);
+    let at_end = start - series[series.len() - 1].1;
+    let after_5_s = height_after(series, periods, EARLY_SHAKING).map(|height| start - height);
+    let end_of_shaking = start - height_clamped(series, periods[periods.len() - 1][1]);
+    let after_each_period =
+        (0..periods.len()).map(|n| start - height_at_rest(series, periods, n)).collect();
     Ok(Settlement {
         at_end,
         end_of_shaking,
@@ -67,21 +65,33 @@ pub fn settlement(series: &[(f64, f64)], periods: &[[f64; 2]]) -> Result<Settlem
     })
 }
 
-/// The moment at which the table has shaken for `seconds` in all; the end of a period is read
-/// in the rest that follows it, of the last one at the end of the series.
-fn shaking_clock(periods: &[[f64; 2]], seconds: f64, end: f64) -> Option<f64> {
+/// Height when the table has shaken for `seconds` in all; at the end of a period it is read in the
+/// rest that follows, of the last one at the end of the series.
+fn height_after(series: &[(f64, f64)], periods: &[[f64; 2]], seconds: f64) -> Option<f64> {
     let mut left = seconds;
     for (n, [from, to]) in periods.iter().enumerate() {
         let length = to - from;
         if left < length - ROUNDING {
-            return Some(from + left);
+            return Some(height_clamped(series, from + left));
         }
         if left <= length + ROUNDING {
-            return Some(periods.get(n + 1).map_or(end, |[next, _]| *next));
+            return Some(height_at_rest(series, periods, n));
         }
         left -= length;
     }
     None
+}
+
+/// Height in the rest after a period: at the last sample before the next one begins, for the first
+/// sample after that is in motion. Where no sample lies in the rest, or there is none, it is that at
+/// the beginning of the next period; after the last period, that at the end of the series.
+fn height_at_rest(series: &[(f64, f64)], periods: &[[f64; 2]], period: usize) -> f64 {
+    let Some([next, _]) = periods.get(period + 1) else { return series[series.len() - 1].1 };
+    let until = series.partition_point(|(at, _)| *at <= next + ROUNDING);
+    match series[..until].last() {
+        Some((at, height)) if *at > periods[period][1] + ROUNDING => *height,
+        _ => height_clamped(series, *next),
+    }
 }
 
 /// Height at a time; before the first and after the last sample theirs.
@@ -137,9 +147,8 @@ mod tests {
     /// Share of the final settlement reached after a time of vibration, by the parts.
     fn share_after(series: &[(f64, f64)], periods: &[[f64; 2]], seconds: f64) -> Option<f64> {
         let start = height_clamped(series, periods[0][0]);
-        let (end, last) = series[series.len() - 1];
-        let time = shaking_clock(periods, seconds, end)?;
-        Some((start - height_clamped(series, time)) / (start - last))
+        let last = series[series.len() - 1].1;
+        Some((start - height_after(series, periods, seconds)?) / (start - last))
     }
 
     /// Law: for a height h₀ − s(1 − exp(−t/τ)), sampled every 0.08 s from 3 s before the vibration,
@@ -209,6 +218,38 @@ mod tests {
         let share = share_after(&s, &shaken, 5.9).unwrap();
         assert_near("share above one", 19.8 / 18.0, share, 1e-12);
         assert_eq!(share_after(&s, &shaken, 6.1), None, "longer than the vibration");
+    }
+
+    /// Law: what is read in a rest is the height at rest, whatever the first sample of the next period
+    /// shows: here the plate has jumped by 3 mm. Rests may begin and end between samples, taken
+    /// every 0.08 s; without a sample in them the height at the next beginning is read, as without
+    /// rests.
+    #[test]
+    fn a_rest_is_read_before_the_next_shaking() {
+        let (at_rest, jump) = (0.15, 0.003);
+        let read = |shaken: f64, rest: f64| {
+            let next = shaken + rest;
+            let height = |t: f64| match t {
+                t if t <= 0.0 => 0.16,
+                t if t <= next + 1e-9 => at_rest,
+                _ => at_rest + jump,
+            };
+            let last = 2.0 * shaken + rest;
+            let count = (last / 0.08).round() as u32;
+            let times = (0..=count).map(|n| 0.08 * f64::from(n));
+            let series: Vec<(f64, f64)> = times.map(|t| (t, height(t))).collect();
+            settlement(&series, &[[0.0, shaken], [next, last]]).expect("it can be read")
+        };
+        for (shaken, rest) in [(2.0, 1.0), (4.0, 1.0), (5.0, 0.5), (5.0, 1.0), (5.0, 2.0)] {
+            let got = read(shaken, rest);
+            let law = format!("at rest, after {shaken} s of shaking and {rest} s of rest");
+            assert_near(&law, 0.01, got.after_each_period[0], 1e-12);
+            let of_5_s = got.after_5_s.filter(|_| shaken == 5.0).unwrap_or(0.01);
+            assert_near(&format!("{law}, after 5 s"), 0.01, of_5_s, 1e-12);
+        }
+        // From 2 s to 2.06 s there is no sample but that at 2 s, of the shaking.
+        let got = read(2.0, 0.06).after_each_period[0];
+        assert_near("between the samples at 2 s and 2.08 s", 0.01 - 0.75 * jump, got, 1e-12);
     }
 
     /// Law: shaking of 2 s and a rest, in which what was thrown up comes down, give the value at rest as
