@@ -43,8 +43,8 @@ pub struct Observed {
 /// What settlement and height of a pile are counted from, once measured.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
-    /// Heights of the plate, where there is one, and of the mean surface in mm
-    /// when vibration began.
+    /// Heights in mm of the plate when the first vibration with one began, and of the mean surface
+    /// when the first of all did.
     pub before_vibration_mm: Option<(Option<f64>, f64)>,
     /// Mean height of a pile's base in m.
     pub base_level_m: Option<f64>,

@@ -56,8 +56,8 @@ pub struct StageRecord {
     /// What came of the condition that was to end it; none of a stage without `until`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub until: Option<UntilFound>,
-    /// Heights of the plate, where there is one, and of the mean surface in mm when the first
-    /// vibration of the run began; none before.
+    /// Heights of the mean surface in mm when the first vibration began, and of the plate when the
+    /// first began with one; none before.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub before_vibration_mm: Option<(Option<f64>, f64)>,
     /// What was observed of a laboratory of pieces, beside the rows of the series.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::geometry::Pose;
 use crate::protocol::{Settling, Setup};
-use crate::record::{StageChecks, StageIdentity, StageRecord, StoredStage, Summary};
+use crate::record::{SeriesRow, StageChecks, StageIdentity, StageRecord, StoredStage, Summary};
 use crate::scenario::{BeginSpec, Scenario, StageSpec};
 use crate::specimen::{Fate, SpecimenState};
 use crate::study::{
@@ -124,4 +124,54 @@ fn a_begun_specimen_is_not_called_another_realisation() {
     let placed = serde_json::json!({ "stage": "place_top_plate", "placement": 1 });
     let placed: StageSpec = serde_json::from_value(placed).expect("a stage");
     assert_eq!(refusal(&placed, 1, 3), "", "law: the plate is laid by them");
+}
+
+/// Law: a specimen may be shaken before its plate is laid. The plate's settlement is then that of
+/// the vibrations that began with it, here 99 − 95 mm in one period; the surface's is that of all,
+/// 100 − 97 mm in two.
+#[test]
+fn a_vibration_before_the_plate_is_laid_is_none_of_the_plate() {
+    let stage = |of: serde_json::Value| -> StageSpec { serde_json::from_value(of).expect("one") };
+    let vibrate = serde_json::json!({
+        "stage": "vibrate", "frequency_hz": 1, "amplitude_mm": 1, "duration_s": 2
+    });
+    let place = serde_json::json!({ "stage": "place_top_plate" });
+    let mut scenario = begins(stage(vibrate.clone()));
+    scenario.stages.extend([stage(place), stage(vibrate)]);
+    let run = planned(scenario);
+    let setup = Setup::new(&run.scenario).expect("a laboratory");
+    let row = |(time_s, surface, plate_height_mm): (f64, f64, Option<f64>)| SeriesRow {
+        time_s,
+        plate_height_mm,
+        mean_surface_mm: Some(surface),
+        surface_settlement_mm: Some(100.0 - surface),
+        ..SeriesRow::default()
+    };
+    let rows = [
+        [(0.0, 100.0, None), (2.0, 98.0, None), (2.5, 98.0, None)],
+        [(2.5, 98.0, Some(105.0)), (3.0, 98.0, Some(99.0)), (3.5, 98.0, Some(99.0))],
+        [(3.5, 98.0, Some(99.0)), (5.5, 97.0, Some(94.0)), (6.0, 97.0, Some(95.0))],
+    ];
+    let mut state = SpecimenState::before_everything(run.grains.grains.len());
+    state.cylinder = true;
+    let done = rows.map(|rows| {
+        let series = rows.map(row).to_vec();
+        let record = StageRecord::default();
+        Arc::new(StoredStage { record, state: state.clone(), series })
+    });
+    let nodes = RunNodes { stages: vec![0, 1, 2], rest_test: None, begun: None };
+    let summary = summarise(&run, &setup, &nodes, &done).expect("law: it is measured").summary;
+    for (what, of, expected, periods) in [
+        ("plate", &summary.settlement_mm, 4.0, 1),
+        ("surface", &summary.surface_settlement_mm, 3.0, 2),
+    ] {
+        let got = of.as_ref().expect("law: it settles");
+        assert!(
+            (got.final_mm - expected).abs() < 1e-9,
+            "law: {what}, expected {expected} mm, got {} mm, tolerance 1e-9 mm",
+            got.final_mm
+        );
+        assert_eq!(got.after_each_period.len(), periods, "law: its periods, {what}");
+    }
+    assert_eq!(summary.vibrations.len(), 2, "law: both are vibrations");
 }

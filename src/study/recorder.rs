@@ -192,9 +192,15 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
         let kinetic = self.kinetic(specimen, &table);
         let plate_height_mm = position.map(|p| to_mm(p.height));
         let mean_surface_mm = surface.map(to_mm);
+        let begins = self.observed.rows.is_empty();
         let before = &mut self.observed.reference.before_vibration_mm;
-        if matches!(self.stage, StageSpec::Vibrate { .. }) && before.is_none() {
-            *before = mean_surface_mm.map(|surface| (plate_height_mm, surface));
+        if matches!(self.stage, StageSpec::Vibrate { .. }) {
+            match before {
+                None => *before = mean_surface_mm.map(|surface| (plate_height_mm, surface)),
+                // The plate was laid after an earlier vibration.
+                Some((plate, _)) if begins => *plate = plate.or(plate_height_mm),
+                Some(_) => {}
+            }
         }
         let before = *before;
         let [moves_y, moves_z] = self.table_moves;
@@ -250,5 +256,68 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
         self.count_time();
         self.fault = checkpoints.keep(midway, &self.observed, self.frames.as_mut()).err();
         if self.fault.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Pose;
+    use crate::protocol::EnergyBalance;
+    use crate::study::plan::PlannedRun;
+    use crate::study::tests::{planned, scenario};
+
+    /// Grains in the cylinder, four in each of several layers.
+    fn poured(run: &PlannedRun) -> Specimen {
+        let mut state = SpecimenState::before_everything(run.grains.grains.len());
+        state.cylinder = true;
+        for (n, grain) in state.bodies.iter_mut().enumerate() {
+            let side = |turned: bool| if turned { 0.012 } else { -0.012 };
+            let height = 0.01 + 0.015 * (n / 4) as f64;
+            grain.body.pose = Pose::translation(side(n % 2 == 1), side(n % 4 > 1), height);
+            grain.fate = Fate::Present;
+        }
+        Specimen { grains: run.grains.clone(), state }
+    }
+
+    fn at(stage_time: f64) -> Moment {
+        let balance = EnergyBalance::default();
+        Moment { stage_time, table_velocity: Vector::zeros(), balance }
+    }
+
+    /// Law: the settlement of a plate that was laid after a vibration counts from the beginning of
+    /// the next one; the surface's counts from the first, and a plate's goes on from its own.
+    #[test]
+    fn a_plate_laid_after_a_vibration_settles_from_the_next_one_on() {
+        let run = planned(scenario(50.0));
+        let setup = Setup::new(&run.scenario).expect("a laboratory");
+        let vibrate: StageSpec = serde_json::from_value(serde_json::json!({
+            "stage": "vibrate", "frequency_hz": 1, "amplitude_mm": 1, "duration_s": 2
+        }))
+        .expect("a vibration");
+        let mut specimen = poured(&run);
+        let mut settlements = |before: Option<f64>| {
+            let mut recorder = Recorder::new(&setup, &vibrate, None, |_| {});
+            recorder.observed.reference.before_vibration_mm = Some((before, 500.0));
+            for (time, height) in [(0.0, 0.3), (0.08, 0.298)] {
+                specimen.state.top_plate =
+                    Some(BodyState::at_rest(Pose::translation(0.0, 0.0, height)));
+                recorder.observe(&specimen, at(time));
+            }
+            let rows = recorder.observed.rows;
+            assert!(rows[0].surface_settlement_mm.is_some_and(|mm| mm > 0.0), "law: from 500 mm");
+            let of = |row: &SeriesRow| row.settlement_mm.expect("law: it settles");
+            [of(&rows[0]), of(&rows[1])]
+        };
+        for (before, expected) in [(None, 0.0), (Some(400.0), settlements(Some(400.0))[0])] {
+            let got = settlements(before);
+            assert!(
+                (got[0] - expected).abs() < 1e-9 && (got[1] - expected - 2.0).abs() < 1e-9,
+                "law: {expected} mm, then 2 mm more, before {before:?}; got {got:?} mm, tolerance \
+                 1e-9 mm"
+            );
+        }
+        let begun = settlements(Some(400.0))[0];
+        assert!(begun > 50.0, "law: one that lay there before counts from 400 mm, got {begun} mm");
     }
 }

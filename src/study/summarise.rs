@@ -84,10 +84,13 @@ pub fn summarise(
             max_mm: to_mm(overlaps.max_depth),
         },
     };
-    let specs = scenario.stages.iter().zip(&stages);
-    let periods: Vec<[f64; 2]> = specs.flat_map(|(spec, stage)| periods(spec, stage)).collect();
-    let plate = settlement(&series, &periods, |r| r.plate_height_mm)?;
-    let surface = settlement(&series, &periods, |r| r.mean_surface_mm)?;
+    let specs = || scenario.stages.iter().zip(stages.iter().copied());
+    let shaken: Vec<[f64; 2]> = specs().flat_map(|(spec, stage)| periods(spec, stage)).collect();
+    let surface = settlement(&series, &shaken, |r| r.mean_surface_mm)?;
+    // A plate may be laid after a vibration, which cannot have made it settle.
+    let with_plate = specs().filter(|(_, stage)| begins_with_plate(stage));
+    let shaken: Vec<[f64; 2]> = with_plate.flat_map(|(spec, stage)| periods(spec, stage)).collect();
+    let plate = settlement(&series, &shaken, |r| r.plate_height_mm)?;
     let rest_test_figures = self::rest_test(&rest_rows);
     let creep = checks::creep_um_per_s(&rest_rows).filter(|_| !members.is_empty());
     let all = stages.iter().copied().chain(rest_test);
@@ -267,6 +270,11 @@ fn periods(spec: &StageSpec, stage: &StoredStage) -> Vec<[f64; 2]> {
     let last = stage.series.last().map_or(first.time_s, |r| r.time_s);
     let period = |end: &f64| [first.time_s + end - motion.duration, (first.time_s + end).min(last)];
     motion.period_ends().iter().map(period).collect()
+}
+
+/// Whether the plate lay on the grains when a stage began.
+fn begins_with_plate(stage: &StoredStage) -> bool {
+    stage.series.first().is_some_and(|row| row.plate_height_mm.is_some())
 }
 
 /// What was vibrated, when, how, and how it came to rest.
