@@ -11,8 +11,8 @@ pub struct SeriesRow {
     pub stage: u32,
     /// Height of the centre of the top plate's lower face above the floor in mm; empty without a plate.
     pub plate_height_mm: Option<f64>,
-    /// Drop of the plate's centre since the first vibration with a plate began (positive
-    /// downwards) in mm, through all later stages; empty before.
+    /// Drop of the plate's centre since the first vibration with a plate began, in whichever run
+    /// (positive downwards) in mm, through all later stages; empty before.
     pub settlement_mm: Option<f64>,
     /// Drop of the mean surface since the first vibration began in mm; empty before.
     pub surface_settlement_mm: Option<f64>,

@@ -45,9 +45,10 @@ pub struct Summary {
     pub porosity: Option<f64>,
     /// The middle of what lies in the cylinder; none where it is too small, or no cylinder.
     pub core: Option<CoreSummary>,
-    /// Settlement of the top plate since the first vibration that began with it, where there is one.
+    /// Settlement of the top plate since the first vibration of this run that began with it, where
+    /// there is one.
     pub settlement_mm: Option<Settlement>,
-    /// Settlement of the mean surface since the first vibration began, where vibrated.
+    /// Settlement of the mean surface since the first vibration of this run began, where vibrated.
     pub surface_settlement_mm: Option<Settlement>,
     /// The stages that vibrate: when, how, and how everything came to rest; empty where nothing
     /// was vibrated, or the summary is of before this was recorded.

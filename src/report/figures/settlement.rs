@@ -12,8 +12,19 @@ pub(super) fn of_run(run: &RunRecord) -> Result<Option<Figure>, ReportError> {
         return Ok(None);
     }
     let (plot, table) = curves(&[run], 0.0);
-    let caption = format!("Settlement under vibration. {}", finals(&[run]));
+    let mut caption = format!("Settlement under vibration. {}", finals(&[run]));
+    if goes_on(run) {
+        caption += " The specimen had been shaken in an earlier run: curves count from its first \
+                    vibration there, final values from the first one of this run.";
+    }
     Figure::new("settlement", "Settlement under vibration", caption, &[plot], &table).map(Some)
+}
+
+/// Whether the specimen had settled in an earlier run, from whose first vibration rows count.
+fn goes_on(run: &RunRecord) -> bool {
+    let first = run.series.iter().find(|r| r.is_shaken());
+    let settled = |mm: Option<f64>| mm.is_some_and(|mm| mm != 0.0);
+    first.is_some_and(|r| settled(r.settlement_mm) || settled(r.surface_settlement_mm))
 }
 
 /// Plate and surface of every run; `at_least_s` is the least length of the time axis.
@@ -71,6 +82,22 @@ mod tests {
 
     use super::*;
     use crate::record::canned;
+
+    /// Law: where rows count from a vibration of an earlier run and final values do not, the caption
+    /// says so, and nowhere else.
+    #[test]
+    fn a_specimen_shaken_before_has_its_two_beginnings_in_the_caption() {
+        for (settled, said) in [(0.0, false), (3.0, true)] {
+            let mut run = canned::runs().remove(4);
+            for row in &mut run.series {
+                row.settlement_mm = row.settlement_mm.map(|mm| mm + settled);
+                row.surface_settlement_mm = row.surface_settlement_mm.map(|mm| mm + settled);
+            }
+            let figure = of_run(&run).expect("it can be drawn").expect("it was shaken");
+            let got = figure.caption.contains("in an earlier run");
+            assert_eq!(got, said, "law: {settled} mm before, {}", figure.caption);
+        }
+    }
 
     /// Law: the time axis of a specimen that was shaken for 20 s and came to rest soon after ends
     /// there, as the numbers in the figure say: the next one, 25 s, would leave a fifth of it empty.
