@@ -167,13 +167,15 @@ pub(super) fn energy_rows(stages: &[&StoredStage]) -> Vec<Option<EnergyRow>> {
     stages.iter().flat_map(of).collect()
 }
 
-/// What each stage was given and what became of it.
+/// What each stage was given and what became of it; `begun` is the specimen of another run that the
+/// first one began with.
 pub(super) fn stage_summaries(
     specs: &[StageSpec],
     stages: &[&StoredStage],
+    begun: Option<&SpecimenState>,
     setup: &Setup,
 ) -> Vec<StageSummary> {
-    let before = std::iter::once(None).chain(stages.iter().map(|stage| Some(&stage.state)));
+    let before = std::iter::once(begun).chain(stages.iter().map(|stage| Some(&stage.state)));
     let of = |((spec, stage), before): ((&StageSpec, &&StoredStage), Option<&SpecimenState>)| {
         let energy = stage.record.energy.last().zip(stage.series.last());
         let turned = before.map(|before| rotations(before, &stage.state)).unwrap_or_default();
@@ -196,11 +198,15 @@ pub(super) fn stage_summaries(
     specs.iter().zip(stages).zip(before).map(of).collect()
 }
 
-/// By which angle in rad each grain turned in the last of the stages; nothing where there is none
-/// before it.
-pub(super) fn turned_in_last(stages: &[&StoredStage]) -> Vec<Option<f64>> {
-    match stages {
-        [.., before, last] => rotations(&before.state, &last.state),
+/// By which angle in rad each grain turned in the last of the stages, of which the first may have
+/// begun with the specimen of another run; nothing where there is none before it.
+pub(super) fn turned_in_last(
+    stages: &[&StoredStage],
+    begun: Option<&SpecimenState>,
+) -> Vec<Option<f64>> {
+    match (stages, begun) {
+        ([.., before, last], _) => rotations(&before.state, &last.state),
+        ([last], Some(before)) => rotations(before, &last.state),
         _ => Vec::new(),
     }
 }
@@ -216,7 +222,10 @@ pub(super) fn at_end(grains: &Arc<GrainSet>, stages: &[&StoredStage]) -> Specime
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::UnitQuaternion;
+
     use super::*;
+    use crate::study::tests::scenario;
 
     /// Law: what stands is pressed by what does not, whichever of the two is named first; grains
     /// and plate among themselves press nothing that stands.
@@ -240,5 +249,34 @@ mod tests {
             contact(other(Other::TopPlate), Party::Grain(1), 16.0),
         ];
         assert_eq!(force_on_apparatus(&state), Vector::z() * -7.0);
+    }
+
+    /// Law: the first stage of a run that begins with a specimen turns its grains from how they lay
+    /// in that; without one, nothing is known of how they lay.
+    #[test]
+    fn the_first_stage_turns_the_grains_of_a_begun_specimen() {
+        let begun = SpecimenState::before_everything(2);
+        let mut state = begun.clone();
+        state.bodies[0].body.pose.rotation =
+            UnitQuaternion::from_axis_angle(&Vector::z_axis(), 0.5);
+        let series = Vec::new();
+        let stage = StoredStage { record: StageRecord::default(), state, series };
+        let scenario = scenario(50.0);
+        let setup = Setup::new(&scenario).expect("a laboratory");
+        for (begun, expected) in [(Some(&begun), Some(0.5_f64)), (None, None)] {
+            let got = turned_in_last(&[&stage], begun);
+            let got = got.first().map(|turn| turn.expect("law: it is present"));
+            assert_eq!(got.is_some(), expected.is_some(), "law: an angle, or none");
+            let off = got.zip(expected).map_or(0.0, |(got, expected)| (got - expected).abs());
+            assert!(off < 1e-9, "law: 0.5 rad, got {got:?}, tolerance 1e-9 rad");
+            let rest = [StageSpec::Rest { duration_s: 1.0 }];
+            let of_stage = stage_summaries(&rest, &[&stage], begun, &setup).remove(0).rotation;
+            let largest = of_stage.map(|of| of.max_deg.to_radians());
+            let off = largest.zip(got).map_or(0.0, |(a, b): (f64, f64)| (a - b).abs());
+            assert!(
+                largest.is_some() == got.is_some() && off < 1e-12,
+                "law: the same, {of_stage:?}"
+            );
+        }
     }
 }

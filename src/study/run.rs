@@ -289,7 +289,7 @@ pub(super) fn write_run(
     write("series.csv", table(&series, &stages, &laboratory))?;
     let known = described(&run.grains);
     let at_end = &done[last].record.sieved_mm;
-    let turned = inside::turned_in_last(&stages);
+    let turned = inside::turned_in_last(&stages, nodes.begun.as_deref().map(|b| &b.state));
     let sieved = known.sieved.grains();
     let grains = grains_csv(&specimen, &fates, sieved, &known.shapes, at_end, &turned);
     write("grains.csv", grains)?;

@@ -203,7 +203,12 @@ pub fn summarise(
         coordination_number: coordination.mean.unwrap_or(f64::NAN),
         coordination_distribution: coordination.distribution,
         contacts: at_rest.summary(setup),
-        stages: inside::stage_summaries(&scenario.stages, &stages, setup),
+        stages: inside::stage_summaries(
+            &scenario.stages,
+            &stages,
+            begun.map(|begun| &begun.state),
+            setup,
+        ),
         begun_settling: begun.and_then(|begun| begun.record.settling),
         creep_um_per_s: creep,
         rest_test: rest_test_figures,
