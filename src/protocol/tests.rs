@@ -133,6 +133,37 @@ fn a_seated_plate_settles_within_the_limit_of_its_last_part() {
     );
 }
 
+/// Law: a weight F on the plate that sinks by h puts F h in, however much the plate itself loses: what
+/// is dissipated is what is put in less the gain of grains and plate, whose potential energies fall.
+#[test]
+fn a_weight_that_sinks_with_the_plate_does_its_work() {
+    const SUNK: f64 = 1e-4;
+    let worlds = AtomicU32::new(0);
+    // The second world is that of the weight: in it all bodies sink for 48 steps.
+    let make = move || {
+        let sinks = worlds.fetch_add(1, Ordering::Relaxed) == 1;
+        ScriptedWorld::new(
+            STEP,
+            Box::new(move |_, state, step, _| {
+                let mut next = BodyState::at_rest(state.pose);
+                next.pose.translation.vector.z -=
+                    if sinks && step <= 48 { SUNK / 48.0 } else { 0.0 };
+                next
+            }),
+        )
+    };
+    let stage =
+        stage(json!({ "stage": "place_top_plate", "time_limit_s": 0.5, "seating_load_n": 10 }));
+    let specimen = poured(&[]);
+    let setup = Setup::new(&scenario()).expect("a laboratory");
+    let grains: f64 = specimen.grains.grains.iter().map(|grain| grain.mass).sum();
+    let lost = (grains + setup.plate.mass) * setup.gravity * SUNK;
+    let (outcome, _) = carry_out(Box::new(make), specimen, &stage);
+    let balance = outcome.expect("it settles").watch.balance;
+    near("work of the weight, J", balance.input, 10.0 * SUNK, 1e-9);
+    near("dissipated, J", balance.dissipated, 10.0 * SUNK + lost, 1e-9);
+}
+
 #[test]
 fn the_table_is_moved_to_the_exact_sinusoid_at_the_end_of_each_step() {
     struct X(Vec<(f64, f64)>);

@@ -52,9 +52,10 @@ pub struct Watch {
 /// bodies that leave, and what others bring that are let go, is neither.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyBalance {
-    /// Work of the table, of moving pieces and on pressed ones. That of the table is its mean
-    /// velocity between two looks, sixteen to a cycle at least, times the momentum given between
-    /// them; that of pieces is summed over every contact in every step.
+    /// Work of the table, of moving pieces and on pressed ones, and of a weight on the top plate. That
+    /// of the table is its mean velocity between two looks, sixteen to a cycle at least, times the
+    /// momentum given between them; that of pieces is summed over every contact in every step; that
+    /// of the weight is the energy that it loses.
     pub input: f64,
     /// What friction and impacts have taken: input less the gain of kinetic and potential energy.
     pub dissipated: f64,
@@ -84,6 +85,9 @@ struct Budget {
     /// In a laboratory, or with a weight on the top plate, what contacts may have stored as springs
     /// and give back: their energy at the beginning, and the work of pieces since.
     stored: Option<f64>,
+    /// The part of the energy that a weight on the top plate has; none without one.
+    #[serde(default)]
+    of_weight: Option<f64>,
 }
 
 /// A body that moves freely: mass in kg, principal moments of inertia in kg m², state.
@@ -96,6 +100,8 @@ pub(super) struct Tally {
     momentum: Vector,
     mass: f64,
     fastest: f64,
+    /// The part of the energy that a weight on the top plate has; none without one.
+    of_weight: Option<f64>,
 }
 
 impl Tally {
@@ -109,6 +115,7 @@ impl Tally {
                 momentum: sum.momentum + mass * state.linear_velocity,
                 mass: sum.mass + mass,
                 fastest: faster(sum.fastest, square.sqrt()),
+                of_weight: None,
             }
         })
     }
@@ -116,6 +123,11 @@ impl Tally {
     /// With a kinetic energy in J beside, of what moves at up to a speed in m/s.
     pub(super) fn and(self, kinetic: f64, fastest: f64) -> Self {
         Self { energy: self.energy + kinetic, fastest: faster(self.fastest, fastest), ..self }
+    }
+
+    /// With the part of the energy in J that a weight on the top plate has, where there is one.
+    pub(super) fn with_weight(self, of_weight: Option<f64>) -> Self {
+        Self { of_weight, ..self }
     }
 }
 
@@ -159,6 +171,7 @@ impl Watch {
             displacement: Vector::zeros(),
             gained: 0.0,
             stored: None,
+            of_weight: None,
         };
         for body in bodies {
             budget.add(body);
@@ -174,6 +187,14 @@ impl Watch {
             budget.energy += kinetic;
             budget.available += kinetic + springs;
             budget.stored = Some(springs);
+        }
+    }
+
+    /// Takes into account which part of the energy in J a weight on the top plate has, where there is
+    /// one.
+    pub(super) fn weigh(&mut self, of_weight: Option<f64>) {
+        if let Some(budget) = &mut self.budget {
+            budget.of_weight = of_weight;
         }
     }
 
@@ -292,7 +313,10 @@ impl Budget {
         let displacement = std::mem::take(&mut self.displacement);
         let passed = time - self.time;
         let work_of_table = if passed > 0.0 { displacement.dot(&given) / passed } else { 0.0 };
-        balance.input += work_of_table;
+        // Of a stage that went on from an older checkpoint it is not known before.
+        let lost = self.of_weight.zip(now.of_weight).map_or(0.0, |(before, now)| before - now);
+        self.of_weight = now.of_weight;
+        balance.input += work_of_table + lost;
         balance.dissipated += work_of_table + self.energy - now.energy;
         let mut rise = now.energy - self.energy - work;
         if let Some(stored) = &mut self.stored {

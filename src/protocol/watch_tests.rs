@@ -257,3 +257,32 @@ fn input_and_dissipation_balance_what_is_stored() {
     near("letting go is no input", 1.5 * lift, watch.balance.input);
     near("leaving is no loss", 0.5 * lift, watch.balance.dissipated);
 }
+
+/// Law: of a body that a weight thrice as heavy presses down by h, until both lie, the weight's 3 m g h
+/// are put in and 4 m g h dissipated; while both fall freely the weight gives nothing.
+#[test]
+fn a_weight_gives_what_it_loses() {
+    let heavy = |state: &BodyState| {
+        let of = |mass: f64| Tally::of(std::iter::once((mass, &INERTIA, state)), GRAVITY);
+        of(4.0 * MASS).with_weight(Some(of(3.0 * MASS).energy))
+    };
+    let top = moving(0.1, 0.0);
+    let mut falling = moving(0.0, 0.0);
+    falling.linear_velocity.z = -(2.0 * GRAVITY * 0.1_f64).sqrt();
+    let mut watch = Watch::default();
+    let first = std::iter::once((4.0 * MASS, &INERTIA, &top));
+    watch.begin(first, -0.05, GRAVITY, (0.0, Vector::zeros()), 0.0);
+    watch.weigh(Some(3.0 * MASS * GRAVITY * 0.1));
+    let one = MASS * GRAVITY * 0.1;
+    for (n, (state, input, dissipated)) in
+        [(falling, 0.0, 0.0), (moving(0.0, 0.0), 3.0 * one, 4.0 * one)].into_iter().enumerate()
+    {
+        let _ = watch.look(&heavy(&state), Vector::zeros(), n as f64 + 1.0);
+        let EnergyBalance { input: given, dissipated: taken } = watch.balance;
+        assert!(
+            (given - input).abs() < 1e-12 && (taken - dissipated).abs() < 1e-12,
+            "law: {input} J given and {dissipated} J dissipated, got {given} and {taken} J, \
+             tolerance 1e-12 J"
+        );
+    }
+}

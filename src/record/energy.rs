@@ -8,7 +8,7 @@ use crate::motion::MotionFacts;
 pub struct EnergyRow {
     /// m g z of grains and plate above z = 0.
     pub potential_energy_j: f64,
-    /// Work of the table and of moving pieces on them.
+    /// Work of the table, of moving pieces and of a weight that seats the plate on them.
     pub work_input_j: f64,
     /// What friction and impacts have taken.
     pub dissipated_j: f64,
@@ -64,7 +64,8 @@ pub struct StageSummary {
 /// stored or dissipated.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StageEnergy {
-    /// Work of the table and of moving pieces on grains, plate and free pieces.
+    /// Work of the table, of moving pieces and of a weight that seats the plate on grains, plate and
+    /// free pieces.
     pub work_input_j: f64,
     /// What friction and impacts took.
     pub dissipated_j: f64,

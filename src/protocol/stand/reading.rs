@@ -35,6 +35,7 @@ impl Stand<'_> {
     /// Begins to watch the bodies as the specimen has them; the table's peak
     /// speed and its velocity now in m/s.
     pub(super) fn begin_watch(&mut self, table: (f64, Vector)) {
+        let of_weight = self.specimen.state.top_plate.and_then(|plate| self.of_weight(&plate));
         let Specimen { grains, state } = &self.specimen;
         let present = |(_, s): &(&Grain, &GrainState)| s.fate == Fate::Present;
         let bodies = grains.grains.iter().zip(&state.bodies).filter(present);
@@ -45,6 +46,9 @@ impl Stand<'_> {
         let began = self.midway.began_s + self.midway.steps as f64 * self.world.time_step();
         let bodies = bodies.chain(plate).chain(self.pieces.free_motion(state));
         let begins = self.midway.watch.begin(bodies, lowest, self.setup.gravity, table, began);
+        if begins {
+            self.midway.watch.weigh(of_weight);
+        }
         // Grains between pieces may be loaded far beyond their weight, by what held them before; what
         // a weight on the plate has stored in contacts comes back as it is taken off.
         if begins && (!state.pieces.is_empty() || self.midway.part > 0) {
@@ -54,15 +58,25 @@ impl Stand<'_> {
         }
     }
 
+    /// Energy in J of the weight on the top plate, which moves as this does; none without one.
+    fn of_weight(&self, plate: &BodyState) -> Option<f64> {
+        let (loaded, alone) = (&self.of_plate, &self.setup.plate);
+        let (mass, inertia) = (loaded.mass - alone.mass, loaded.inertia - alone.inertia);
+        let weight = std::iter::once((mass, &inertia, plate));
+        (mass > 0.0).then(|| Tally::of(weight, self.setup.gravity).energy)
+    }
+
     /// Sums over the bodies of the last snapshot that are still followed.
     pub(super) fn tally(&self) -> Tally {
         let body = |id: &Option<BodyId>| self.snapshot.get((*id)?.0 as usize)?.as_ref();
         let grains = self.specimen.grains.grains.iter().zip(&self.grains);
         let grains = grains.filter_map(|(g, id)| Some((g.mass, &g.inertia, body(id)?)));
+        let of_weight = body(&self.plate).and_then(|plate| self.of_weight(plate));
         let plate = &self.of_plate;
         let plate = body(&self.plate).map(|s| (plate.mass, &plate.inertia, s));
         let pieces = self.pieces.free_motion(&self.specimen.state);
         let free = Tally::of(grains.chain(plate).chain(pieces), self.setup.gravity);
+        let free = free.with_weight(of_weight);
         let pressed = self.pieces.pressed_motion(&self.specimen.state);
         pressed.map_or(free, |(kinetic, fastest)| free.and(kinetic, fastest))
     }
