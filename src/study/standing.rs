@@ -41,6 +41,7 @@ impl Standing {
         let inside = container.members(specimen).len();
         let no_height = match inside {
             _ if is_poured => no_height(inside, specimen.grains.grains.len()),
+            _ if has_walls => Some("nothing has been poured into the cylinder".to_owned()),
             0 if !specimen.state.pieces.is_empty() => {
                 Some("no grain is left above z = 0".to_owned())
             }
@@ -48,7 +49,7 @@ impl Standing {
         };
         let no_voids = no_height
             .clone()
-            .filter(|_| has_walls)
+            .filter(|_| has_walls && is_poured)
             .or_else(|| voids.and_then(|_| no_voids(height.mean_surface, median)));
         let voids = voids.filter(|_| no_voids.is_none());
         Ok(Self {
@@ -252,6 +253,9 @@ pub(super) fn wall(setup: &Setup) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Pose;
+    use crate::specimen::FunnelState;
+    use crate::study::tests::{planned, scenario};
 
     /// Law: what is said of pressed grains says when they lay there.
     #[test]
@@ -274,6 +278,31 @@ mod tests {
         begun.bodies[1].fate = Fate::ThroughWall;
         begun.bodies[2].fate = Fate::Spilled;
         assert_eq!(passed_before(&begun), 2, "law: two of three that are gone");
+    }
+
+    /// Law: grains that are still in the funnel do not stand 0 mm high: they have no height, and the
+    /// reason is given; once they are poured they have one.
+    #[test]
+    fn what_has_not_been_poured_has_no_height() {
+        let run = planned(scenario(50.0));
+        let container = Container { centre_x: 0.0, radius: 0.1, height: 0.2 };
+        let mut state = SpecimenState::before_everything(run.grains.grains.len());
+        for (is_poured, height) in [(false, 0.5), (true, 0.02)] {
+            state.cylinder = is_poured;
+            state.funnel = (!is_poured).then_some(FunnelState { opening_height: 0.2, lid: true });
+            for grain in &mut state.bodies {
+                grain.body.pose = Pose::translation(0.0, 0.0, height);
+            }
+            let specimen = Specimen { grains: run.grains.clone(), state: state.clone() };
+            let got = Standing::of(&specimen, &container, 0.01, is_poured).expect("measured");
+            let why = got.no_height.as_deref();
+            assert_eq!(why.is_none(), is_poured, "law: a height once poured, got {why:?}");
+            let fields: Vec<String> =
+                withheld_figures(&got, None).into_iter().map(|withheld| withheld.field).collect();
+            let is_named = fields.iter().any(|field| field == "standing_height_mm");
+            assert_eq!(is_named, !is_poured, "law: with a reason, got {fields:?}");
+            assert_eq!(got.surface() > 0.0, is_poured, "law: a surface once poured");
+        }
     }
 
     /// Law: a single layer has no void ratio, three median grains have one.
