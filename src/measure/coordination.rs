@@ -18,7 +18,7 @@ pub struct Coordination {
 /// [`super::pairs_within`] over the same grains).
 ///
 /// A pair of bodies counts once, however many points they touch in; contacts
-/// with floor, wall and plate do not count, so that the mean of a bed lies
+/// with floor, wall, plate and fixed grains of a base do not count, so that the mean of a bed lies
 /// below that of its inside. Pairs with a grain not listed are left out.
 pub fn coordination(grains: &[usize], pairs: &[PairGap]) -> Coordination {
     let mut contacts: BTreeMap<usize, usize> = grains.iter().map(|&i| (i, 0)).collect();

@@ -61,9 +61,11 @@ pub fn rings(
     slices(&edges, |from, to| (area(to) - area(from)) * (between.1 - between.0), within)
 }
 
+/// Edges of slices of the same width; the last one is as given, of which a product may fall short.
 fn edges((from, to): (f64, f64), count: usize) -> Vec<f64> {
     let count = count.max(1);
-    (0..=count).map(|n| from + (to - from) * n as f64 / count as f64).collect()
+    let inner = (0..count).map(|n| from + (to - from) * n as f64 / count as f64);
+    inner.chain([to]).collect()
 }
 
 /// Slices between edges, by the solids up to an edge.
@@ -197,6 +199,22 @@ mod tests {
         assert_near("all layers", whole, sum(&got), 1e-9 * whole);
         let got = rings(&specimen, &all, (0.003, 0.02), (-0.1, 0.1), 9);
         assert_near("all rings, with what lies beyond", whole, sum(&got), 1e-9 * whole);
+    }
+
+    /// Law: what reaches beyond the last radius counts in the last ring, also where a product of radius
+    /// and share falls short of the radius by rounding, as 115 mm in 37 rings.
+    #[test]
+    fn the_last_ring_ends_at_the_radius_as_given() {
+        let block = ConvexPolyhedron::cuboid(Vector::new(0.4, 0.4, 0.02)).expect("a block");
+        let specimen = specimen_of(vec![(block, Pose::translation(0.0, 0.0, 0.01))]);
+        for (radius, count) in [(0.115, 37), (0.06, 11), (0.06, 15), (0.06, 12)] {
+            let got = rings(&specimen, &[0], (0.0, radius), (0.005, 0.015), count);
+            let law = format!("all of a block, radius {radius} m, {count} rings");
+            let sum: f64 = got.iter().map(|s| s.solids).sum();
+            assert_near(&law, 0.16 * 0.01, sum, 1e-9);
+            let outermost = got.last().map(|s| s.to);
+            assert_eq!(outermost, Some(radius), "law: the radius as given, {count} rings");
+        }
     }
 
     /// Law: a block as wide as everything fills each ring alike: e = 0 between its faces; a round
