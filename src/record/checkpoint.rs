@@ -32,6 +32,8 @@ pub struct Observed {
     pub reference: Reference,
     /// What was seen of the overlap of grains.
     pub overlap: OverlapWatch,
+    /// How far grains sank in rests in which some left or came.
+    pub sinking: Sinking,
     /// What was observed of a laboratory of pieces.
     pub laboratory: LaboratorySeries,
     /// Energy at the rows; fewer where it went on from a checkpoint of before this was recorded.
@@ -60,6 +62,8 @@ struct Stored {
     series_csv: String,
     reference: Reference,
     overlap: OverlapWatch,
+    #[serde(default, skip_serializing_if = "Sinking::is_empty")]
+    sinking: Sinking,
     #[serde(default, skip_serializing_if = "LaboratorySeries::is_empty")]
     laboratory: LaboratorySeries,
     #[serde(default)]
@@ -171,6 +175,7 @@ impl Checkpoints {
                 rows: rows.map_err(|e| unread(e.to_string()))?,
                 reference: stored.reference,
                 overlap: stored.overlap,
+                sinking: stored.sinking,
                 laboratory: stored.laboratory,
                 energy: stored.energy,
                 wall_s: stored.wall_s,
@@ -199,6 +204,7 @@ impl Checkpoints {
             series_csv: String::from_utf8(series).map_err(|e| refused(e.to_string()))?,
             reference: observed.reference,
             overlap: observed.overlap,
+            sinking: observed.sinking.clone(),
             laboratory: observed.laboratory.clone(),
             energy: observed.energy.clone(),
             frames: frames.map(FrameWriter::so_far).transpose()?,

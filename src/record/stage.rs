@@ -60,6 +60,10 @@ pub struct StageRecord {
     /// first began with one; none before.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub before_vibration_mm: Option<(Option<f64>, f64)>,
+    /// How far grains sank in rests in which some left or came; empty where none did, and where the
+    /// stage was stored before this was recorded.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sunk: Vec<Sunk>,
     /// What was observed of a laboratory of pieces, beside the rows of the series.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub laboratory: Vec<LaboratoryRow>,

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::protocol::Watched;
-use crate::record::{CheckSummary, Checks, OverlapWatch};
+use crate::record::{CheckSummary, Checks, OverlapWatch, Sunk, mean_drop_mm};
 
 /// Largest 99th percentile of the solver's residual, our choice: quick specimens have 0.002 to
 /// 0.015 at the default while they are poured and shaken, and 0.02 to 0.04 with eight
@@ -80,13 +80,11 @@ fn measure_overlap(watch: &mut OverlapWatch, specimen: &Specimen, time: f64) -> 
     })
 }
 
-/// Numerical creep wherever a stage rests, from its rows, against what the scale allows.
-pub(super) fn creep(stage: &StageSpec, rows: &[SeriesRow], scale: &Scale) -> Watched {
-    let limit = standard(scale).creep_um_per_s;
+/// Beginning and end of the rests of a stage that are long enough to tell of numerical creep, in s
+/// since it began; a stage that only rests has no end here.
+pub(super) fn rests(stage: &StageSpec, scale: &Scale) -> Vec<(f64, f64)> {
     let shortest = scale::SHORTEST_REST.at(scale);
-    let mut watched = Watched::default();
-    let Some(began) = rows.first().map(|r| r.time_s) else { return watched };
-    let rests: Vec<(f64, f64)> = match stage {
+    match stage {
         StageSpec::Rest { .. } => vec![(0.0, f64::INFINITY)],
         StageSpec::Vibrate { .. } => stage
             .motion()
@@ -98,14 +96,29 @@ pub(super) fn creep(stage: &StageSpec, rows: &[SeriesRow], scale: &Scale) -> Wat
             })
             .unwrap_or_default(),
         _ => Vec::new(),
-    };
-    for (from, to) in rests {
-        let within = |r: &&SeriesRow| {
-            let time = r.time_s - began;
-            time >= from - ROUNDING && time <= to + ROUNDING
-        };
+    }
+}
+
+/// Whether a time lies in a rest, all in s since a stage began.
+pub(super) fn is_within(time: f64, (from, to): (f64, f64)) -> bool {
+    time >= from - ROUNDING && time <= to + ROUNDING
+}
+
+/// Numerical creep wherever a stage rests, from its rows and how far grains sank where some left or
+/// came, against what the scale allows.
+pub(super) fn creep(
+    stage: &StageSpec,
+    rows: &[SeriesRow],
+    sunk: &[Sunk],
+    scale: &Scale,
+) -> Watched {
+    let limit = standard(scale).creep_um_per_s;
+    let mut watched = Watched::default();
+    let Some(began) = rows.first().map(|r| r.time_s) else { return watched };
+    for rest in rests(stage, scale) {
+        let within = |r: &&SeriesRow| is_within(r.time_s - began, rest);
         let rest: Vec<SeriesRow> = rows.iter().filter(within).copied().collect();
-        if let (Some(creep), Some(last)) = (creep_um_per_s(&rest), rest.last()) {
+        if let (Some(creep), Some(last)) = (creep_um_per_s(&rest, sunk), rest.last()) {
             watched.note(creep.abs(), limit, last.time_s);
         }
     }
@@ -114,13 +127,14 @@ pub(super) fn creep(stage: &StageSpec, rows: &[SeriesRow], scale: &Scale) -> Wat
 
 /// Speed in µm/s at which the mean grain sinks in the second half of the
 /// rest test. In the first, what still moved comes to rest: a specimen poured by
-/// a stated criterion of calm, or one whose table stops from full speed.
-pub(super) fn creep_um_per_s(series: &[SeriesRow]) -> Option<f64> {
+/// a stated criterion of calm, or one whose table stops from full speed. Of grains that leave or
+/// come meanwhile, `sunk` knows how far the others sank.
+pub(super) fn creep_um_per_s(series: &[SeriesRow], sunk: &[Sunk]) -> Option<f64> {
     let (first, last) = (series.first()?, series.last()?);
     let half = (first.time_s + last.time_s) / 2.0;
     let from = series.iter().find(|row| row.time_s >= half)?;
     let duration = last.time_s - from.time_s;
-    let drop = from.mean_grain_height_mm? - last.mean_grain_height_mm?;
+    let drop = mean_drop_mm(from, last, sunk)?;
     (duration > 0.0).then(|| 1e3 * drop / duration)
 }
 
@@ -322,7 +336,7 @@ mod tests {
         }
         let still = rows(14.0, |_| 80.0);
         let of = |rest_s: f64, size: f64| {
-            creep(&vibrated(rest_s), &still, &Scale::of_smallest(size, 9.81)).looks
+            creep(&vibrated(rest_s), &still, &[], &Scale::of_smallest(size, 9.81)).looks
         };
         for (rest_s, size, looks) in
             [(1.0, 0.008, 2), (1.0, 0.04, 0), (2.236, 0.04, 2), (2.2, 0.04, 0), (0.5, 0.0008, 2)]
@@ -360,12 +374,12 @@ mod tests {
     fn creep_is_that_of_the_second_half() {
         // 1 mm lost while coming to rest, then 2 µm in a second.
         let rows = [row(5.0, 80.0), row(5.5, 79.2), row(6.0, 79.0), row(7.0, 78.998)];
-        let got = creep_um_per_s(&rows).expect("a creep");
+        let got = creep_um_per_s(&rows, &[]).expect("a creep");
         assert!((got - 2.0).abs() < 1e-6, "law: 2 µm/s in the second half, got {got}");
-        assert_eq!(creep_um_per_s(&rows[..1]), None, "law: one row tells nothing");
+        assert_eq!(creep_um_per_s(&rows[..1], &[]), None, "law: one row tells nothing");
         // Numerical creep that never ends shows in full.
         let for_ever = [row(0.0, 80.0), row(1.0, 79.0), row(2.0, 78.0)];
-        let got = creep_um_per_s(&for_ever).expect("a creep");
+        let got = creep_um_per_s(&for_ever, &[]).expect("a creep");
         assert!((got - 1000.0).abs() < 1e-6, "law: 1000 µm/s, got {got}");
     }
 
@@ -379,21 +393,21 @@ mod tests {
             t if t < 6.05 => 76.0 - 0.02 * (t - 5.0),
             t => 76.0 - (t - 6.0),
         });
-        let watched = creep(&vibrated(1.0), &sinking, &Scale::PAPER);
+        let watched = creep(&vibrated(1.0), &sinking, &[], &Scale::PAPER);
         assert_eq!((watched.looks, watched.beyond), (2, 1), "law: two rests, {watched:?}");
         assert!((watched.worst - 20.0).abs() < 1e-6, "law: 20 µm/s, got {}", watched.worst);
         assert!((watched.worst_at_s - 9.0).abs() < 1e-9, "law: at the end of its rest");
         assert_eq!(
-            creep(&vibrated(0.5), &sinking, &Scale::PAPER).looks,
+            creep(&vibrated(0.5), &sinking, &[], &Scale::PAPER).looks,
             0,
             "law: too short to tell"
         );
-        let still = creep(&REST, &rows(10.0, |_| 80.0), &Scale::PAPER);
+        let still = creep(&REST, &rows(10.0, |_| 80.0), &[], &Scale::PAPER);
         assert_eq!((still.looks, still.passed()), (1, Some(true)));
-        let rising = creep(&REST, &rows(10.0, |t| 80.0 + 0.02 * t), &Scale::PAPER);
+        let rising = creep(&REST, &rows(10.0, |t| 80.0 + 0.02 * t), &[], &Scale::PAPER);
         assert_eq!(rising.passed(), Some(false), "law: up or down");
         let pour = StageSpec::Pour { falling_height_mm: 0.0, time_limit_s: 4.0 };
-        assert_eq!(creep(&pour, &sinking, &Scale::PAPER).passed(), None);
+        assert_eq!(creep(&pour, &sinking, &[], &Scale::PAPER).passed(), None);
     }
 
     fn stage(name: &str, checks: Option<StageChecks>) -> StageRecord {

@@ -295,7 +295,8 @@ impl<'a> Shop<'a> {
         })?;
         recorder.end(&outcome.specimen, outcome.simulated);
         let (observed, frames) = recorder.into_parts();
-        let creep = checks::creep(&node.stage, &observed.rows, &node.setup.scale);
+        let sunk = observed.sinking.sunk;
+        let creep = checks::creep(&node.stage, &observed.rows, &sunk, &node.setup.scale);
         let checks = StageChecks::of(&outcome.watch, observed.overlap, creep);
         let mut warnings = outcome.warnings;
         warnings.extend(checks::warnings(&checks));
@@ -314,6 +315,7 @@ impl<'a> Shop<'a> {
             fall: outcome.fall,
             until: outcome.until,
             before_vibration_mm: observed.reference.before_vibration_mm,
+            sunk,
             sieved_mm: sieved_mm(&outcome.corners),
             laboratory: observed.laboratory.rows,
             energy: if observed.energy.len() == observed.rows.len() {

@@ -7,7 +7,7 @@ use super::{
     checks::{last_look_at_overlap, look_at_overlap},
     laboratory::LaboratoryRecorder,
 };
-use crate::measure::{body_energy, content, largest_speed, mean_grain_height, plate_position};
+use crate::measure::{body_energy, largest_speed, mean_grain_height, plate_position};
 use crate::protocol::{Moment, Observer};
 use crate::record::Observed;
 use crate::specimen::FreeState;
@@ -19,6 +19,8 @@ pub struct Recorder<'a, F: FnMut(&SeriesRow)> {
     stage: &'a StageSpec,
     /// Whether the table moves along y, and along z.
     table_moves: [bool; 2],
+    /// Beginning and end of the rests of the stage, in s since it began.
+    rests: Vec<(f64, f64)>,
     /// At what time of the run, in s, the stage begins.
     pub(super) start: f64,
     /// What was observed so far; its wall time is that before `began`.
@@ -64,6 +66,7 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
             setup,
             stage,
             table_moves: stage.motion().map_or([false; 2], |m| m.moves_along_y_z()),
+            rests: checks::rests(stage, &setup.scale),
             start: 0.0,
             observed: Observed::default(),
             began: Instant::now(),
@@ -119,6 +122,23 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
         grain_energy(specimen, gravity, table).kinetic() + of_plate + of_pieces.sum::<f64>()
     }
 
+    /// Keeps the heights of the grains there at those rows of a rest from which numerical creep may be
+    /// asked for, the first and those about its middle; times in s since the stage began.
+    fn note_sinking(&mut self, specimen: &Specimen, there: &[usize], stage_time: f64) {
+        let rest = self.rests.iter().copied().find(|rest| checks::is_within(stage_time, *rest));
+        let sinking = &mut self.observed.sinking;
+        let Some((from, to)) = rest else { return sinking.begin() };
+        let before = self.observed.rows.last().map(|row| row.time_s - self.start);
+        let is_first = before.is_none_or(|time| !checks::is_within(time, (from, to)));
+        if is_first {
+            sinking.begin();
+        }
+        let middle = f64::midpoint(from, to.min(self.stage.longest()));
+        let near = (stage_time - middle).abs() <= 2.0 * self.setup.sample_interval;
+        let there = there.iter().map(|&grain| (grain, specimen.centroid(grain).z)).collect();
+        sinking.note(self.start + stage_time, there, is_first || near);
+    }
+
     /// Looks once more, at a finished stage of a length in s.
     pub fn end(&mut self, specimen: &Specimen, length: f64) {
         let (overlap, time) = (&mut self.observed.overlap, self.start + length);
@@ -171,13 +191,13 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
         let potential = self.potential(specimen);
         let specimen = &*specimen.on_level_table();
         let state = &specimen.state;
-        let (surface, inside, grain_height) = if state.cylinder || state.base.is_some() {
+        let (surface, inside, there) = if state.cylinder || state.base.is_some() {
             let container = container(self.setup, specimen);
             let surface =
                 HeightMap::of(specimen, &container, height_cell_over(&container, &specimen.grains))
                     .map_or(0.0, |map| map.standing_height().mean_surface);
-            let content = content(specimen, &container);
-            (Some(surface), content.grains, content.mean_grain_height)
+            let there = container.members(specimen);
+            (Some(surface), there.len(), there)
         } else {
             let present: Vec<usize> = specimen.present().collect();
             // The built-in cylinder is empty until it stands; pieces have no such surface.
@@ -185,8 +205,10 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
                 true => (Some(0.0), 0),
                 false => (None, present.len()),
             };
-            (surface, inside, mean_grain_height(specimen, &present))
+            (surface, inside, present)
         };
+        let grain_height = mean_grain_height(specimen, &there);
+        self.note_sinking(specimen, &there, moment.stage_time);
         let plate = &self.setup.plate;
         let position = state.top_plate.map(|p| plate_position(&p, plate.thickness));
         let kinetic = self.kinetic(specimen, &table);
@@ -264,6 +286,7 @@ mod tests {
     use super::*;
     use crate::geometry::Pose;
     use crate::protocol::EnergyBalance;
+    use crate::record::mean_drop_mm;
     use crate::study::plan::PlannedRun;
     use crate::study::tests::{planned, scenario};
 
@@ -283,6 +306,48 @@ mod tests {
     fn at(stage_time: f64) -> Moment {
         let balance = EnergyBalance::default();
         Moment { stage_time, table_velocity: Vector::zeros(), balance }
+    }
+
+    /// Law: a grain that falls out in the second half of a rest does not make the others sink: their
+    /// numerical creep is the speed at which these do, also over the whole rest.
+    #[test]
+    fn a_grain_that_falls_out_of_a_rest_is_no_creep() {
+        let run = planned(scenario(50.0));
+        let setup = Setup::new(&run.scenario).expect("a laboratory");
+        let rest = StageSpec::Rest { duration_s: 10.0 };
+        for speed in [0.0, 10.0] {
+            let mut recorder = Recorder::new(&setup, &rest, None, |_| {});
+            recorder.start = 3.7;
+            let mut specimen = poured(&run);
+            let mut before = 0.0;
+            for time in (0..=125).map(|n| 0.08 * f64::from(n)) {
+                for grain in &mut specimen.state.bodies {
+                    grain.body.pose.translation.vector.z -= speed * 1e-6 * (time - before);
+                }
+                before = time;
+                let falls_out = time > 9.6;
+                specimen.state.bodies[0].fate =
+                    if falls_out { Fate::Spilled } else { Fate::Present };
+                recorder.observe(&specimen, at(time));
+            }
+            let Observed { rows, sinking, .. } = recorder.observed;
+            let of_means = checks::creep_um_per_s(&rows, &[]).expect("a creep");
+            assert!(of_means.abs() > 100.0, "law: means over whoever is there differ, {of_means}");
+            let got = checks::creep_um_per_s(&rows, &sinking.sunk).expect("a creep");
+            let law = "law: numerical creep of the grains that are left";
+            assert!(
+                (got - speed).abs() < 1e-6,
+                "{law}, expected {speed} µm/s, got {got} µm/s, tolerance 1e-6 µm/s"
+            );
+            let watched = checks::creep(&rest, &rows, &sinking.sunk, &setup.scale);
+            assert_eq!((watched.looks, watched.beyond), (1, u64::from(speed > 5.0)), "{law}");
+            let whole = mean_drop_mm(&rows[0], &rows[125], &sinking.sunk).expect("a drop");
+            let expected = 1e-3 * speed * 10.0;
+            assert!(
+                (whole - expected).abs() < 1e-9,
+                "{law}, over all of it expected {expected} mm, got {whole} mm, tolerance 1e-9 mm"
+            );
+        }
     }
 
     /// Law: the settlement of a plate that was laid after a vibration counts from the beginning of

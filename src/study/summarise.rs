@@ -13,8 +13,8 @@ use super::{
 use crate::grains::MeshRecord;
 use crate::measure::{coordination, touching_gap};
 use crate::record::{
-    GrainsSummary, RestTest, SecondarySieve, Settlement, ShapeSummary, SieveSummary,
-    VibrationSummary,
+    GrainsSummary, RestTest, SecondarySieve, Settlement, ShapeSummary, SieveSummary, Sunk,
+    VibrationSummary, mean_drop_mm,
 };
 use crate::scenario;
 
@@ -91,8 +91,9 @@ pub fn summarise(
     let with_plate = specs().filter(|(_, stage)| begins_with_plate(stage));
     let shaken: Vec<[f64; 2]> = with_plate.flat_map(|(spec, stage)| periods(spec, stage)).collect();
     let plate = settlement(&series, &shaken, |r| r.plate_height_mm)?;
-    let rest_test_figures = self::rest_test(&rest_rows);
-    let creep = checks::creep_um_per_s(&rest_rows).filter(|_| !members.is_empty());
+    let sunk = rest_test.map_or(&[][..], |stage| &stage.record.sunk);
+    let rest_test_figures = self::rest_test(&rest_rows, sunk);
+    let creep = checks::creep_um_per_s(&rest_rows, sunk).filter(|_| !members.is_empty());
     let all = stages.iter().copied().chain(rest_test);
     let mut warnings: Vec<String> =
         all.clone().flat_map(|s| s.record.warnings.iter().cloned()).collect();
@@ -325,13 +326,13 @@ fn settlement(
     }))
 }
 
-fn rest_test(series: &[SeriesRow]) -> Option<RestTest> {
+fn rest_test(series: &[SeriesRow], sunk: &[Sunk]) -> Option<RestTest> {
     let (first, last) = (series.first()?, series.last()?);
     let duration_s = last.time_s - first.time_s;
     let drop = |of: fn(&SeriesRow) -> Option<f64>| Some(of(first)? - of(last)?);
     (duration_s > 0.0).then(|| RestTest {
         duration_s,
-        mean_grain_height_drop_mm: drop(|row| row.mean_grain_height_mm),
+        mean_grain_height_drop_mm: mean_drop_mm(first, last, sunk),
         mean_surface_drop_mm: drop(|row| row.mean_surface_mm),
         plate_drop_mm: drop(|row| row.plate_height_mm),
     })
