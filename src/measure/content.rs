@@ -31,8 +31,7 @@ pub fn content(specimen: &Specimen, container: &Container) -> Content {
 /// Mean height in m of the centroids of the grains with the given indices; `None` for no grains.
 ///
 /// Numerical creep is the change of this mean over one fixed list of grains: a grain
-/// that leaves the list would move the mean without anything sinking
-/// ([`crate::record::Sinking`]).
+/// that leaves the list would move the mean without anything sinking.
 pub fn mean_grain_height(specimen: &Specimen, grains: &[usize]) -> Option<f64> {
     let heights: Vec<f64> = grains.iter().map(|&i| specimen.centroid(i).z).collect();
     statistics::mean(&heights)

@@ -201,8 +201,8 @@ mod tests {
         assert_near("all rings, with what lies beyond", whole, sum(&got), 1e-9 * whole);
     }
 
-    /// Law: what reaches beyond the last radius counts in the last ring, also where a product of radius
-    /// and share falls short of the radius by rounding, as 115 mm in 37 rings.
+    /// Law: what reaches beyond the last radius counts in the last ring, also where a product of
+    /// radius and share falls short of the radius by rounding, as 115 mm in 37 rings.
     #[test]
     fn the_last_ring_ends_at_the_radius_as_given() {
         let block = ConvexPolyhedron::cuboid(Vector::new(0.4, 0.4, 0.02)).expect("a block");

@@ -92,8 +92,8 @@ pub struct Repose {
     pub confidence: (f64, f64),
     /// Slope of the cone of the same volume and height.
     pub by_volume: f64,
-    /// Height of the highest cell above the base, read at its centre: a corner between centres is up to
-    /// about half a cell higher.
+    /// Height of the highest cell above the base, read at its centre: a corner between centres is
+    /// up to about half a cell higher.
     pub height: f64,
     /// Radii between which the flank is fitted.
     pub flank: (f64, f64),

@@ -83,8 +83,8 @@ fn height_after(series: &[(f64, f64)], periods: &[[f64; 2]], seconds: f64) -> Op
 }
 
 /// Height in the rest after a period: at the last sample before the next one begins, for the first
-/// sample after that is in motion. Where no sample lies in the rest, or there is none, it is that at
-/// the beginning of the next period; after the last period, that at the end of the series.
+/// sample after that is in motion. Where no sample lies in the rest, or there is none, it is that
+/// at the beginning of the next period; after the last period, that at the end of the series.
 fn height_at_rest(series: &[(f64, f64)], periods: &[[f64; 2]], period: usize) -> f64 {
     let Some([next, _]) = periods.get(period + 1) else { return series[series.len() - 1].1 };
     let until = series.partition_point(|(at, _)| *at <= next + ROUNDING);
@@ -220,10 +220,10 @@ mod tests {
         assert_eq!(share_after(&s, &shaken, 6.1), None, "longer than the vibration");
     }
 
-    /// Law: what is read in a rest is the height at rest, whatever the first sample of the next period
-    /// shows: here the plate has jumped by 3 mm. Rests may begin and end between samples, taken
-    /// every 0.08 s; without a sample in them the height at the next beginning is read, as without
-    /// rests.
+    /// Law: what is read in a rest is the height at rest, whatever the first sample of the next
+    /// period shows: here the plate has jumped by 3 mm. Rests may begin and end between samples,
+    /// taken every 0.08 s; without a sample in them the height at the next beginning is read, as
+    /// without rests.
     #[test]
     fn a_rest_is_read_before_the_next_shaking() {
         let (at_rest, jump) = (0.15, 0.003);

@@ -133,8 +133,9 @@ fn a_seated_plate_settles_within_the_limit_of_its_last_part() {
     );
 }
 
-/// Law: a weight F on the plate that sinks by h puts F h in, however much the plate itself loses: what
-/// is dissipated is what is put in less the gain of grains and plate, whose potential energies fall.
+/// Law: a weight F on the plate that sinks by h puts F h in, however much the plate itself loses:
+/// what is dissipated is what is put in less the gain of grains and plate, whose potential energies
+/// fall.
 #[test]
 fn a_weight_that_sinks_with_the_plate_does_its_work() {
     const SUNK: f64 = 1e-4;

@@ -52,10 +52,10 @@ pub struct Watch {
 /// bodies that leave, and what others bring that are let go, is neither.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyBalance {
-    /// Work of the table, of moving pieces and on pressed ones, and of a weight on the top plate. That
-    /// of the table is its mean velocity between two looks, sixteen to a cycle at least, times the
-    /// momentum given between them; that of pieces is summed over every contact in every step; that
-    /// of the weight is the energy that it loses.
+    /// Work of the table, of moving pieces and on pressed ones, and of a weight on the top plate.
+    /// That of the table is its mean velocity between two looks, sixteen to a cycle at least, times
+    /// the momentum given between them; that of pieces is summed over every contact in every step;
+    /// that of the weight is the energy that it loses.
     pub input: f64,
     /// What friction and impacts have taken: input less the gain of kinetic and potential energy.
     pub dissipated: f64,
@@ -190,8 +190,8 @@ impl Watch {
         }
     }
 
-    /// Takes into account which part of the energy in J a weight on the top plate has, where there is
-    /// one.
+    /// Takes into account which part of the energy in J a weight on the top plate has, where there
+    /// is one.
     pub(super) fn weigh(&mut self, of_weight: Option<f64>) {
         if let Some(budget) = &mut self.budget {
             budget.of_weight = of_weight;

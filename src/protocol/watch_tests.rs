@@ -258,8 +258,8 @@ fn input_and_dissipation_balance_what_is_stored() {
     near("leaving is no loss", 0.5 * lift, watch.balance.dissipated);
 }
 
-/// Law: of a body that a weight thrice as heavy presses down by h, until both lie, the weight's 3 m g h
-/// are put in and 4 m g h dissipated; while both fall freely the weight gives nothing.
+/// Law: of a body that a weight thrice as heavy presses down by h, until both lie, the weight's 3 m
+/// g h are put in and 4 m g h dissipated; while both fall freely the weight gives nothing.
 #[test]
 fn a_weight_gives_what_it_loses() {
     let heavy = |state: &BodyState| {

@@ -64,8 +64,8 @@ pub struct StageSummary {
 /// stored or dissipated.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StageEnergy {
-    /// Work of the table, of moving pieces and of a weight that seats the plate on grains, plate and
-    /// free pieces.
+    /// Work of the table, of moving pieces and of a weight that seats the plate on grains, plate
+    /// and free pieces.
     pub work_input_j: f64,
     /// What friction and impacts took.
     pub dissipated_j: f64,

@@ -32,8 +32,8 @@ pub struct SeriesRow {
     pub plate_tilt_deg: Option<f64>,
     /// Largest speed of any grain in m/s.
     pub largest_speed_m_per_s: f64,
-    /// Height of a pile above the mean height of its base in mm, to the highest corner of a grain that
-    /// does not move just then; empty without a base.
+    /// Height of a pile above the mean height of its base in mm, to the highest corner of a grain
+    /// that does not move just then; empty without a base.
     pub pile_height_mm: Option<f64>,
     /// Displacement of the table along y in mm; no column where it never has any.
     #[serde(default, skip_serializing_if = "Option::is_none")]

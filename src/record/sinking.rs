@@ -43,8 +43,8 @@ impl Sinking {
     }
 
     /// Takes a row of the rest under way into account: its time in s, and the grains there, in
-    /// ascending order, with the heights of their centroids in m. `may_be_first` says whether a drop
-    /// may be asked for that begins here.
+    /// ascending order, with the heights of their centroids in m. `may_be_first` says whether a
+    /// drop may be asked for that begins here.
     pub fn note(&mut self, time_s: f64, there: Vec<(usize, f64)>, may_be_first: bool) {
         for first in &self.held {
             // Of each only the drop up to the last row is wanted.
@@ -89,8 +89,8 @@ mod tests {
         SeriesRow { time_s, mean_grain_height_mm: Some(mean_mm), ..SeriesRow::default() }
     }
 
-    /// Law: what leaves or comes moves no mean; the drop is that of the grains there at both moments,
-    /// here of 1 and 2 mm. With the same grains nothing is kept, and the rows tell.
+    /// Law: what leaves or comes moves no mean; the drop is that of the grains there at both
+    /// moments, here of 1 and 2 mm. With the same grains nothing is kept, and the rows tell.
     #[test]
     fn grains_that_leave_or_come_do_not_sink() {
         let mut sinking = Sinking::default();

@@ -301,8 +301,8 @@ pub struct AngleOfRepose {
     pub confidence_high_degrees: f64,
     /// Slope of the cone of the same volume and height.
     pub by_volume_degrees: f64,
-    /// Height of the highest cell above the mean height of the base: read at the centres of cells, up
-    /// to about half a cell below the highest corner.
+    /// Height of the highest cell above the mean height of the base: read at the centres of cells,
+    /// up to about half a cell below the highest corner.
     pub pile_height_mm: f64,
     /// Radius at which the mean of the fitted lines meets the base.
     pub base_radius_mm: f64,

@@ -122,8 +122,8 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
         grain_energy(specimen, gravity, table).kinetic() + of_plate + of_pieces.sum::<f64>()
     }
 
-    /// Keeps the heights of the grains there at those rows of a rest from which numerical creep may be
-    /// asked for, the first and those about its middle; times in s since the stage began.
+    /// Keeps the heights of the grains there at those rows of a rest from which numerical creep may
+    /// be asked for, the first and those about its middle; times in s since the stage began.
     fn note_sinking(&mut self, specimen: &Specimen, there: &[usize], stage_time: f64) {
         let rest = self.rests.iter().copied().find(|rest| checks::is_within(stage_time, *rest));
         let sinking = &mut self.observed.sinking;
@@ -308,8 +308,8 @@ mod tests {
         Moment { stage_time, table_velocity: Vector::zeros(), balance }
     }
 
-    /// Law: a grain that falls out in the second half of a rest does not make the others sink: their
-    /// numerical creep is the speed at which these do, also over the whole rest.
+    /// Law: a grain that falls out in the second half of a rest does not make the others sink:
+    /// their numerical creep is the speed at which these do, also over the whole rest.
     #[test]
     fn a_grain_that_falls_out_of_a_rest_is_no_creep() {
         let run = planned(scenario(50.0));

@@ -280,8 +280,8 @@ mod tests {
         assert_eq!(passed_before(&begun), 2, "law: two of three that are gone");
     }
 
-    /// Law: grains that are still in the funnel do not stand 0 mm high: they have no height, and the
-    /// reason is given; once they are poured they have one.
+    /// Law: grains that are still in the funnel do not stand 0 mm high: they have no height, and
+    /// the reason is given; once they are poured they have one.
     #[test]
     fn what_has_not_been_poured_has_no_height() {
         let run = planned(scenario(50.0));

@@ -83,8 +83,8 @@ mod tests {
     use super::*;
     use crate::record::canned;
 
-    /// Law: where rows count from a vibration of an earlier run and final values do not, the caption
-    /// says so, and nowhere else.
+    /// Law: where rows count from a vibration of an earlier run and final values do not, the
+    /// caption says so, and nowhere else.
     #[test]
     fn a_specimen_shaken_before_has_its_two_beginnings_in_the_caption() {
         for (settled, said) in [(0.0, false), (3.0, true)] {
