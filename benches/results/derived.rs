@@ -370,7 +370,8 @@ fn sizes(results: &Results) -> Result<Value, String> {
 
 /// Points of the joint sweeps, `abrupt` and with a `ramp`: how many there are, in how many the
 /// share of the first period is as wanted, and in how many all four numbers are. A point's pile,
-/// continuous and intermittent shaking have its friction.
+/// continuous and intermittent shaking have its friction. And the `models`: `all`, and those that
+/// predict `worse` than the mean.
 fn joint(results: &Results) -> Result<Value, String> {
     let [piles, continuous, intermittent] =
         ["joint-pile", "joint-continuous", "joint-intermittent"]
@@ -402,9 +403,15 @@ fn joint(results: &Results) -> Result<Value, String> {
             count[n] += u32::from(is);
         }
     }
+    // Models that predict specimens which they have not seen worse than the mean does.
+    let models = found["targets"].as_array().ok_or("there is no list `targets`")?;
+    let is_worse = |of: &&Value| of["fit"]["predicted"].as_f64().is_some_and(|share| share < 0.0);
+    let worse = models.iter().filter(is_worse).count();
     let of =
         |[points, first, all]: [u32; 3]| json!({ "points": points, "first": first, "all": all });
-    Ok(counts.into_iter().map(|(name, count)| (name.to_owned(), of(count))).collect())
+    let models = ("models".to_owned(), json!({ "all": models.len(), "worse": worse }));
+    let counts = counts.into_iter().map(|(name, count)| (name.to_owned(), of(count)));
+    Ok(counts.chain([models]).collect())
 }
 
 /// Verdicts on the statements of the paper's programme.

@@ -13,8 +13,9 @@ that their sweeps share; the points that meet all targets are counted and listed
 linear model of all factors to each target. From the scatter about the model follows the probability
 that a run meets the target; from the correlations of residuals at the same point, the probability
 that it meets several. The answer says whether a combination meets all targets, and which two
-targets exclude each other. Sweeps of the same name are merged. Leaves targets.json and targets.md
-in DIR.
+targets exclude each other. Runs of one pour are of one specimen: what varies on it is judged by
+differences within specimens, all else by the means of specimens. Sweeps of the same name are
+merged. Leaves targets.json and targets.md in DIR.
 
 Examples:
   pluvia targets --runs shaken=out/shaken --target shaken:settlement_mm.final=14..19.61 \\

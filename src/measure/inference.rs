@@ -61,16 +61,15 @@ impl MeanTest {
     }
 }
 
-/// 95 % interval of a share of which `met` of `count` cases are (Wilson 1927, "Probable inference,
-/// the law of succession, and statistical inference"); 0 to 1 of no cases.
-pub fn wilson_interval(met: usize, count: usize) -> [f64; 2] {
+/// 95 % interval of a share of cases, of which `independent` are (Wilson 1927, "Probable
+/// inference, the law of succession, and statistical inference"); 0 to 1 of no cases.
+pub fn wilson_interval(share: f64, independent: usize) -> [f64; 2] {
     // The normal distribution's quantile at 97.5 %.
     const Z: f64 = 1.959_963_984_540_054;
-    if count == 0 {
+    if independent == 0 {
         return [0.0, 1.0];
     }
-    let n = count as f64;
-    let share = met as f64 / n;
+    let n = independent as f64;
     let middle = share + Z * Z / (2.0 * n);
     let half = Z * (share * (1.0 - share) / n + Z * Z / (4.0 * n * n)).sqrt();
     let whole = 1.0 + Z * Z / n;
@@ -214,7 +213,7 @@ mod tests {
     fn wilsons_interval_ends_where_the_share_is_just_believed() {
         for (met, count) in [(0, 8), (3, 8), (8, 8), (40, 200)] {
             let (share, n) = (met as f64 / count as f64, count as f64);
-            for end in wilson_interval(met, count) {
+            for end in wilson_interval(share, count) {
                 let expected = 1.959_963_984_540_054 * (end * (1.0 - end) / n).sqrt();
                 assert_near(
                     "distance of the end from the share",
@@ -224,7 +223,7 @@ mod tests {
                 );
             }
         }
-        assert_eq!(wilson_interval(0, 0), [0.0, 1.0], "law: nothing is known of no cases");
+        assert_eq!(wilson_interval(f64::NAN, 0), [0.0, 1.0], "law: nothing is known of no cases");
     }
 
     /// Student's own example (1908), also R's `sleep`: differences of hours slept,

@@ -1,6 +1,8 @@
 //! Which values of the factors of sweeps meet several targets together: what was found, and its
 //! files.
 
+use std::collections::BTreeSet;
+
 use super::*;
 use crate::measure::{inference::wilson_interval, regression::LinearFit};
 
@@ -50,8 +52,10 @@ pub struct TargetFound {
     pub runs_left_out: usize,
     /// How many of those that count meet it.
     pub runs_meeting: usize,
-    /// 95 % interval of that share (Wilson 1927).
+    /// 95 % interval of that share (Wilson 1927), in which runs of one specimen count as one.
     pub share_meeting: [f64; 2],
+    /// Specimens of the runs that count: runs of one pour are of one.
+    pub specimens: usize,
     /// Smallest and largest value.
     pub values: [f64; 2],
     /// How well the linear model fits.
@@ -59,6 +63,10 @@ pub struct TargetFound {
     /// Change of the result over the range of each factor in these runs, with half of its 95 %
     /// confidence interval.
     pub effects: BTreeMap<String, (f64, f64)>,
+    /// Degrees of freedom of each of these intervals.
+    pub freedom: BTreeMap<String, f64>,
+    /// Factors that are judged by differences within specimens, all others by means of these.
+    pub within_specimens: Vec<String>,
     /// Largest probability of meeting it, anywhere.
     pub best: f64,
 }
@@ -93,14 +101,18 @@ pub struct PointsMet {
     pub met: usize,
     /// How many have all results.
     pub of: usize,
-    /// 95 % interval of the share (Wilson 1927), of points taken to be independent.
+    /// 95 % interval of the share (Wilson 1927), in which points that share a specimen count as
+    /// one.
     pub share: [f64; 2],
+    /// How many groups of points there are of which no two share a specimen.
+    pub independent: usize,
 }
 
 impl PointsMet {
-    /// `met` of `of` points; none of none.
-    pub fn new(met: usize, of: usize) -> Option<Self> {
-        (of > 0).then(|| Self { met, of, share: wilson_interval(met, of) })
+    /// `met` of `of` points, `independent` of them or of their groups; none of none.
+    pub fn new(met: usize, of: usize, independent: usize) -> Option<Self> {
+        let share = || wilson_interval(met as f64 / of as f64, independent);
+        (of > 0).then(|| Self { met, of, share: share(), independent })
     }
 
     fn text(self) -> String {
@@ -170,6 +182,12 @@ impl TargetsFound {
         let pairs = self.pairs.iter().map(|pair| (self.names(&pair.targets), pair.best));
         said.extend(excluded("Not met anywhere by itself", alone));
         said.extend(excluded("Targets that exclude each other", pairs));
+        let is_of_one = |t: &&TargetFound| t.specimens == 1 && t.runs_counted > 1;
+        let of_one: Vec<String> =
+            self.targets.iter().filter(is_of_one).map(|t| t.target.title()).collect();
+        if !of_one.is_empty() {
+            said.push(format!("Of one specimen, and no measure of others: {}.", of_one.join(", ")));
+        }
         said.join(" ")
     }
 
@@ -202,8 +220,9 @@ impl TargetsFound {
             "wanted" => t.target.range(),
             "smallest to largest" => t.values.map(|value| t.shown(value)).join(" to "),
             "runs that meet it" => share(t.runs_meeting, t.runs_counted, t.share_meeting),
+            "specimens" => t.specimens,
             "left out" => t.runs_left_out,
-            "fit" => format!("{:.2}, {:.2} unseen", t.fit.explained, t.fit.predicted).replace('-', "−"),
+            "fit" => format!("{:.2}, {} unseen", t.fit.explained, predicted(t)).replace('-', "−"),
             "best" => Cell::number(percent(t.best)),
         })
     }
@@ -259,24 +278,40 @@ impl TargetsFound {
         table
     }
 
+    /// How the intervals of effects were found.
+    fn of_effects(&self) -> String {
+        let within: BTreeSet<&str> =
+            self.targets.iter().flat_map(|t| &t.within_specimens).map(String::as_str).collect();
+        let said = "Change of each result over the range of a factor, ± half of its 95 % \
+                    confidence interval";
+        if within.is_empty() {
+            return format!("{said}.");
+        }
+        let within = within.into_iter().collect::<Vec<_>>().join(", ");
+        format!(
+            "{said}: of {within} by the scatter of differences within specimens, of all others by \
+             that of the means of specimens."
+        )
+    }
+
     /// `targets.md`.
     pub(crate) fn page(&self) -> Page {
-        let alone = "Runs that meet a target, with the 95 % interval of their share; left out: runs \
-                     that do not count in means, failed, or lack the result; fit: share of the \
-                     variance that a linear model of all factors explains, and of runs that it has not \
-                     seen; best: largest probability that a run meets the target, by that model with \
-                     its scatter.";
-        let effects = "Change of each result over the range of a factor, ± half of its 95 % confidence \
-                       interval.";
+        let alone = "Runs that meet a target, with the 95 % interval of their share, in which \
+                     runs of one specimen count as one; specimens: runs of one pour are of one; \
+                     left out: runs that do not count in means, failed, or lack the result; fit: \
+                     share of the variance that a linear model of all factors explains, and of \
+                     specimens that it has not seen; best: largest probability that a run meets \
+                     the target, by that model with its scatter.";
+        let effects = self.of_effects();
         let dependence = match self.correlations {
             Some(_) => "Residuals of different targets go together as in the last table",
             None => "Residuals of different targets are taken to be independent",
         };
         let together = format!(
-            "Points that meet targets together (runs with the same values of all factors that their \
-             sweeps share; in brackets the 95 % interval of that share), and the probability by the \
-             linear models, over {} places that fill the ranges: on average, at best, and where that \
-             is. {dependence}.",
+            "Points that meet targets together (runs with the same values of all factors that \
+             their sweeps share; in brackets the 95 % interval of that share, in which points that \
+             share a specimen count as one), and the probability by the linear models, over {} \
+             places that fill the ranges: on average, at best, and where that is. {dependence}.",
             self.searched
         );
         let met_at = "Factors and results of the points that meet all targets.";
@@ -284,7 +319,7 @@ impl TargetsFound {
         let section = |said: &str, table| [Block::Text(said.to_owned()), Block::Table(table)];
         let mut page = Page::new("Targets met together", [Block::Lead(self.answer())])
             .section("alone", "Each target by itself", section(alone, self.alone()))
-            .section("effects", "What each factor moves", section(effects, self.effects()))
+            .section("effects", "What each factor moves", section(&effects, self.effects()))
             .section("together", "Together", section(&together, self.together()));
         if !self.met_at.is_empty() {
             page = page.section("met", "Where all are met", section(met_at, self.met_at()));
@@ -316,6 +351,14 @@ fn percent(share: f64) -> String {
         p if p > 0.0 && p < 0.1 => "< 0.1 %".to_owned(),
         p if p < 10.0 => format!("{p:.1} %"),
         p => format!("{p:.0} %"),
+    }
+}
+
+/// How much of the variance is predicted, where that is known.
+fn predicted(target: &TargetFound) -> String {
+    match target.fit.predicted {
+        share if share.is_finite() => format!("{share:.2}"),
+        _ => "unknown".to_owned(),
     }
 }
 
@@ -357,9 +400,12 @@ mod tests {
             runs_left_out: 0,
             runs_meeting: 5,
             share_meeting: [0.19, 0.68],
+            specimens: 12,
             values: [0.574_123, 0.746_123],
             fit,
             effects: effects.map(|(name, effect)| (name.to_owned(), effect)).into(),
+            freedom: effects.map(|(name, _)| (name.to_owned(), 9.0)).into(),
+            within_specimens: Vec::new(),
             best: 0.86,
         };
         let at_best = at(0.579_312, 21.560_1);

@@ -5,13 +5,20 @@
 //! probability that a run at some point meets a target is that of the model with its scatter. Runs
 //! of different sweeps belong together where their factors agree ([`points`]): such points are
 //! counted, and say how residuals of different targets go together ([`together`]).
+//!
+//! Runs of one pour are of one specimen ([`specimens`]): the model keeps their scatter apart from
+//! that between specimens, and intervals of shares count them once.
 
 mod points;
+mod specimens;
 mod spelling;
 mod together;
 
 use super::*;
-use crate::measure::{inference::wilson_interval, regression::LinearModel};
+use crate::measure::{
+    inference::wilson_interval,
+    regression::{Effect, LinearModel, vary_within},
+};
 use crate::plain::counted;
 use crate::record::{read_file, refuse_without};
 use crate::report::{ColumnTable, OUTCOMES, Target, TargetFound, TargetsFound};
@@ -149,6 +156,8 @@ struct Row {
     /// Values of the factors, in their order.
     factors: Vec<f64>,
     results: BTreeMap<String, f64>,
+    /// Number of its specimen among those of the runs of its name.
+    specimen: usize,
 }
 
 /// A target and the model of its runs.
@@ -189,7 +198,8 @@ pub fn meet_targets(
         tables.insert(of.name.clone(), together);
     }
     let with_factors = |(name, table): (String, Runs)| -> Result<(String, Runs), StudyError> {
-        let table = table.with_factors(&name, &chance)?;
+        let mut table = table.with_factors(&name, &chance)?;
+        specimens::number(&mut table.rows);
         Ok((name, table))
     };
     let tables: BTreeMap<String, Runs> =
@@ -292,6 +302,7 @@ fn read(path: &Path, targets: &[&Target], spellings: &mut Spellings) -> Result<R
             columns: planned(row),
             factors: Vec::new(),
             results: results.collect(),
+            specimen: 0,
         }
     });
     Ok(Runs {
@@ -325,35 +336,79 @@ fn model(target: &Target, table: &Runs) -> Result<(LinearModel, TargetFound), St
             ));
         }
     }
-    let fitted = LinearModel::fit(&rows).ok_or_else(|| {
-        let count = table.factors.len();
-        let spread = if count == 1 { "at several values of it" } else { "not all along one line" };
-        StudyError::Scenario(format!(
-            "--target {title}: {} that {} and {} it, too few for a linear model of {}, {} (at least \
-             {} are needed, {spread})",
-            counted(rows.len(), "run"),
-            in_number(rows.len(), "counts", "count"),
-            in_number(rows.len(), "has", "have"),
-            counted(count, "factor"),
-            table.factors.join(", "),
-            count + 3
-        ))
+    let own: Vec<usize> =
+        table.rows.iter().filter(|r| value(target, r).is_some()).map(|r| r.specimen).collect();
+    let specimens = own.iter().collect::<BTreeSet<_>>().len();
+    let fitted = LinearModel::fit(&rows, &own).ok_or_else(|| {
+        let why = too_few(&rows, &own, specimens, &table.factors);
+        StudyError::Scenario(format!("--target {title}: {why}"))
     })?;
     let values = || rows.iter().map(|r| r.1);
     let meeting = values().filter(|v| target.met(*v)).count();
+    let effects = || table.factors.iter().cloned().zip(fitted.effects());
+    let within = effects().filter(|(_, effect)| effect.is_within_specimens);
     let found = TargetFound {
         target: target.clone(),
         runs_counted: rows.len(),
         runs_left_out: table.planned.len() - rows.len(),
         runs_meeting: meeting,
-        share_meeting: wilson_interval(meeting, rows.len()),
+        specimens,
+        share_meeting: wilson_interval(meeting as f64 / rows.len() as f64, specimens),
         values: [values().fold(f64::MAX, f64::min), values().fold(f64::MIN, f64::max)],
         fit: fitted.quality(),
-        effects: table.factors.iter().cloned().zip(fitted.effects()).collect(),
+        effects: effects().map(|(name, of)| (name, (of.change, of.half_width_95))).collect(),
+        freedom: effects().map(|(name, Effect { freedom, .. })| (name, freedom)).collect(),
+        within_specimens: within.map(|(name, _)| name).collect(),
         best: 0.0,
     };
     Ok((fitted, found))
 }
 
+/// Why runs have no linear model.
+fn too_few(
+    rows: &[(Vec<f64>, f64)],
+    own: &[usize],
+    specimens: usize,
+    factors: &[String],
+) -> String {
+    let count = factors.len();
+    let spread = if count == 1 { "at several values of it" } else { "not all along one line" };
+    let runs = format!(
+        "{} that {} and {} it",
+        counted(rows.len(), "run"),
+        in_number(rows.len(), "counts", "count"),
+        in_number(rows.len(), "has", "have")
+    );
+    if specimens < 2 || specimens == rows.len() {
+        return format!(
+            "{runs}, too few for a linear model of {}, {} (at least {} are needed, {spread})",
+            counted(count, "factor"),
+            factors.join(", "),
+            count + 3
+        );
+    }
+    let is_within = vary_within(rows, own);
+    let of = |wanted: bool| -> Vec<&str> {
+        let are = factors.iter().zip(&is_within).filter(|(_, is)| **is == wanted);
+        are.map(|(name, _)| name.as_str()).collect()
+    };
+    let (between, within) = (of(false), of(true));
+    let all = |factors: &[&str]| match factors.len() {
+        0 => "no factor".to_owned(),
+        count => format!("{}, {}", counted(count, "factor"), factors.join(", ")),
+    };
+    format!(
+        "{runs}, of {specimens} specimens, too few for a linear model: between specimens of {} (at \
+         least {} specimens are needed, {spread}), within them of {} (at least {} runs are needed, \
+         {spread})",
+        all(&between),
+        between.len() + 2,
+        all(&within),
+        specimens + within.len() + 1
+    )
+}
+
+#[cfg(test)]
+mod shared_tests;
 #[cfg(test)]
 mod tests;

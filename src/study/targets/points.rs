@@ -32,10 +32,33 @@ pub(super) fn points<'a>(targets: &[&Modelled<'a>]) -> Vec<Point<'a>> {
     targets[*first].table.rows.iter().filter_map(point).collect()
 }
 
-/// How many points there are, and how many meet all targets.
+/// How many points there are, how many meet all targets, and how many are independent.
 pub(super) fn met(points: &[Point], targets: &[&Modelled]) -> Option<PointsMet> {
     let met = points.iter().filter(|point| meets(point, targets)).count();
-    PointsMet::new(met, points.len())
+    PointsMet::new(met, points.len(), apart(points, targets))
+}
+
+/// Number of groups of points of which no two share a specimen.
+fn apart(points: &[Point], targets: &[&Modelled]) -> usize {
+    let mut first: BTreeMap<(*const Runs, usize), usize> = BTreeMap::new();
+    let mut parents: Vec<usize> = (0..points.len()).collect();
+    for (n, point) in points.iter().enumerate() {
+        for (target, (row, _)) in targets.iter().zip(point) {
+            let specimen = (std::ptr::from_ref(target.table), row.specimen);
+            let earlier = *first.entry(specimen).or_insert(n);
+            let (a, b) = (root(&parents, earlier), root(&parents, n));
+            parents[a.max(b)] = a.min(b);
+        }
+    }
+    parents.iter().enumerate().filter(|(n, parent)| n == *parent).count()
+}
+
+/// The first point of the group of a point.
+fn root(parents: &[usize], mut point: usize) -> usize {
+    while parents[point] != point {
+        point = parents[point];
+    }
+    point
 }
 
 /// Those that meet all targets.

@@ -5,7 +5,7 @@
 //! all targets, the correlations of their studentised residuals are taken, the dependence is that
 //! of a normal copula (Sklar 1959; Li 2000), and every target keeps its own Student's t.
 
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::points::{Point, met, met_at, points};
 use super::*;
@@ -54,7 +54,7 @@ pub(super) fn search(models: &[Modelled], mut targets: Vec<TargetFound>) -> Targ
     let all_models: Vec<&Modelled> = models.iter().collect();
     let whole = points(&all_models);
     let correlations = correlations(models, &whole);
-    let draws = correlations.as_ref().map(|of| draws(models, of));
+    let draws = correlations.as_deref().map(draws);
     let count = targets.len();
     let group = |which| Group { which, sum: 0.0, best: (0, -1.0) };
     let two = |a: usize| (a + 1..count).map(move |b| group(vec![a, b]));
@@ -65,9 +65,9 @@ pub(super) fn search(models: &[Modelled], mut targets: Vec<TargetFound>) -> Targ
         let own = |n: usize| -> Vec<f64> { places[n].iter().map(|place| at[*place]).collect() };
         let ranges: Vec<[f64; 2]> = (0..count)
             .map(|n| (&models[n].model, models[n].target, own(n)))
-            .map(|(model, target, own)| model.in_spreads(&own, target.low, target.high))
+            .map(|(model, target, own)| model.below(&own, [target.low, target.high]))
             .collect();
-        let alone: Vec<f64> = (0..count).map(|n| models[n].model.between(ranges[n])).collect();
+        let alone: Vec<f64> = ranges.iter().map(|[low, high]| high - low).collect();
         for (found, chance) in targets.iter_mut().zip(&alone) {
             found.best = found.best.max(*chance);
         }
@@ -109,7 +109,7 @@ fn correlations(models: &[Modelled], points: &[Point]) -> Option<Vec<Vec<f64>>> 
     }
     let residual = |point: usize, target: usize| {
         let (row, value) = points[point][target];
-        models[target].model.studentised(&row.factors, value)
+        models[target].model.studentised(row.specimen, &row.factors, value)
     };
     let residuals = DMatrix::from_fn(points.len(), count, residual);
     let products = residuals.tr_mul(&residuals);
@@ -118,30 +118,29 @@ fn correlations(models: &[Modelled], points: &[Point]) -> Option<Vec<Vec<f64>>> 
     all.iter().flatten().all(|x| x.is_finite()).then_some(all)
 }
 
-/// Residuals of all targets that go together, in spreads: normal numbers with these correlations,
-/// each turned into one of its target's Student's t.
-fn draws(models: &[Modelled], correlations: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let count = models.len();
+/// Results of all targets that go together, each by the probability that one is below it: normal
+/// numbers with these correlations, of which those probabilities are taken.
+fn draws(correlations: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let count = correlations.len();
     let matrix = DMatrix::from_fn(count, count, |a, b| correlations[a][b]).symmetric_eigen();
     let roots = matrix.eigenvalues.map(|of| of.max(0.0).sqrt());
     let root = &matrix.eigenvectors * DMatrix::from_diagonal(&roots);
     let normal = Normal::standard();
     let draw = |number: usize| -> Vec<f64> {
-        let even = |n: usize| normal.inverse_cdf(halton(number + 1, PRIMES[n % PRIMES.len()]));
-        let together = &root * DVector::from_fn(count, |n, _| even(n));
-        let spread = |(of, z): (&Modelled, &f64)| {
-            let student = StudentsT::new(0.0, 1.0, of.model.freedom());
-            student.map_or(f64::NAN, |t| t.inverse_cdf(normal.cdf(*z)))
-        };
-        models.iter().zip(together.iter()).map(spread).collect()
+        let alone = DVector::from_fn(count, |n, _| {
+            normal.inverse_cdf(halton(number + 1, PRIMES[n % PRIMES.len()]))
+        });
+        (&root * alone).iter().map(|z| normal.cdf(*z)).collect()
     };
     (0..DRAWS).map(draw).collect()
 }
 
-/// Which targets each draw meets, a bit each, where these are their ranges in spreads.
+/// Which targets each draw meets, a bit each, where results below the ends of their ranges have
+/// these probabilities.
 fn draws_met(draws: &[Vec<f64>], ranges: &[[f64; 2]]) -> Vec<u64> {
     let met = |draw: &Vec<f64>| {
-        let inside = draw.iter().zip(ranges).map(|(z, [low, high])| low <= z && z <= high);
+        let inside =
+            draw.iter().zip(ranges).map(|(below, [low, high])| low <= below && below <= high);
         inside.enumerate().fold(0, |met, (n, inside)| met | u64::from(inside) << n)
     };
     draws.iter().map(met).collect()
