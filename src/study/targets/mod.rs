@@ -212,6 +212,16 @@ pub fn meet_targets(
         let there = listed(tables.values().flat_map(|table| &table.columns));
         return refused(format!("--chance {name}: no sweep has this factor (there are {there})"));
     }
+    let varied: BTreeSet<&String> = tables.values().flat_map(|table| &table.factors).collect();
+    for (count, what) in [(varied.len(), "factor"), (targets.len(), "target")] {
+        if count > together::MOST {
+            return refused(format!(
+                "{}: at most {} can be searched together",
+                counted(count, what),
+                together::MOST
+            ));
+        }
+    }
     let mut models = Vec::new();
     let mut found: Vec<TargetFound> = Vec::new();
     for target in targets {

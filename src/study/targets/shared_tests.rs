@@ -74,3 +74,47 @@ fn too_few_specimens_are_refused_with_the_reason() {
         assert!(refused.contains(said), "law: `{said}` is said, got `{refused}`");
     }
 }
+
+/// A table with so many factors x1, x2, ... from 0 to 1, with y = x1 − the last of them.
+fn of_factors(path: &Path, count: usize) -> TargetRuns {
+    let names: Vec<String> = (1..=count).map(|n| format!("x{n}")).collect();
+    let mut csv = format!(
+        "run,point,configuration,{},void_ratio,left_out_of_means,failure\n",
+        names.join(",")
+    );
+    // One factor at each end by itself: the ends of all others are in the middle.
+    for n in 0..2 * count {
+        let x = |factor: usize| if factor == n / 2 { (n % 2) as f64 } else { 0.5 };
+        let cells: Vec<String> = (0..count).map(|factor| x(factor).to_string()).collect();
+        let _ = writeln!(csv, "r,p,1,{},{},,", cells.join(","), x(0) - x(count - 1));
+    }
+    std::fs::write(path, csv).expect("a table");
+    TargetRuns { name: "t".to_owned(), path: path.to_owned() }
+}
+
+/// Law: of 13 factors the first and the last are searched apart: y = x1 − x13 is wanted where it is
+/// met near (1, 0) alone.
+#[test]
+fn the_thirteenth_factor_is_not_the_first() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let runs = of_factors(&folder.path().join("sweep.csv"), 13);
+    let found = meet_targets(&[runs], &[target("t:void_ratio=0.8..1")], &[]).expect("an answer");
+    let (best, at) = (found.all.best, &found.all.at);
+    assert!(best > 0.99, "law: certain at (1, 0), got {best}");
+    let y = at["x1"] - at["x13"];
+    assert!((0.8..=1.0).contains(&y), "law: 0.8 to 1 at the best place, got {y}");
+}
+
+/// Law: what no even places are known of is refused.
+#[test]
+fn more_factors_than_bases_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let runs = of_factors(&folder.path().join("sweep.csv"), 65);
+    let refused = meet_targets(&[runs], &[target("t:void_ratio=0.8..1")], &[]);
+    let refused = refused.expect_err("law: refused").to_string();
+    assert!(refused.contains("65 factors") && refused.contains("at most 64"), "got `{refused}`");
+    let runs = of_factors(&folder.path().join("other.csv"), 2);
+    let wanted = vec![target("t:void_ratio=0.8..1"); 65];
+    let refused = meet_targets(&[runs], &wanted, &[]).expect_err("law: refused").to_string();
+    assert!(refused.contains("65 targets"), "got `{refused}`");
+}

@@ -20,8 +20,8 @@ const DRAWS: usize = 1000;
 /// Points with all targets that are needed for correlations, for each target. Ours.
 const POINTS_A_TARGET: usize = 3;
 
-/// Targets of which the correlations are taken: a bit each of [`draws_met`].
-const MOST_TARGETS: usize = 64;
+/// Factors that are searched, and targets, a bit each of [`draws_met`]: a base of [`halton`] each.
+pub(super) const MOST: usize = PRIMES.len();
 
 /// Two targets, or all, while points are searched.
 struct Group {
@@ -46,9 +46,8 @@ pub(super) fn search(models: &[Modelled], mut targets: Vec<TargetFound>) -> Targ
     let places: Vec<Vec<usize>> =
         models.iter().map(|m| m.table.factors.iter().filter_map(place).collect()).collect();
     let point = |number: usize| -> Vec<f64> {
-        let of = |(n, range): (usize, &[f64; 2])| {
-            range[0] + (range[1] - range[0]) * halton(number + 1, PRIMES[n % PRIMES.len()])
-        };
+        let of =
+            |(n, range): (usize, &[f64; 2])| range[0] + (range[1] - range[0]) * even(number, n);
         ranges.iter().enumerate().map(of).collect()
     };
     let all_models: Vec<&Modelled> = models.iter().collect();
@@ -104,7 +103,7 @@ pub(super) fn search(models: &[Modelled], mut targets: Vec<TargetFound>) -> Targ
 /// zero; none where such points are few.
 fn correlations(models: &[Modelled], points: &[Point]) -> Option<Vec<Vec<f64>>> {
     let count = models.len();
-    if !(2..=MOST_TARGETS).contains(&count) || points.len() < POINTS_A_TARGET * count {
+    if count < 2 || points.len() < POINTS_A_TARGET * count {
         return None;
     }
     let residual = |point: usize, target: usize| {
@@ -127,9 +126,7 @@ fn draws(correlations: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let root = &matrix.eigenvectors * DMatrix::from_diagonal(&roots);
     let normal = Normal::standard();
     let draw = |number: usize| -> Vec<f64> {
-        let alone = DVector::from_fn(count, |n, _| {
-            normal.inverse_cdf(halton(number + 1, PRIMES[n % PRIMES.len()]))
-        });
+        let alone = DVector::from_fn(count, |n, _| normal.inverse_cdf(even(number, n)));
         (&root * alone).iter().map(|z| normal.cdf(*z)).collect()
     };
     (0..DRAWS).map(draw).collect()
@@ -152,14 +149,33 @@ fn share(met: &[u64], which: &[usize]) -> f64 {
     met.iter().filter(|draw| *draw & wanted == wanted).count() as f64 / met.len() as f64
 }
 
-const PRIMES: [usize; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
+const PRIMES: [usize; 64] = [
+    2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71, 73, 79, 83, 89, 97,
+    101, 103, 107, 109, 113, 127, 131, 137, 139, 149, 151, 157, 163, 167, 173, 179, 181, 191, 193,
+    197, 199, 211, 223, 227, 229, 233, 239, 241, 251, 257, 263, 269, 271, 277, 281, 283, 293, 307,
+    311,
+];
 
-/// Element of the van der Corput sequence of a base, from 0 to 1 (Halton 1960).
-fn halton(mut number: usize, base: usize) -> f64 {
+/// Bases from here on have the digits of their numbers mixed.
+const PLAIN: usize = 12;
+
+/// Element of an even sequence in one of as many dimensions as there are [`PRIMES`], from 0 to 1.
+/// Two large bases fill a square by diagonals: their digits are multiplied by the fraction of the
+/// base that its root has behind the point (after Kocis & Whiten 1997).
+fn even(number: usize, dimension: usize) -> f64 {
+    let base = PRIMES[dimension];
+    let part = (base as f64).sqrt().fract() * base as f64;
+    let by = if dimension < PLAIN { 1 } else { part.round().max(1.0) as usize };
+    halton(number + 1, base, by)
+}
+
+/// Element of the van der Corput sequence of a base, from 0 to 1 (Halton 1960), each digit
+/// multiplied by a number modulo the base.
+fn halton(mut number: usize, base: usize, by: usize) -> f64 {
     let (mut share, mut value) = (1.0, 0.0);
     while number > 0 {
         share /= base as f64;
-        value += share * (number % base) as f64;
+        value += share * (number * by % base) as f64;
         number /= base;
     }
     value
@@ -172,8 +188,39 @@ mod tests {
     /// Law: the first elements of the sequence of base 2 are 1/2, 1/4, 3/4, 1/8.
     #[test]
     fn haltons_sequence_halves_and_halves_again() {
-        let got: Vec<f64> = (1..=4).map(|n| halton(n, 2)).collect();
+        let got: Vec<f64> = (1..=4).map(|n| halton(n, 2, 1)).collect();
         assert_eq!(got, [0.5, 0.25, 0.75, 0.125]);
-        assert!((halton(5, 3) - (2.0 / 3.0 + 1.0 / 9.0)).abs() < 1e-15, "law: 5 is 12 in base 3");
+        let got = halton(5, 3, 1);
+        assert!((got - (2.0 / 3.0 + 1.0 / 9.0)).abs() < 1e-15, "law: 5 is 12 in base 3");
+        let got = halton(5, 3, 2);
+        assert!((got - (1.0 / 3.0 + 2.0 / 9.0)).abs() < 1e-15, "law: twice 12 is 21, modulo 3");
+    }
+
+    /// Law: bases are the first primes, each once.
+    #[test]
+    fn no_base_is_that_of_another() {
+        let is_prime = |n: &usize| (2..*n).all(|of| n % of != 0);
+        let expected: Vec<usize> = (2..).filter(is_prime).take(MOST).collect();
+        assert_eq!(PRIMES.to_vec(), expected);
+    }
+
+    /// Law: the places that are searched fill the square of any two factors. A tenth of its side
+    /// has 200 of them on average; a base that is taken twice leaves nine tenths of them empty.
+    #[test]
+    fn places_fill_the_square_of_any_two_factors() {
+        let tenth = |x: f64| ((10.0 * x) as usize).min(9);
+        let places: Vec<Vec<usize>> = (0..MOST)
+            .map(|factor| (0..POINTS).map(|number| tenth(even(number, factor))).collect())
+            .collect();
+        for a in 0..MOST {
+            for b in 0..a {
+                let mut counts = [0_usize; 100];
+                for (x, y) in places[a].iter().zip(&places[b]) {
+                    counts[10 * x + y] += 1;
+                }
+                let fewest = counts.iter().min().copied().unwrap_or_default();
+                assert!(fewest >= 20, "law: factors {a} and {b}: 20 or more, got {fewest}");
+            }
+        }
     }
 }
