@@ -8,10 +8,11 @@ use crate::report::text::number;
 
 /// What moves the settlement of the plate and its shares at full size, as far as it was measured:
 /// numbers of `targets.json` and `intermittent-1.csv` in `docs/results/joint`.
-pub(super) const MOVES_SETTLEMENT: &str = "At full size a gradual start and stop of the table lowers the settlement and its share in the \
-     first 5 s, and raises the share in the first period; with it 4 of 8 specimens, without it none \
-     of 8, have the paper's share in the first period. Friction, cell shape, amplitude and crank over rod showed no effect beyond the \
-     wide scatter (docs/studies.md).";
+pub(super) const MOVES_SETTLEMENT: &str = "At full size a gradual start and stop of the table \
+     lowers the settlement and its share in the first 5 s, and raises the share in the first \
+     period; with it 4 of 8 specimens, without it none of 8, have the paper's share in the first \
+     period. Friction, cell shape, amplitude and crank over rod showed no effect beyond the wide \
+     scatter (docs/studies.md).";
 
 /// What moves the settlement of the smaller specimen's plate, as its page says.
 pub(super) const MOVES_QUICK_SETTLEMENT: &str = "On the quick specimen no parameter by itself \
