@@ -294,7 +294,7 @@ pub fn triaxial_end(quote: Cells, all: &Value) -> Result<String, String> {
         match bound("low").zip(bound("high")) {
             None => "too few specimens to tell whether both end at one void ratio".to_owned(),
             Some((low, high)) if low <= 0.0 && high >= 0.0 => {
-                "both may end at one void ratio: the interval does not tell".to_owned()
+                "no difference is shown, and none within the interval is excluded".to_owned()
             }
             Some((_, high)) => format!(
                 "**they do not end at one void ratio**: dense ones are {} at the end",
