@@ -29,6 +29,10 @@ pub struct VtkFiles {
 pub const VTK_LISTS: [&str; 4] =
     ["grains.pvd", "apparatus.pvd", "contacts.pvd", "force_chains.pvd"];
 
+/// The series of loaded contacts, and that of the lines of force.
+const CONTACTS: &str = "contacts";
+const CHAINS: &str = "force_chains";
+
 /// A series of files of one kind: `grains/grains_0000.vtp` and so on.
 struct Series<'a> {
     folder: &'a Path,
@@ -39,17 +43,7 @@ struct Series<'a> {
 impl<'a> Series<'a> {
     fn new(folder: &'a Path, name: &'static str) -> Result<Self, FileError> {
         create_folder(&folder.join(name))?;
-        // An export of more moments left more of them.
-        let earlier = std::fs::read_dir(folder.join(name)).into_iter().flatten().flatten();
-        for path in earlier.map(|entry| entry.path()) {
-            let stem = path.file_stem().and_then(|s| s.to_str()).unwrap_or_default();
-            let of_moment = stem.strip_prefix(name).and_then(|s| s.strip_prefix('_'));
-            let is_ours = of_moment.is_some_and(|n| n.bytes().all(|b| b.is_ascii_digit()))
-                && path.extension().is_some_and(|e| e == "vtp");
-            if is_ours {
-                std::fs::remove_file(&path).map_err(|e| FileError::new("remove", &path, e))?;
-            }
-        }
+        clear(folder, name)?;
         Ok(Self { folder, name, entries: Vec::new() })
     }
 
@@ -75,6 +69,24 @@ impl<'a> Series<'a> {
     }
 }
 
+/// Removes what an earlier export left of a series: more files than there will be, or files of
+/// another run.
+fn clear(folder: &Path, name: &str) -> Result<(), FileError> {
+    let is_of_moment = |path: &PathBuf| {
+        let stem = path.file_stem().and_then(|s| s.to_str()).unwrap_or_default();
+        let number = stem.strip_prefix(name).and_then(|s| s.strip_prefix('_'));
+        number.is_some_and(|n| n.bytes().all(|b| b.is_ascii_digit()))
+            && path.extension().is_some_and(|e| e == "vtp")
+    };
+    let earlier = std::fs::read_dir(folder.join(name)).into_iter().flatten().flatten();
+    let data = earlier.map(|entry| entry.path()).filter(is_of_moment);
+    let list = folder.join(name).with_extension("pvd");
+    for path in data.chain(list.is_file().then_some(list)) {
+        std::fs::remove_file(&path).map_err(|e| FileError::new("remove", &path, e))?;
+    }
+    Ok(())
+}
+
 /// Writes the moments of a run, about `every` s apart, into a folder: grains and apparatus at each,
 /// contacts and force chains at the ends of stages where the engine gave contacts. `told` hears how
 /// many of how many moments are done.
@@ -93,9 +105,16 @@ pub fn write_vtk(
     let mut grains = Series::new(out, "grains")?;
     let mut apparatus = Series::new(out, "apparatus")?;
     let bearing = moments.stages.iter().any(|s| !s.end.contacts.is_empty());
-    let of_contacts =
-        || Ok::<_, FileError>([Series::new(out, "contacts")?, Series::new(out, "force_chains")?]);
-    let mut of_contacts = if bearing { Some(of_contacts()?) } else { None };
+    let mut of_contacts = if bearing {
+        Some([Series::new(out, CONTACTS)?, Series::new(out, CHAINS)?])
+    } else {
+        for name in [CONTACTS, CHAINS] {
+            clear(out, name)?;
+            // Files of others in it keep the folder.
+            let _ = std::fs::remove_dir(out.join(name));
+        }
+        None
+    };
     for (n, moment) in taken.iter().enumerate() {
         told(n, taken.len());
         let time = moment.frame.time;

@@ -240,6 +240,25 @@ fn without_contacts_there_are_no_files_of_them() {
     assert!(!folder.path().join("contacts.pvd").exists());
 }
 
+/// Law: a run without contacts leaves none beside its grains, neither of a run that was exported
+/// into the folder before; files of others stay.
+#[test]
+fn contacts_of_a_run_that_was_exported_before_are_removed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut moments = testing::moments(&[3], 0.08);
+    let write = |moments: &Moments| write_vtk(moments, 0.4, folder.path(), |_, _| ());
+    write(&moments).expect("files");
+    let there = |name: &str| folder.path().join(name).exists();
+    assert!(there("contacts.pvd") && there("force_chains/force_chains_0000.vtp"), "law: written");
+    fs::write(folder.path().join("contacts/mine.vtp"), "mine").expect("a file");
+    moments.stages[0].end.contacts.clear();
+    write(&moments).expect("files");
+    for name in ["contacts.pvd", "contacts/contacts_0000.vtp", "force_chains.pvd", "force_chains"] {
+        assert!(!there(name), "law: {name} is of another run");
+    }
+    assert!(there("grains.pvd") && there("contacts/mine.vtp"), "law: all else stays");
+}
+
 #[test]
 fn a_file_without_cells_is_a_file() {
     let data = PolyData::new(xml::LINES);
