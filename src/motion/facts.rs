@@ -11,7 +11,8 @@ use crate::units::to_mm;
 /// Standard gravity in m/s², by which accelerations are given in g (CGPM 1901).
 pub const STANDARD_GRAVITY: f64 = 9.806_65;
 
-/// Points a cycle of the fastest component at which peaks without a formula are looked for.
+/// Points a cycle of the fastest component, and a shorter ramp, at which peaks without a formula are
+/// looked for.
 const POINTS_A_CYCLE: f64 = 1000.0;
 
 /// Most points that are looked at; longer motions are looked at more coarsely.
@@ -168,21 +169,28 @@ fn peaks(motion: &TableMotion) -> (f64, f64, f64, String) {
     let fastest = motion.fastest().unwrap_or(0.0).max(f64::MIN_POSITIVE);
     // A cycle between the ramps is like the others, but for a vertical component of another frequency.
     let edge = motion.ramp + 1.0 / motion.frequency;
-    let spans = if motion.vertical.is_none() && 2.0 * edge < motion.duration {
+    let mut spans = if motion.vertical.is_none() && 2.0 * edge < motion.duration {
         vec![(0.0, edge), (motion.duration - edge, motion.duration)]
     } else {
         vec![(0.0, motion.duration)]
     };
+    // That of a piece may lie between two points of a cycle.
+    let has_short_ramp = motion.ramp > 0.0 && motion.ramp * fastest < 1.0;
+    if has_short_ramp {
+        spans.extend([(0.0, motion.ramp), (motion.duration - motion.ramp, motion.duration)]);
+    }
     let (mut speed, mut acceleration) = (0.0_f64, 0.0_f64);
     for (from, to) in spans {
-        let points = ((to - from) * fastest * POINTS_A_CYCLE).ceil().clamp(1.0, MOST_POINTS);
+        let points = ((to - from) * fastest * POINTS_A_CYCLE).ceil();
+        let points = points.clamp(POINTS_A_CYCLE, MOST_POINTS);
         for n in 0..=points as u64 {
             let at = motion.course(from + (to - from) * n as f64 / points);
             speed = speed.max(at.velocity.norm());
             acceleration = acceleration.max(at.acceleration.norm());
         }
     }
-    let mut found = format!("{POINTS_A_CYCLE} points a cycle, {MOST_POINTS} at most");
+    let of_ramp = if has_short_ramp { " and a ramp" } else { "" };
+    let mut found = format!("{POINTS_A_CYCLE} points a cycle{of_ramp}, {MOST_POINTS} at most");
     if let (Waveform::SliderCrank { ratio, .. }, true) = (&motion.waveform, plain) {
         acceleration = amplitude * omega * omega * (1.0 + ratio);
         found = format!("acceleration by formula, speed at {found}");

@@ -280,6 +280,29 @@ fn peaks_and_jumps_of_pieces_are_those_by_hand() {
     );
 }
 
+/// Law: within a ramp r much shorter than a cycle a sine that ends at its turning point has
+/// A π/(2r) and A π²/(2r²), one that ends in its middle A ω π²/(2r).
+#[test]
+fn peaks_within_a_short_ramp_are_seen() {
+    let (a, ramp, omega) = (0.01, 1e-3, PI);
+    let turning = (a * PI / (2.0 * ramp), a * PI * PI / (2.0 * ramp * ramp));
+    let middle = (a * omega, a * omega * PI * PI / (2.0 * ramp));
+    for (duration, speed, acceleration) in
+        [(2.5, Some(turning.0), turning.1), (2.0, None, middle.1), (20.0, None, middle.1)]
+    {
+        let path = Path::Sine { amplitude: Vector::new(0.0, 0.0, -a), frequency: 0.5 };
+        let motion = PieceMotion { path, duration, ramp };
+        let facts = MotionFacts::of_pieces(&motion, 0.0);
+        let got = facts.peak_acceleration_m_per_s2;
+        near(&format!("acceleration, {duration} s"), got, acceleration, 5e-3 * acceleration);
+        if let Some(speed) = speed {
+            near("speed at the end", facts.peak_speed_m_per_s, speed, 1e-3 * speed);
+        }
+        assert!(facts.peak_speed_m_per_s > middle.0, "law: above A ω, {duration} s");
+        assert!(facts.found_by.contains("a cycle and a ramp"), "{}", facts.found_by);
+    }
+}
+
 #[test]
 fn the_largest_acceleration_of_a_crank_is_at_its_outer_dead_centre() {
     for ratio in [0.01, 0.1, 0.25, 0.3, 0.4, LARGEST_CRANK] {
