@@ -53,6 +53,10 @@ impl MotionFacts {
         let ends = motion.course(motion.duration);
         let mut position = ends.displacement.norm().max(begins.displacement.norm());
         let mut velocity = within.max(begins.velocity.norm()).max(ends.velocity.norm());
+        if motion.periods > 1 && motion.rest == 0.0 {
+            // Where a period ends the next begins.
+            velocity = velocity.max((begins.velocity - ends.velocity).norm());
+        }
         if let Some(rate) = motion.frames_per_s {
             waveform += &format!(", one pose a video frame at {rate} a second, each in one step");
             position = largest_frame(motion, rate);

@@ -381,6 +381,14 @@ fn a_cubic_recording_follows_a_smooth_motion_and_a_linear_one_its_chords() {
     assert!((facts.peak_speed_m_per_s - 1.5e-3).abs() < 1e-15, "law: 1.5 mm/s at either end");
     let got = hand.displacement(0.5).x;
     assert!((got - 0.6875e-3).abs() < 1e-15, "law: 1.5 t − t³/2, got {got}");
+    for (periods, rest, expected) in [(1, 0.0, 1.5e-3), (2, 0.5, 1.5e-3), (2, 0.0, 3e-3)] {
+        let facts = MotionFacts::of(&TableMotion { periods, rest, ..hand.clone() }, 0.01);
+        let got = facts.largest_velocity_jump_m_per_s;
+        assert!(
+            (got - expected).abs() < 1e-15,
+            "law: {periods} periods, {rest} s of rest between, jump by {expected} m/s, got {got}"
+        );
+    }
     let straight = recorded(
         &[[0.0, 0.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0]],
         Interpolation::Linear,
