@@ -5,7 +5,7 @@ use std::{f64::consts::PI, sync::Arc};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Path, PieceMotion, Start, TableMotion, Waveform};
+use super::{FRAME_ROUNDING, Path, PieceMotion, Start, TableMotion, Waveform};
 use crate::units::to_mm;
 
 /// Standard gravity in m/s², by which accelerations are given in g (CGPM 1901).
@@ -29,7 +29,8 @@ pub struct MotionFacts {
     pub peak_acceleration_m_per_s2: f64,
     /// The same in multiples of standard gravity.
     pub peak_acceleration_g: f64,
-    /// Largest jump of the displacement in mm: at the ends of a period, or from frame to frame.
+    /// Largest jump of the displacement in mm: at the ends of a period, or from frame to frame (of
+    /// those that steps do not pass over).
     pub largest_position_jump_mm: f64,
     /// Largest jump of the velocity in m/s: where a period begins or ends, at a row of a
     /// recording, or into the one step in which the table is set to the next frame.
@@ -59,7 +60,7 @@ impl MotionFacts {
         }
         if let Some(rate) = motion.frames_per_s {
             waveform += &format!(", one pose a video frame at {rate} a second, each in one step");
-            position = largest_frame(motion, rate);
+            position = largest_frame(motion, rate, step);
             velocity = position / step;
         }
         Self {
@@ -144,13 +145,15 @@ impl MotionFacts {
     }
 }
 
-/// Largest displacement in m from one frame to the next.
-fn largest_frame(motion: &TableMotion, rate: f64) -> f64 {
-    let frames = (motion.duration * rate).ceil().clamp(1.0, MOST_POINTS) as u64;
-    let place = |n: u64| motion.frame(n as f64, rate);
+/// Largest displacement in m from one pose to the next that an engine sets in steps of a length in s.
+fn largest_frame(motion: &TableMotion, rate: f64, step: f64) -> f64 {
+    // Where more than one frame passes in a step, it takes the last of them.
+    let passed = (rate * step).max(1.0);
+    let poses = (motion.duration * rate / passed).ceil().clamp(1.0, MOST_POINTS) as u64;
+    let place = |n: u64| motion.frame((n as f64 * passed - FRAME_ROUNDING).ceil().max(0.0), rate);
     // From the last frame the table returns to its place.
-    let home = place(frames).norm();
-    (0..frames).map(|n| (place(n + 1) - place(n)).norm()).fold(home, f64::max)
+    let home = motion.course(motion.duration).displacement.norm();
+    (0..poses).map(|n| (place(n + 1) - place(n)).norm()).fold(home, f64::max)
 }
 
 /// Peak speed, peak acceleration, largest jump of the velocity within a period, and how they

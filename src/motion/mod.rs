@@ -137,12 +137,12 @@ impl TableMotion {
     }
 
     /// A speed in m/s that the table never exceeds when an engine takes steps of a length in s:
-    /// set from frame to frame, it covers a frame's displacement in one of them.
+    /// set from frame to frame, it covers the displacement of a frame in one of them, or of as many
+    /// as may pass in it.
     pub fn peak_speed_in_steps(&self, step: f64) -> f64 {
-        match self.frames_per_s {
-            Some(rate) => self.peak_speed() * (1.0 / (rate * step)).max(1.0),
-            None => self.peak_speed(),
-        }
+        let Some(rate) = self.frames_per_s else { return self.peak_speed() };
+        let passed = rate * step;
+        self.peak_speed() * ((passed - FRAME_ROUNDING).ceil().max(1.0) / passed)
     }
 
     /// Frequency in Hz of the fastest component, the first overtone of a slider-crank

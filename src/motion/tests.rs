@@ -339,6 +339,22 @@ fn video_frames_hold_a_pose_and_jump_to_the_next_in_one_step() {
     assert_eq!(motion.fastest_component(), None, "law: looked at in every step");
 }
 
+/// Law: of frames that pass faster than steps, jumps are those from step to step, and no step is
+/// faster than the peak: 3 of 1000 frames a second may pass in a step of 1/480 s.
+#[test]
+fn jumps_of_frames_that_steps_pass_over_are_those_of_steps() {
+    const STEP: f64 = 1.0 / 480.0;
+    let motion = TableMotion { frames_per_s: Some(1000.0), ..TableMotion::sine(0.025, 3.0, 5.0) };
+    let place = |n: u32| motion.displacement(f64::from(n) * STEP).x;
+    let farthest = (1..=2400).map(|n| (place(n) - place(n - 1)).abs()).fold(0.0, f64::max);
+    let facts = MotionFacts::of(&motion, STEP);
+    near("jump of the position in mm", facts.largest_position_jump_mm, 1e3 * farthest, 1e-9);
+    near("of the velocity", facts.largest_velocity_jump_m_per_s, farthest / STEP, 1e-9);
+    let peak = motion.peak_speed_in_steps(STEP);
+    near("3 frames of 1 ms in a step", peak, 3e-3 * motion.peak_speed() / STEP, 1e-12);
+    assert!(farthest / STEP <= peak, "law: at most {peak} m/s, got {}", farthest / STEP);
+}
+
 #[test]
 fn a_cubic_recording_follows_a_smooth_motion_and_a_linear_one_its_chords() {
     let smooth = |t: f64| 0.010 * (1.0 - (TAU * 2.0 * t).cos());
