@@ -11,8 +11,8 @@ use crate::units::to_mm;
 /// Standard gravity in m/s², by which accelerations are given in g (CGPM 1901).
 pub const STANDARD_GRAVITY: f64 = 9.806_65;
 
-/// Points a cycle of the fastest component, and a shorter ramp, at which peaks without a formula are
-/// looked for.
+/// Points a cycle of the fastest component, and a shorter ramp, at which peaks without a formula
+/// are looked for.
 const POINTS_A_CYCLE: f64 = 1000.0;
 
 /// Most points that are looked at; longer motions are looked at more coarsely.
@@ -145,7 +145,8 @@ impl MotionFacts {
     }
 }
 
-/// Largest displacement in m from one pose to the next that an engine sets in steps of a length in s.
+/// Largest displacement in m from one pose to the next that an engine sets in steps of a length
+/// in s.
 fn largest_frame(motion: &TableMotion, rate: f64, step: f64) -> f64 {
     // Where more than one frame passes in a step, it takes the last of them.
     let passed = (rate * step).max(1.0);

@@ -256,6 +256,14 @@ fn faults(rows: &[[f64; 4]]) -> Vec<RowFault> {
             "times that grow from row to row",
         )
     }));
+    // Within less than this, speeds are no finite numbers.
+    const SOON: f64 = 1e-9;
+    let gaps = rows.windows(2).map(|w| w[1][0] - w[0][0]).enumerate();
+    let soon = gaps.filter(|(_, gap)| *gap > 0.0 && *gap < SOON);
+    faults.extend(soon.take(SAID).map(|(n, gap)| {
+        let what = format!("row {} follows too soon", n + 2);
+        fault(Some(n + 1), what, format!("{gap:e} s later"), "at least 1e-9 s from row to row")
+    }));
     // Beyond this nothing is a laboratory, and squares overflow.
     const FAR: f64 = 1e4;
     const LONG: f64 = 3600.0;

@@ -420,13 +420,16 @@ fn rows_that_make_no_motion_are_refused_with_their_place() {
     let sound = [[0.0, 0.0, 0.0, 0.0], [1.0, 5.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0]];
     assert!(RecordedMotion::new(&sound, Interpolation::Cubic).is_ok());
     type Craft = fn(&mut Vec<[f64; 4]>);
-    let crafted: [(&str, Option<usize>, Craft); 8] = [
+    let crafted: [(&str, Option<usize>, Craft); 10] = [
         ("too few", None, |r| r.truncate(1)),
         ("too many", None, |r| r.resize(MOST_ROWS + 1, [0.0; 4])),
         ("finite", Some(1), |r| r[1][2] = f64::NAN),
         ("finite", Some(2), |r| r[2][0] = f64::INFINITY),
         ("does not grow", Some(1), |r| r[1][0] = 0.0),
         ("does not grow", Some(2), |r| r[2][0] = 0.5),
+        // The square of such a speed is no finite number.
+        ("too soon", Some(1), |r| r[1][0] = f64::MIN_POSITIVE),
+        ("too soon", Some(2), |r| r[2][0] = 1.0 + 1e-12),
         ("far", Some(1), |r| r[1][1] = 1e9),
         ("ends far", Some(2), |r| r[2][1] = 0.2),
     ];
