@@ -3,6 +3,8 @@
 
 use super::*;
 use crate::motion::{Start, Waveform};
+use crate::protocol;
+use crate::world::PairTable;
 
 /// What `format` says in every such file.
 pub const FORMAT: &str = "pluvia-exchange";
@@ -336,7 +338,7 @@ impl Scene {
             version: if samples.is_some() { VERSION_OF_SAMPLES } else { VERSION },
             made_by,
             gravity_m_per_s2: Vector::new(0.0, 0.0, -setup.gravity),
-            pairs: pairs(setup),
+            pairs: pairs(&protocol::pairs(setup, state)),
             damping: Damping {
                 linear_per_s: setup.engine.linear_damping,
                 angular_per_s: setup.engine.angular_damping,
@@ -373,15 +375,48 @@ fn pose(position: &Vector, xyzw: [f64; 4]) -> Pose {
     Pose::from_parts((*position).into(), rotation)
 }
 
-fn pairs(setup: &Setup) -> Vec<PairValue> {
+fn pairs(table: &PairTable) -> Vec<PairValue> {
     use Material::{Grain, Plate, Wall};
     let all = [[Grain, Grain], [Grain, Wall], [Grain, Plate], [Plate, Wall]];
-    let pieces = setup.pairs.materials().into_iter().skip(3).map(|piece| [Grain, piece]);
+    let pieces = table.materials().into_iter().skip(3).map(|piece| [Grain, piece]);
     all.into_iter()
         .chain(pieces)
         .map(|between| {
-            let value = setup.pairs.get(between[0], between[1]);
+            let value = table.get(between[0], between[1]);
             PairValue { between, friction: value.friction, restitution: value.restitution }
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::testing;
+    use crate::specimen::Base;
+
+    /// Law: pairs are those of the run: on a plane base grains and walls have the friction of its
+    /// floor, elsewhere that of walls.
+    #[test]
+    fn pairs_have_the_friction_of_a_plane_base() {
+        let moments = testing::moments(&[3], 0.08);
+        let friction = |base: Option<Base>| {
+            let state = SpecimenState { base, ..moments.stages[0].end.clone() };
+            let specimen = Specimen { grains: moments.grains.clone(), state };
+            let [program, scenario, stage] = [(); 3].map(|()| String::new());
+            let made_by = MadeBy { program, scenario, stage, time_s: 0.0 };
+            let scene = Scene::of(&moments.setup, &specimen, None, made_by).expect("a scene");
+            let of_walls = |p: &&PairValue| p.between == [Material::Grain, Material::Wall];
+            scene.pairs.iter().find(of_walls).expect("a pair").friction
+        };
+        let of_walls = moments.setup.pairs.get(Material::Grain, Material::Wall).friction;
+        let base = |friction| Some(Base { radius: 0.1, friction, fixed_grains: Vec::new() });
+        for (base, expected) in [
+            (None, of_walls),
+            (base(None), of_walls),
+            (base(Some(of_walls + 0.25)), of_walls + 0.25),
+        ] {
+            let law = format!("law: a friction of {expected} with {base:?}");
+            assert_eq!(friction(base), expected, "{law}");
+        }
+    }
 }

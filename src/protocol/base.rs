@@ -105,7 +105,7 @@ pub fn friction_between(setup: &Setup, state: &SpecimenState) -> impl Fn(&[Party
 
 /// The pairs of a laboratory with what the specimen stands on: a plane base has
 /// a friction of its own.
-pub(super) fn pairs(setup: &Setup, state: &SpecimenState) -> PairTable {
+pub fn pairs(setup: &Setup, state: &SpecimenState) -> PairTable {
     let mut pairs = setup.pairs.clone();
     if let Some(friction) = state.base.as_ref().and_then(|base| base.friction) {
         let mut of_floor = pairs.get(Material::Grain, Material::Wall);

@@ -46,7 +46,7 @@ mod watch_tests;
 mod watched;
 mod whereabouts;
 
-pub use base::{base_pieces, friction_between};
+pub use base::{base_pieces, friction_between, pairs};
 pub use bodies::{free_grain, remembered, spring_energy, wall_piece};
 pub use ending::{Judged, UntilFound, opening};
 pub use mean_stress::{KeptStress, region};
