@@ -67,11 +67,14 @@ pub fn write_ply_of<'a>(
     let all = || shapes.clone().map(|(_, shape)| shape);
     let vertices: usize = all().map(|c| c.vertices().len()).sum();
     let faces: usize = all().map(|c| c.faces().len()).sum();
+    let most = all().flat_map(ConvexPolyhedron::faces).map(Vec::len).max().unwrap_or(0);
+    // Numbers of corners are bytes where they fit.
+    let size = if most > usize::from(u8::MAX) { "uint" } else { "uchar" };
     writeln!(
         out,
         "ply\nformat ascii 1.0\ncomment {}, lengths in metres\nelement vertex {vertices}\n\
          property double x\nproperty double y\nproperty double z\nelement face {faces}\n\
-         property list uchar int vertex_indices\nproperty int grain\nend_header",
+         property list {size} int vertex_indices\nproperty int grain\nend_header",
         counted(all().count(), "grain")
     )?;
     for v in all().flat_map(ConvexPolyhedron::vertices) {
@@ -168,6 +171,26 @@ mod tests {
         let faces: Vec<Vec<usize>> =
             lines("f ").map(|l| numbers::<usize>(l).iter().map(|n| n - 1).collect()).collect();
         same_volume("OBJ", volume_of_loops(&faces, |v| points[v].coords), &grains, 1e-12);
+    }
+
+    /// Law: the type that is announced holds the number of corners of every face.
+    #[test]
+    fn ply_announces_faces_of_more_corners_than_a_byte_counts() {
+        for (sides, size) in [(255, "uchar"), (256, "uint"), (300, "uint")] {
+            let corner = |n: u32| {
+                let angle = std::f64::consts::TAU * f64::from(n) / f64::from(sides);
+                (0.01 * angle.cos(), 0.01 * angle.sin())
+            };
+            let outline: Vec<(f64, f64)> = (0..sides).map(corner).collect();
+            let disc = ConvexPolyhedron::prism(&outline, 0.0, 0.01).expect("a disc");
+            let mut bytes = Vec::new();
+            write_ply_of(std::iter::once((0, &disc)), &mut bytes).expect("written");
+            let text = String::from_utf8(bytes).expect("text");
+            let announced = format!("property list {size} int vertex_indices\n");
+            assert!(text.contains(&announced), "law: {size} for {sides} corners");
+            let row = format!("\n{sides} ");
+            assert_eq!(text.matches(&row).count(), 2, "law: two faces of {sides} corners");
+        }
     }
 
     #[test]
