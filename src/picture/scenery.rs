@@ -74,14 +74,14 @@ pub fn scene_of(
                 thin.outline.iter_mut().for_each(raised);
                 bodies.push(Body::new(thin, Colour::FLOOR));
             }
+            // Which side of a piece is inside is not known: its parts are drawn whole.
+            _ if standing.carrier == Carrier::Kinematic => {
+                bodies.extend(of_piece(whole, &standing.piece, walls, view));
+            }
             // What a pile lies on is no wall: it is drawn whole, and stays.
             name if name.starts_with("base_") => {
                 ground = Some(ground.map_or(whole.low.z, |low: f64| low.min(whole.low.z)));
                 bodies.push(Body::new(whole, Colour::FLOOR));
-            }
-            // Which side of a piece is inside is not known: its parts are drawn whole.
-            _ if standing.carrier == Carrier::Kinematic => {
-                bodies.extend(of_piece(whole, &standing.piece, walls, view));
             }
             _ if walls == Walls::Hidden => {}
             _ => bodies.extend(wall(&standing.piece, whole, &axis, thickness, walls, view)),
@@ -210,6 +210,31 @@ mod tests {
             .map(|s| s.enters)
             .fold(f64::MAX, f64::min);
         assert!(first > 10.0, "law: nothing stands before the axis, met at {first} of 10 m");
+    }
+
+    /// Law: a piece of a laboratory is shown as one, whatever its name: its part `base_00` is no
+    /// floor of a pile.
+    #[test]
+    fn a_piece_with_the_name_of_a_base_is_a_piece() {
+        let scenario: Scenario = serde_json::from_value(serde_json::json!({
+            "name": "base",
+            "grains": { "total_mass_g": 8, "density_kg_per_m3": 2650, "sieve_table":
+                [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }] },
+            "pieces": [{ "name": "base", "shape": { "plate": { "size_mm": [90, 90, 10] } } }],
+            "stages": [{ "stage": "rest", "duration_s": 1 }],
+        }))
+        .expect("a scenario");
+        let setup = Setup::new(&scenario).expect("a laboratory");
+        let mut frame = Frame::of(&SpecimenState::before_everything(0));
+        (frame.cylinder, frame.pieces) = (false, vec![Some(setup.pieces[0].at)]);
+        let no_grains =
+            GrainSet { grains: vec![], blocks: vec![], density: 2650.0, meshes: vec![] };
+        let view = View { azimuth_deg: 0.0, elevation_deg: 10.0 };
+        for (walls, expected) in [(Walls::Hidden, None), (Walls::Transparent, Some(true))] {
+            let scene = scene_of(&setup, &no_grains, &frame, walls, &view, &[]).expect("a scene");
+            let glass = scene.bodies.first().map(|body| body.glass);
+            assert_eq!(glass, expected, "law: whether it is glass, {walls:?}");
+        }
     }
 
     /// Law: what a pile lies on is drawn as it is, however walls are shown: taken
