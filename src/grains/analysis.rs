@@ -60,7 +60,7 @@ impl SieveAnalysis {
     /// mass passes (D₁₀, D₃₀, ...); NaN without grains.
     pub fn size_at_percent(&self, percent: f64) -> f64 {
         // A last digit of the sums must not ask for the next grain.
-        let at = self.curve.partition_point(|p| p.1 < percent - 1e-9);
+        let at = self.curve.partition_point(|p| p.1 < percent - SAME_PERCENT);
         self.curve.get(at).or(self.curve.last()).map_or(f64::NAN, |p| p.0)
     }
 

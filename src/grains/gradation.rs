@@ -1,10 +1,16 @@
 //! What soil mechanics reads off a grain size distribution curve.
 
+use super::psd::SAME_PERCENT;
+
 /// Opening of the No. 4 sieve in m, which parts gravel from sand (ASTM D2487).
 const NO_4_SIEVE: f64 = 4.75e-3;
 
 /// Opening of the No. 200 sieve in m, which parts sand from fines (ASTM D2487).
 const NO_200_SIEVE: f64 = 0.075e-3;
+
+/// Coefficients that differ by less, as a fraction of them, are the same: 0.6 mm over 0.1 mm is
+/// 5.999999999999999.
+const SAME_RATIO: f64 = 1e-12;
 
 /// Characteristic sizes, coefficients and class of a grain size distribution.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,14 +47,16 @@ impl Gradation {
 /// Group symbol of a coarse soil by ASTM D2487, table 1: gravel if more than half of the coarse
 /// fraction stays on the 4.75 mm sieve, else sand; well graded if 1 ≤ Cc ≤ 3 and Cu ≥ 4 (gravel) or
 /// Cu ≥ 6 (sand), else poorly graded. No symbol where 5 % or more are fines (below 0.075 mm): the
-/// class then depends on their plasticity. Shares are in percent of the mass.
+/// class then depends on their plasticity. Shares are in percent of the mass. What misses a bound
+/// by rounding is on it.
 fn uscs(fines: f64, gravel: f64, uniformity: f64, curvature: f64) -> &'static str {
-    if !(fines < 5.0) {
+    if !(fines < 5.0 - SAME_PERCENT) {
         return "not coarse";
     }
-    let is_gravel = gravel > (100.0 - fines) / 2.0;
+    let is_gravel = gravel > (100.0 - fines) / 2.0 + SAME_PERCENT;
     let least_uniformity = if is_gravel { 4.0 } else { 6.0 };
-    let well_graded = uniformity >= least_uniformity && (1.0..=3.0).contains(&curvature);
+    let well_graded = uniformity >= least_uniformity * (1.0 - SAME_RATIO)
+        && (1.0 - SAME_RATIO..=3.0 * (1.0 + SAME_RATIO)).contains(&curvature);
     match (is_gravel, well_graded) {
         (true, true) => "GW",
         (true, false) => "GP",

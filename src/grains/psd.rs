@@ -7,6 +7,9 @@ use crate::units::from_g;
 /// Largest number of grains the program makes.
 pub const MOST_GRAINS: usize = 1_000_000;
 
+/// Percentages of the mass that differ by less are the same: sums of shares differ in last digits.
+pub(super) const SAME_PERCENT: f64 = 1e-9;
+
 /// A validated sieve table with the number of grains of each fraction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParticleSizeDistribution {
@@ -172,10 +175,13 @@ impl ParticleSizeDistribution {
     /// on grain size). Percentages outside 0..100 give the finest or coarsest sieve.
     pub fn size_at_percent(&self, percent: f64) -> f64 {
         let curve = self.passing_curve();
-        let Some(w) = curve.windows(2).find(|w| percent <= w[1].1) else {
+        // A last digit of the sums must not lead to the other side of a gap.
+        let Some(w) = curve.windows(2).find(|w| percent <= w[1].1 + SAME_PERCENT) else {
             return self.fractions[0].passing;
         };
-        let share = ((percent - w[0].1) / (w[1].1 - w[0].1)).max(0.0);
+        let share = (percent - w[0].1) / (w[1].1 - w[0].1);
+        // Not a number in a gap at the finest sieve.
+        let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
         from_mm(w[0].0 * (w[1].0 / w[0].0).powf(share))
     }
 
@@ -301,6 +307,39 @@ mod tests {
             let back = psd.percent_finer(psd.size_at_percent(percent));
             near("percent finer than D_p is p", back, percent, 1e-9);
         }
+    }
+
+    /// Law: where 30 % are below a gap, D30 is where the gap begins, whatever the shares are that
+    /// add up to 30.
+    #[test]
+    fn last_digits_of_shares_do_not_cross_a_gap() {
+        for [b, c, d] in [[10.0, 10.0, 10.0], [22.7, 2.4, 4.9], [11.4, 10.9, 7.7]] {
+            let rows =
+                [(16.0, 8.0, 70.0), (8.0, 4.0, 0.0), (4.0, 2.0, b), (2.0, 1.0, c), (1.0, 0.5, d)];
+            let spec = SievedGrains { total_mass_g: 500.0, ..table(&rows) };
+            let psd = ParticleSizeDistribution::new(&spec).unwrap();
+            let law = format!("D30 of {b} + {c} + {d} % below a gap from 4 to 8 mm, mm");
+            near(&law, to_mm(psd.size_at_percent(30.0)), 4.0, 1e-9);
+        }
+    }
+
+    /// Law: half of the coarse fraction on 4.75 mm is not more than half, and a Cu of 0.6 mm over
+    /// 0.1 mm is 6, whatever the last digits are.
+    #[test]
+    fn last_digits_do_not_change_a_class() {
+        let gradation = |total_mass_g: f64, rows: &[(f64, f64, f64)]| {
+            let spec = SievedGrains { total_mass_g, ..table(rows) };
+            ParticleSizeDistribution::new(&spec).unwrap().gradation()
+        };
+        for [b, c, d] in [[38.4, 7.7, 3.9], [38.0, 8.0, 4.0]] {
+            let rows = [(19.0, 4.75, 50.0), (4.75, 2.36, b), (2.36, 1.18, c), (1.18, 0.6, d)];
+            assert_eq!(gradation(500.0, &rows).uscs, "SP", "{b} + {c} + {d} % below 4.75 mm");
+        }
+        let rows = [(1.2, 0.6, 40.0), (0.6, 0.25, 30.0), (0.25, 0.1, 20.0), (0.1, 0.08, 10.0)];
+        let found = gradation(1.0, &rows);
+        near("Cu = 0.6 mm / 0.1 mm", found.uniformity, 6.0, 1e-12);
+        near("Cc = 0.25² / (0.6 · 0.1)", found.curvature, 0.0625 / 0.06, 1e-12);
+        assert_eq!(found.uscs, "SW", "Cu of 6 and Cc from 1 to 3, got Cu {}", found.uniformity);
     }
 
     #[test]
