@@ -79,7 +79,9 @@ impl SieveAnalysis {
     /// Points of the curve for drawing: size in m and percent of the mass
     /// that passes, at the finest grain, at every percent, and at the coarsest grain.
     pub fn points(&self) -> Vec<(f64, f64)> {
-        let mut points: Vec<(f64, f64)> = self.curve.first().copied().into_iter().collect();
+        // Others may be as fine as the finest.
+        let finest = self.curve.first().map(|p| (p.0, self.percent_finer(p.0)));
+        let mut points: Vec<(f64, f64)> = finest.into_iter().collect();
         for percent in 1..=100 {
             let size = self.size_at_percent(f64::from(percent));
             let next = (size, self.percent_finer(size));
@@ -123,6 +125,20 @@ mod tests {
         assert_eq!(count, 3, "3, 4 and 5 mm pass 5 mm and stay on 2 mm");
         near("their mass, kg", mass, 3e-3, 1e-15);
         assert!(SieveAnalysis::new(Vec::new()).gradation().d50.is_nan(), "no grains have no D50");
+    }
+
+    /// Law: a curve begins with what a sieve of the finest size passes, and ends at 100 %.
+    #[test]
+    fn grains_of_one_size_are_a_step_of_the_curve() {
+        let curve = |sizes: &[f64]| {
+            let sieved = |&size: &f64| Sieved { size, mass: 1e-3 };
+            SieveAnalysis::new(sizes.iter().map(sieved).collect()).points()
+        };
+        let [one] = curve(&[6e-3; 10])[..] else { panic!("law: one size is one step") };
+        near("percent of equal grains that pass their size", one.1, 100.0, 1e-9);
+        let [fine, coarse] = curve(&[8e-3, 6e-3, 6e-3, 8e-3])[..] else { panic!("law: two steps") };
+        near("percent that passes the finer of two sizes", fine.1, 50.0, 1e-9);
+        near("percent that passes the coarser", coarse.1, 100.0, 1e-9);
     }
 
     #[test]
