@@ -100,6 +100,29 @@ mod tests {
         }
     }
 
+    /// Law: sieves that differ by an eighth of a millionth hold spheres of one size between them.
+    #[test]
+    fn sieves_may_be_as_near_as_one_size_asks_for() {
+        let mut spec = beads();
+        spec.sieve_table.truncate(1);
+        let row = &mut spec.sieve_table[0];
+        (row.passing_mm, row.retained_mm, row.mass_percent) = (8.000_001, 8.0, 100.0);
+        // Ten spheres of the size between.
+        let size = 8.000_000_5e-3_f64;
+        let kg = 10.0 * spec.density_kg_per_m3 * std::f64::consts::FRAC_PI_6 * size.powi(3);
+        spec.total_mass_g = 1e3 * kg;
+        let set = generate(&spec, 1).expect("spheres");
+        assert_eq!(set.grains.len(), 10, "law: as many as weigh so much");
+        near("total mass, kg", set.total_mass(), kg, 1e-12 * kg);
+        let fraction = ParticleSizeDistribution::new(&spec).expect("a table").fractions[0];
+        let (count, _) = SieveAnalysis::of(&set).between(fraction.passing, fraction.retained);
+        assert_eq!(count, 10, "law: every sphere is found in its fraction");
+        // Half a sphere more: refused, not a panic.
+        spec.total_mass_g *= 1.05;
+        let said = generate(&spec, 1).expect_err("no whole number").to_string();
+        assert!(said.contains("no whole number of spheres"), "{said}");
+    }
+
     #[test]
     fn a_mass_that_no_spheres_have_is_refused() {
         let mut spec = beads();

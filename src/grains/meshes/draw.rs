@@ -9,7 +9,8 @@ use crate::grains::{Block, Fraction, GrainSet, ParticleSizeDistribution};
 use crate::scale::{self, Scale};
 use crate::units::to_g;
 
-/// How far inside its two sieves a grain stays, as a fraction of its size.
+/// How far inside its two sieves a grain stays, as a fraction of its size; less where the sieves
+/// themselves are nearer to each other.
 const INSIDE: f64 = 1e-6;
 
 /// One grain to be: which grain, and how many times its size.
@@ -147,7 +148,8 @@ fn fill(
     (seed, name): (u64, &str),
     most: usize,
 ) -> Result<Vec<Drawn>, Fault> {
-    let (least, largest) = (fraction.retained * (1.0 + INSIDE), fraction.passing * (1.0 - INSIDE));
+    let inside = INSIDE.min((fraction.passing / fraction.retained - 1.0) / 4.0);
+    let (least, largest) = (fraction.retained * (1.0 + inside), fraction.passing * (1.0 - inside));
     let mass = |&(prototype, size): &(usize, f64)| {
         let prototype = &prototypes[prototype];
         density * prototype.volume * (size / prototype.sieve_size).powi(3)
