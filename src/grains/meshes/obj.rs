@@ -10,7 +10,7 @@ use super::*;
 /// Reads the objects of an OBJ file. Where objects (`o`) are named, they are
 /// the grains; where only groups (`g`) are, the groups; else all is one grain.
 pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Object>, ReadError> {
-    let Ok(text) = std::str::from_utf8(bytes) else {
+    let Ok(text) = std::str::from_utf8(without_mark(bytes)) else {
         let message = "the file is not text, as OBJ files are";
         return Err(ReadError::fault(message, "other bytes", "text in UTF-8"));
     };

@@ -28,3 +28,8 @@ impl ReadError {
         Self::Fault(Fault::new(message, found, allowed))
     }
 }
+
+/// The bytes of a text without the mark of UTF-8 (`EF BB BF`) that some programs put before it.
+pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes)
+}

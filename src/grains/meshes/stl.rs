@@ -25,12 +25,14 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Object>, ReadError> {
         binary[..80].fill(b' ');
         return Ok(vec![object("solid 1".into(), &binary)?]);
     }
+    let text = without_mark(bytes);
     let begins_as_text =
-        bytes.trim_ascii_start().get(..5).is_some_and(|b| b.eq_ignore_ascii_case(b"solid"));
+        text.trim_ascii_start().get(..5).is_some_and(|b| b.eq_ignore_ascii_case(b"solid"));
     // Zero bytes are in every binary file and in no text.
     let binary = announced.is_some() && bytes.contains(&0);
-    if let (true, Ok(text)) = (begins_as_text && !binary, std::str::from_utf8(bytes)) {
-        return solids(text);
+    if begins_as_text && !binary {
+        // Names may be of any character set.
+        return solids(&String::from_utf8_lossy(text));
     }
     match (announced, needed) {
         (Some(triangles), Some(needed)) => Err(ReadError::fault(

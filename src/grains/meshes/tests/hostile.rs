@@ -242,6 +242,34 @@ fn sound_files_are_read() {
     }
 }
 
+/// Law: neither a mark before a text nor the character set of a name is part of the shape.
+#[test]
+fn marks_and_foreign_characters_do_no_harm() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = sound_files();
+    let content = |name: &str| {
+        let (_, content) = files.iter().find(|file| file.0 == name).expect("a file of that name");
+        String::from_utf8(content.clone()).expect("text")
+    };
+    let (obj, stl) = (content("t.obj"), content("t.stl"));
+    let marked = |text: &str| format!("\u{feff}{text}").into_bytes();
+    let unnamed = marked(&obj.replace("o t\n", ""));
+    // In ISO 8859-1.
+    let mut foreign = b"solid K\xf6rper\n".to_vec();
+    foreign.extend(stl.replacen("solid t\n", "", 1).bytes());
+    for (name, content, object) in [
+        ("named.obj", marked(&obj), "t"),
+        ("unnamed.obj", unnamed, "object 1"),
+        ("marked.stl", marked(&stl), "solid 1 (t)"),
+        ("foreign.stl", foreign, "solid 1 (K\u{fffd}rper)"),
+    ] {
+        let path = file(folder.path(), name, content);
+        let set = from_meshes(&spec(&[path]), 1).unwrap_or_else(|e| panic!("{name}: {e}"));
+        near(&format!("{name}: volume"), set.grains[0].volume, 1e-9 * 729.0 / 6.0, 1e-18);
+        assert_eq!(set.meshes[0].object, object, "law: {name}: the name stays");
+    }
+}
+
 proptest::proptest! {
     #![proptest_config(proptest::prelude::ProptestConfig::with_cases(60))]
 
