@@ -5,6 +5,8 @@
 //! material changes, which would make several open surfaces of one textured
 //! scan, and do not say in which line a fault stands.
 
+use std::borrow::Cow;
+
 use super::*;
 
 /// Reads the objects of an OBJ file. Where objects (`o`) are named, they are
@@ -14,15 +16,14 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Object>, ReadError> {
         let message = "the file is not text, as OBJ files are";
         return Err(ReadError::fault(message, "other bytes", "text in UTF-8"));
     };
-    // A line that ends in a backslash goes on in the next.
-    let text = text.replace("\\\r\n", "  ").replace("\\\n", " ");
-    let key =
-        if text.lines().any(|l| l.split_whitespace().next() == Some("o")) { "o" } else { "g" };
+    let statements = statements(text);
+    let is_object = |line: &str| line.split_whitespace().next() == Some("o");
+    let key = if statements.iter().any(|(_, line)| is_object(line)) { "o" } else { "g" };
     let mut vertices: Vec<Point> = Vec::new();
     let mut parts: Vec<(String, Vec<Vec<u32>>)> = Vec::new();
     let mut current = None;
-    for (index, line) in text.lines().enumerate() {
-        let line_number = index + 1;
+    for (line_number, line) in &statements {
+        let line_number = *line_number;
         let mut words = line.split_whitespace();
         match words.next() {
             Some("v") => vertices.push(vertex(words, line, line_number)?),
@@ -55,6 +56,28 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Object>, ReadError> {
         Object { name, vertices, faces }
     };
     Ok(parts.into_iter().map(object).collect())
+}
+
+/// The statements with the numbers of the lines that they begin in. A line that ends in a backslash
+/// goes on in the next, but a comment does not: paths of Windows may end in one.
+fn statements(text: &str) -> Vec<(usize, Cow<'_, str>)> {
+    let mut statements: Vec<(usize, Cow<'_, str>)> = Vec::new();
+    let mut goes_on = false;
+    for (index, line) in text.lines().enumerate() {
+        let is_comment = !goes_on && line.trim_start().starts_with('#');
+        let begun = line.strip_suffix('\\').filter(|_| !is_comment);
+        let words = begun.unwrap_or(line);
+        match statements.last_mut() {
+            Some((_, before)) if goes_on => {
+                let before = before.to_mut();
+                before.push(' ');
+                before.push_str(words);
+            }
+            _ => statements.push((index + 1, Cow::Borrowed(words))),
+        }
+        goes_on = begun.is_some();
+    }
+    statements
 }
 
 fn vertex<'a>(

@@ -83,6 +83,24 @@ fn damaged_obj() {
     expect("a.obj", infinite, &["vertex 0", "inf"]);
 }
 
+/// Law: a fault stands in the line that its statement begins in, also after statements of several
+/// lines; a comment is one line, whatever it ends in.
+#[test]
+fn statements_of_several_lines_are_counted_as_lines() {
+    let cube = cuboid_obj([10.0; 3], [0.0; 3]);
+    let long = cube.replacen("v 0 0 0\n", "v 0 \\\n 0 \\\r\n 0\n", 1);
+    assert_eq!(long.lines().count(), cube.lines().count() + 2);
+    for bad in ["f 1 2 99\n", "f 1 2 \\\n99\n"] {
+        expect("a.obj", format!("{long}{bad}"), &["line 17", "not there", "99"]);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for text in [long, format!("# C:\\scans\\\n{cube}")] {
+        let path = file(folder.path(), "a.obj", &text);
+        let set = from_meshes(&spec(&[path]), 1).unwrap_or_else(|e| panic!("{text}: {e}"));
+        near("volume of the cube, m³", set.grains[0].volume, 1e-6, 1e-18);
+    }
+}
+
 #[test]
 fn damaged_ply() {
     let header = |vertices: &str, faces: &str| {
