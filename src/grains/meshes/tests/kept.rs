@@ -49,6 +49,28 @@ fn meshes_written_are_grains_read_back() {
     }
 }
 
+/// Law: a disc of 300 corners comes back from PLY, whose usual count of corners ends at 255.
+#[test]
+fn faces_of_many_corners_come_back_from_ply() {
+    let folder = tempfile::tempdir().unwrap();
+    let corner = |i: u32| {
+        let angle = std::f64::consts::TAU * f64::from(i) / 300.0;
+        (0.01 * angle.cos(), 0.01 * angle.sin())
+    };
+    let polygon: Vec<(f64, f64)> = (0..300).map(corner).collect();
+    let disc = ConvexPolyhedron::prism(&polygon, 0.0, 0.004).unwrap();
+    let mut grains = generate(&few_grains(), 7).unwrap();
+    grains.blocks.truncate(1);
+    grains.blocks[0].cells = vec![disc.clone()];
+    let mut written = Vec::new();
+    write_ply(&grains, &mut written).unwrap();
+    let path = file(folder.path(), "disc.ply", &written);
+    let objects = super::super::read::objects(Path::new(&path)).expect("law: it can be read");
+    assert_eq!(objects.len(), 1, "law: one grain");
+    assert_eq!(objects[0].vertices, disc.vertices(), "law: the corners that were written");
+    assert_eq!(objects[0].faces, disc.faces(), "law: the faces that were written");
+}
+
 #[test]
 fn single_precision_triangles_become_faces_again() {
     let folder = tempfile::tempdir().unwrap();
