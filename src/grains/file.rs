@@ -32,6 +32,9 @@ pub struct GrainsJson {
 pub struct BlockJson {
     /// The sieves between which its grains belong.
     pub sieve: SieveJson,
+    /// Whether nobody specified these sieves, but grains that keep their own size lie between them.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub own_sizes: bool,
     /// Side of the cube.
     pub side_m: f64,
     /// Lowest corner of the cube.
@@ -100,6 +103,7 @@ pub fn to_json(grains: &GrainSet) -> GrainsJson {
     };
     let block = |block: &Block| BlockJson {
         sieve: SieveJson { passing_mm: to_mm(block.passing), retained_mm: to_mm(block.retained) },
+        own_sizes: block.own_sizes,
         side_m: block.side,
         origin_m: block.origin.into(),
         points_m: block.points.iter().map(|&p| p.into()).collect(),
@@ -215,6 +219,7 @@ fn read_block(index: usize, json: &BlockJson) -> Result<Block, GrainsError> {
     Ok(Block {
         passing: from_mm(passing_mm),
         retained: from_mm(retained_mm),
+        own_sizes: json.own_sizes,
         side: json.side_m,
         origin,
         points: json.points_m.iter().map(|&p| p.into()).collect(),

@@ -44,6 +44,7 @@ pub fn generate(spec: &SievedGrains, seed: u64) -> Result<GrainSet, GrainsError>
         set.push_block(Block {
             passing: fraction.passing,
             retained: fraction.retained,
+            own_sizes: false,
             side,
             origin,
             points: tessellation.points,

@@ -85,6 +85,8 @@ pub struct Block {
     pub passing: f64,
     /// Opening of the sieve that retains the fraction, in m.
     pub retained: f64,
+    /// Whether nobody specified these sieves, but grains that keep their own size lie between them.
+    pub own_sizes: bool,
     /// Side of the cube in m.
     pub side: f64,
     /// Lowest corner of the cube in m.
@@ -127,8 +129,7 @@ impl GrainSet {
     /// The distribution that the grains were made from: their sieve table. `None` of meshes that
     /// keep their own size, and of grains whose blocks are no sieve fractions.
     pub fn specified(&self) -> Option<ParticleSizeDistribution> {
-        let is_own_size = |mesh: &MeshRecord| mesh.grains == 0 || mesh.scales == (1.0, 1.0);
-        let own_sizes = !self.meshes.is_empty() && self.meshes.iter().all(is_own_size);
+        let own_sizes = self.blocks.iter().any(|block| block.own_sizes);
         if own_sizes { None } else { ParticleSizeDistribution::of(self).ok() }
     }
 

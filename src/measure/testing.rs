@@ -190,6 +190,7 @@ fn of_the_papers_sizes() -> Block {
     Block {
         passing: 0.016,
         retained: 0.008,
+        own_sizes: false,
         side: 0.1,
         origin: Vector::zeros(),
         points: vec![],

@@ -27,6 +27,7 @@ fn run() -> (Playback, Specimen) {
     let block = Block {
         passing: 0.0125,
         retained: 0.01,
+        own_sizes: false,
         side: 0.01,
         origin: Vector::zeros(),
         points: vec![Vector::zeros(); 3],

@@ -27,7 +27,9 @@ pub(super) fn draw(
     for &(prototype, scale) in blocks.iter().flat_map(|(_, drawn)| drawn) {
         records[prototype].take(scale);
     }
-    let set = laid_out(spec.density_kg_per_m3, &blocks, prototypes);
+    let mut set = laid_out(spec.density_kg_per_m3, &blocks, prototypes);
+    let own_sizes = spec.as_sieved().is_none();
+    set.blocks.iter_mut().for_each(|block| block.own_sizes = own_sizes);
     Ok(GrainSet { meshes: records, ..set })
 }
 
@@ -237,6 +239,7 @@ pub(in crate::grains) fn push_laid_out(
     set.push_block(Block {
         passing,
         retained,
+        own_sizes: false,
         side,
         origin: Vector::new(x, 0.0, 0.0),
         points: Vec::new(),

@@ -114,6 +114,25 @@ fn a_count_draws_grains_in_their_own_size() {
     assert_eq!(specified, None, "law: what nobody specified is not that of a block's sieves");
 }
 
+/// Law: grains read from a file have the sieve table of those that were written to it, or none.
+#[test]
+fn a_file_says_whether_sizes_were_specified() {
+    let folder = tempfile::tempdir().unwrap();
+    let (total_mass_g, sieve_table) = table(500.0);
+    let own = boxes(folder.path());
+    let sieved = MeshGrains { total_mass_g, sieve_table, ..own.clone() };
+    for (spec, specified) in [(own, false), (sieved, true)] {
+        let set = from_meshes(&spec, 5).unwrap();
+        let mut bytes = Vec::new();
+        crate::grains::write_json(&set, &mut bytes).unwrap();
+        let back = crate::grains::read_json(&bytes[..]).unwrap();
+        assert_eq!(set.specified().is_some(), specified, "law: whether there was a table");
+        assert_eq!(back.specified().is_some(), specified, "law: the same of the file");
+        let text = String::from_utf8(bytes).unwrap();
+        assert_eq!(text.contains("own_sizes"), !specified, "law: other files are as they were");
+    }
+}
+
 #[test]
 fn a_fraction_too_light_for_a_grain_is_told() {
     let folder = tempfile::tempdir().unwrap();
