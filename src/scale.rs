@@ -12,6 +12,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+/// Difference of sums of masses, and of openings, as a fraction of them, that is none.
+const ROUNDING: f64 = 1e-9;
+
 /// Sizes of grains in m, as sieves measure them.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct GrainSizes {
@@ -60,10 +63,15 @@ impl GrainSizes {
         sound.sort_by(|a, b| a.retained.total_cmp(&b.retained));
         let half = sound.iter().map(|f| f.mass).sum::<f64>() / 2.0;
         let mut finer = 0.0;
-        let median = sound.iter().find_map(|f| {
+        let median = sound.iter().enumerate().find_map(|(n, f)| {
             let share = (half - finer) / f.mass;
             finer += f.mass;
-            (share <= 1.0).then(|| f.retained * (f.passing / f.retained).powf(share.max(0.0)))
+            // A last digit of the sums must not lead to the other side of a gap.
+            let next = sound.get(n + 1);
+            let ends = next.is_none_or(|next| next.retained > f.passing * (1.0 + ROUNDING));
+            let most = if ends { 1.0 + ROUNDING } else { 1.0 };
+            let ratio = f.passing / f.retained;
+            (share <= most).then(|| f.retained * ratio.powf(share.clamp(0.0, 1.0)))
         })?;
         let largest = sound.iter().map(|f| f.passing).fold(0.0, f64::max);
         Some(Self { smallest: sound[0].retained, median, largest })
@@ -402,6 +410,25 @@ mod tests {
             }
             let slow = SLOW.at(&scale);
             assert_eq!(all[SLOW.name].to_bits(), slow.to_bits(), "law: others by their law");
+        }
+    }
+
+    /// Law: where half of the mass is below a gap, the median is where the gap begins, whatever the
+    /// masses are that make that half.
+    #[test]
+    fn last_digits_of_masses_do_not_cross_a_gap() {
+        for [b, c, d] in [[20.0, 20.0, 10.0], [17.2, 20.9, 11.9], [10.4, 17.4, 22.2]] {
+            let rows = [(16.0, 8.0, 50.0), (4.0, 2.0, b), (2.0, 1.0, c), (1.0, 0.5, d)];
+            let sieves = rows.map(|(passing, retained, mass)| SieveMass {
+                passing: 1e-3 * passing,
+                retained: 1e-3 * retained,
+                mass,
+            });
+            let got = GrainSizes::of(&sieves).expect("it has sizes").median;
+            assert!(
+                (got / 0.004 - 1.0).abs() < 1e-9,
+                "law: half of {b} + {c} + {d} and 50 is finer than 4 mm, got {got} m"
+            );
         }
     }
 
