@@ -6,6 +6,10 @@ use crate::scenario::{MOST_PARTS, MeshPart};
 /// Most corners of a part.
 const MOST_VERTICES: u32 = 1000;
 
+/// How far inside its hull a face of a part may lie, as a fraction of the part's size: the rounding
+/// of files, not a hole or a dent.
+const WITHIN: f64 = 1e-4;
+
 /// What to do with a part that is not convex.
 const SPLIT: &str = "convex surfaces that are not joined: split it into convex parts, in Blender \
                      for instance by Mesh > Bisect with Fill and Separate, as objects of one OBJ file";
@@ -38,7 +42,8 @@ pub fn parts_of_piece(file: &Path, scale_to_mm: f64) -> Result<Vec<MeshPart>, Ve
     for object in objects {
         let found = each_surface(&object, &spec, scale_to_mm, |surface, _| {
             let split = |fault| Fault { allowed: SPLIT.to_owned(), ..fault };
-            let (shape, _) = shape::convex(surface, &spec).map_err(split)?;
+            let (shape, record) = shape::convex(surface, &spec).map_err(split)?;
+            check_hull(surface, &shape, &record)?;
             let vertices = shape.vertices().iter().map(|v| (v.coords * scale_to_mm).into());
             let (vertices_mm, faces) = (vertices.collect(), shape.faces().to_vec());
             parts.push(MeshPart { vertices_mm, faces });
@@ -55,6 +60,35 @@ pub fn parts_of_piece(file: &Path, scale_to_mm: f64) -> Result<Vec<MeshPart>, Ve
         faults.push(Fault::new("the mesh has too many parts", found, allowed));
     }
     if faults.is_empty() { Ok(parts) } else { Err(faults) }
+}
+
+/// Refuses a hull that is not the part itself: grains may be simpler than their scans, pieces not.
+fn check_hull(
+    surface: &Surface,
+    shape: &ConvexPolyhedron,
+    record: &MeshRecord,
+) -> Result<(), Fault> {
+    if record.left_out > 0.0 {
+        return Err(Fault::new(
+            "the surface has too many corners",
+            format!("{} corners", surface.vertices.len()),
+            format!("at most {MOST_VERTICES}"),
+        ));
+    }
+    let slack = WITHIN * extent(&surface.vertices);
+    let planes: Vec<(Vector, f64)> =
+        (0..shape.faces().len()).filter_map(|face| shape.plane(face)).collect();
+    let on_hull = |face: &Vec<u32>| {
+        let at = |v: &u32| surface.vertices[*v as usize].coords;
+        planes.iter().any(|(n, d)| face.iter().all(|v| (n.dot(&at(v)) - d).abs() <= slack))
+    };
+    // What is not replaced by its hull is convex.
+    if !record.hull || surface.faces.iter().all(on_hull) {
+        return Ok(());
+    }
+    let more = rounded(record.hull_adds_percent());
+    let message = format!("the surface is not convex: its hull has {more} % more volume");
+    Err(Fault::new(message, "faces inside of its hull", SPLIT))
 }
 
 #[cfg(test)]
@@ -114,6 +148,72 @@ mod tests {
         let found = read("sheet.obj", &sheet).expect_err("law: it has no volume to speak of");
         let Fault { found, allowed, .. } = &found[0];
         assert_eq!((found.as_str(), allowed.as_str()), ("0.01 mm³", "more than 0.1 mm³"));
+    }
+
+    /// Law: a part is what its mesh is. A hole or a dent is refused however small its share of the
+    /// volume; what rounding of a file makes of a plane is not.
+    #[test]
+    fn small_holes_and_dents_are_not_filled() {
+        let mut plate = "o plate\n".to_owned();
+        for (low, high) in [(0.0, 100.0), (47.5, 52.5)] {
+            for z in [0, 10] {
+                for (x, y) in [(low, low), (high, low), (high, high), (low, high)] {
+                    plate += &format!("v {x} {y} {z}\n");
+                }
+            }
+        }
+        for n in 0..4 {
+            let m = (n + 1) % 4;
+            plate += &format!("f {} {} {} {}\n", 1 + n, 1 + m, 5 + m, 5 + n);
+            plate += &format!("f {} {} {} {}\n", 9 + m, 9 + n, 13 + n, 13 + m);
+            plate += &format!("f {} {} {} {}\n", 5 + n, 5 + m, 13 + m, 13 + n);
+            plate += &format!("f {} {} {} {}\n", 1 + m, 1 + n, 9 + n, 9 + m);
+        }
+        let dented = |depth: f64| {
+            let top = "f 5 6 9\nf 6 8 9\nf 8 7 9\nf 7 5 9\n";
+            let centre = format!("v 50 50 {}\nf 1 3 4 2\n", 100.0 - depth);
+            let cube = cuboid_obj([100.0; 3], [0.0; 3]).replace("f 5 6 8 7\n", top);
+            cube.replace("f 1 3 4 2\n", &centre)
+        };
+        // 0.25 % of a plate, 0.17 % of a cube: both hold more than 99 % of their hulls.
+        for (name, text) in [("plate.obj", plate), ("dent.obj", dented(0.5))] {
+            let found = read(name, &text).expect_err("law: refused");
+            let Fault { message, allowed, .. } = &found[0];
+            assert!(message.contains("not convex"), "law: {name}, got {found:?}");
+            assert!(allowed.contains("split it into convex parts"), "law: what to do, {allowed}");
+        }
+        let parts = read("rounded.obj", &dented(0.005)).unwrap_or_else(|e| panic!("{e:?}"));
+        assert_eq!(parts[0].vertices_mm.len(), 8, "law: a cube");
+    }
+
+    /// Law: a part has up to 1000 corners; one with more is refused, not made simpler.
+    #[test]
+    fn parts_of_too_many_corners_are_refused() {
+        let prism = |sides: usize| {
+            let mut text = String::new();
+            let angle = |n: usize| std::f64::consts::TAU * n as f64 / sides as f64;
+            for z in [0, 4] {
+                for (sin, cos) in (0..sides).map(|n| angle(n).sin_cos()) {
+                    text += &format!("v {} {} {z}\n", 10.0 * cos, 10.0 * sin);
+                }
+            }
+            let polygon = |corners: Vec<usize>| {
+                let corners: Vec<String> = corners.iter().map(usize::to_string).collect();
+                format!("f {}\n", corners.join(" "))
+            };
+            text += &polygon((1..=sides).rev().collect());
+            text += &polygon((sides + 1..=2 * sides).collect());
+            for n in 1..=sides {
+                let next = n % sides + 1;
+                text += &polygon(vec![n, next, sides + next, sides + n]);
+            }
+            text
+        };
+        let parts = read("500.obj", &prism(500)).unwrap_or_else(|e| panic!("{e:?}"));
+        assert_eq!(parts[0].vertices_mm.len(), 1000, "law: as many are kept");
+        let found = read("600.obj", &prism(600)).expect_err("law: refused");
+        let Fault { message, found, .. } = &found[0];
+        assert!(message.contains("too many corners") && found == "1200 corners", "{message}");
     }
 
     #[test]
