@@ -2,6 +2,9 @@
 
 use super::psd::SAME_PERCENT;
 
+/// Opening of the 3-inch sieve in m, which parts cobbles from gravel (ASTM D2487).
+const THREE_INCH_SIEVE: f64 = 75e-3;
+
 /// Opening of the No. 4 sieve in m, which parts gravel from sand (ASTM D2487).
 const NO_4_SIEVE: f64 = 4.75e-3;
 
@@ -36,12 +39,31 @@ impl Gradation {
     /// Reads a curve, given both ways round: the size in m than which a
     /// percentage of the mass is finer, and the percentage finer than a size in m.
     pub fn of(size_at_percent: impl Fn(f64) -> f64, percent_finer: impl Fn(f64) -> f64) -> Self {
-        let [d10, d30, d50, d60] = [10.0, 30.0, 50.0, 60.0].map(size_at_percent);
-        let (uniformity, curvature) = (d60 / d10, d30 * d30 / (d60 * d10));
-        let (fines, gravel) = (percent_finer(NO_200_SIEVE), 100.0 - percent_finer(NO_4_SIEVE));
-        let uscs = uscs(fines, gravel, uniformity, curvature);
+        let [d10, d30, d50, d60] = [10.0, 30.0, 50.0, 60.0].map(&size_at_percent);
+        let [uniformity, curvature] = coefficients(d10, d30, d60);
+        let uscs = class(size_at_percent, percent_finer);
         Self { d10, d30, d50, d60, uniformity, curvature, uscs }
     }
+}
+
+/// Cu and Cc.
+fn coefficients(d10: f64, d30: f64, d60: f64) -> [f64; 2] {
+    [d60 / d10, d30 * d30 / (d60 * d10)]
+}
+
+/// Class of what passes the 75 mm sieve, as ASTM D2487 classifies; coarser grains are cobbles.
+fn class(size_at_percent: impl Fn(f64) -> f64, percent_finer: impl Fn(f64) -> f64) -> &'static str {
+    let soil = percent_finer(THREE_INCH_SIEVE);
+    if soil < SAME_PERCENT {
+        return "cobbles";
+    }
+    // 1 where there are no cobbles, so that all numbers stay as they are.
+    let share = if soil > 100.0 - SAME_PERCENT { 1.0 } else { soil / 100.0 };
+    let [d10, d30, d60] = [10.0, 30.0, 60.0].map(|percent| size_at_percent(percent * share));
+    let [uniformity, curvature] = coefficients(d10, d30, d60);
+    let [fines, gravel] =
+        [percent_finer(NO_200_SIEVE) / share, 100.0 - percent_finer(NO_4_SIEVE) / share];
+    uscs(fines, gravel, uniformity, curvature)
 }
 
 /// Group symbol of a coarse soil by ASTM D2487, table 1: gravel if more than half of the coarse

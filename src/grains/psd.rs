@@ -344,17 +344,22 @@ mod tests {
 
     #[test]
     fn uscs_classes() {
-        let class = |rows: &[(f64, f64, f64)]| {
-            let mut spec = table(rows);
-            spec.total_mass_g = 500.0;
+        let of = |total_mass_g: f64, rows: &[(f64, f64, f64)]| {
+            let spec = SievedGrains { total_mass_g, ..table(rows) };
             ParticleSizeDistribution::new(&spec).unwrap().gradation().uscs
         };
+        let class = |rows: &[(f64, f64, f64)]| of(500.0, rows);
+        let heavy = |rows: &[(f64, f64, f64)]| of(10_000.0, rows);
         let paper = ParticleSizeDistribution::new(&paper_grains()).unwrap();
         assert_eq!(paper.gradation().uscs, "GP", "paper, section 2: USCS GP");
         let wide = [(40.0, 20.0, 45.0), (20.0, 10.0, 30.0), (10.0, 5.0, 10.0), (5.0, 2.5, 15.0)];
         assert_eq!(class(&wide), "GW", "Cu ≈ 5.4, Cc ≈ 1.5: GW");
         let hollow = [(40.0, 20.0, 40.0), (20.0, 10.0, 25.0), (10.0, 5.0, 17.0), (5.0, 2.5, 18.0)];
         assert_eq!(class(&hollow), "GP", "Cu ≈ 5.4, Cc ≈ 0.9: GP");
+        // Of what passes 75 mm, 20 of 50 % stay on 4.75 mm: cobbles do not make it gravel.
+        let sand = [(150.0, 75.0, 50.0), (75.0, 4.75, 20.0), (4.75, 2.36, 30.0)];
+        assert_eq!(heavy(&sand), "SP", "more than half of the soil passes 4.75 mm: SP");
+        assert_eq!(heavy(&[(150.0, 100.0, 100.0)]), "cobbles", "nothing passes 75 mm");
         let sand = [(5.0, 4.5, 40.0), (4.5, 4.0, 60.0)];
         assert_eq!(class(&sand), "SP", "all but a fifth passes 4.75 mm: SP");
     }
