@@ -28,6 +28,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Object>, ReadError> {
         match words.next() {
             Some("v") => vertices.push(vertex(words, line, line_number)?),
             Some("f") => {
+                let words = words.take_while(|word| !word.starts_with('#'));
                 let face = face(words, line, line_number, vertices.len())?;
                 let part = *current.get_or_insert_with(|| {
                     parts.push(("object 1".into(), Vec::new()));

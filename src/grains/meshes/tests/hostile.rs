@@ -94,7 +94,9 @@ fn statements_of_several_lines_are_counted_as_lines() {
         expect("a.obj", format!("{long}{bad}"), &["line 17", "not there", "99"]);
     }
     let folder = tempfile::tempdir().unwrap();
-    for text in [long, format!("# C:\\scans\\\n{cube}")] {
+    // A comment may also end a statement.
+    let ended = cube.replace("f 2 4 8 6\n", "f 2 4 8 6 # the last 1\n");
+    for text in [long, format!("# C:\\scans\\\n{cube}"), ended] {
         let path = file(folder.path(), "a.obj", &text);
         let set = from_meshes(&spec(&[path]), 1).unwrap_or_else(|e| panic!("{text}: {e}"));
         near("volume of the cube, m³", set.grains[0].volume, 1e-6, 1e-18);
