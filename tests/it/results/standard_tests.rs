@@ -87,7 +87,10 @@ fn triaxial_specimens_meet_where_the_interval_holds_none() {
         (ends(-0.09, -0.01), "loose less dense: −0.05 (−0.09 to −0.01); **they do not end at one"),
         (ends(-0.09, -0.01), "dense ones are looser at the end.\n"),
         (ends(0.01, 0.09), "dense ones are still denser at the end.\n"),
-        (ends(-0.09, 0.01), "; no difference is shown, and none within the interval is excluded.\n"),
+        (
+            ends(-0.09, 0.01),
+            "; no difference is shown, and none within the interval is excluded.\n",
+        ),
         (Value::Null, "loose less dense: −0.05; too few specimens to tell"),
     ] {
         let text = said("laboratory-triaxial", &region(interval));
