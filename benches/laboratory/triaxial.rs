@@ -41,7 +41,7 @@ const RAMP: f64 = 0.4;
 const SIDES: [&str; 4] = ["west", "east", "south", "north"];
 /// Stress in kPa from all sides.
 const STRESS: f64 = 10.0;
-/// How far the top plate goes, in widths of the cube, and axial strain from which on is the end.
+/// How far the top plate goes, in widths of the specimen, and axial strain from which on is the end.
 const TRAVEL: f64 = 0.40;
 const END: f64 = 0.27;
 /// How far it goes in a second.
@@ -129,7 +129,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     Ok(Found { rows, charts: vec![chart(&tests), path(&tests)] })
 }
 
-/// The cube of the full design.
+/// The specimen of the full design.
 fn wide() -> Vec<String> {
     let (side, out) = (WIDE_MM, WIDE_MM / 2.0 + HALF_PLATE_MM);
     let wide = WIDE_MM + 110.0;
