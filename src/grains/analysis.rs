@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::gradation::SAME_PERCENT;
 use super::*;
 
 /// One grain in the sieve.

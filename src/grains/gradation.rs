@@ -1,6 +1,7 @@
 //! What soil mechanics reads off a grain size distribution curve.
 
-use super::psd::SAME_PERCENT;
+/// Percentages of the mass that differ by less are the same: sums of shares differ in last digits.
+pub(super) const SAME_PERCENT: f64 = 1e-9;
 
 /// Opening of the 3-inch sieve in m, which parts cobbles from gravel (ASTM D2487).
 const THREE_INCH_SIEVE: f64 = 75e-3;

@@ -1,14 +1,12 @@
 //! The particle size distribution of a sieve analysis and what follows from it.
 
+use super::gradation::SAME_PERCENT;
 use super::*;
 use crate::scenario::SieveFraction;
 use crate::units::from_g;
 
 /// Largest number of grains the program makes.
 pub const MOST_GRAINS: usize = 1_000_000;
-
-/// Percentages of the mass that differ by less are the same: sums of shares differ in last digits.
-pub(super) const SAME_PERCENT: f64 = 1e-9;
 
 /// A validated sieve table with the number of grains of each fraction.
 #[derive(Debug, Clone, PartialEq)]

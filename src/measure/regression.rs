@@ -96,11 +96,10 @@ impl LinearModel {
         }
         Self::of_strata(rows, specimens).or_else(|| {
             let middle = |rows: &Vec<&(Vec<f64>, f64)>| {
-                let over = |value: &dyn Fn(&(Vec<f64>, f64)) -> f64| {
-                    rows.iter().copied().map(value).sum::<f64>() / rows.len() as f64
-                };
-                let x: Vec<f64> = (0..factors).map(|n| over(&|row| row.0[n])).collect();
-                (x, over(&|row| row.1))
+                let count = rows.len() as f64;
+                let mean = |n: usize| rows.iter().map(|row| row.0[n]).sum::<f64>() / count;
+                let y = rows.iter().map(|row| row.1).sum::<f64>() / count;
+                ((0..factors).map(mean).collect(), y)
             };
             let means: Vec<(Vec<f64>, f64)> = of.values().map(middle).collect();
             let each: Vec<usize> = (0..means.len()).collect();
