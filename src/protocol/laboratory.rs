@@ -103,7 +103,8 @@ impl Laboratory<'_> {
         chosen.take_while(enough).collect()
     }
 
-    /// Puts grains at rest on a lattice, clear of pieces and of grains that are there.
+    /// Puts grains at rest on a lattice, clear of pieces and of grains that are there, and no farther
+    /// away than bodies are followed.
     fn lay_out(
         &self,
         specimen: &mut Specimen,
@@ -130,18 +131,33 @@ impl Laboratory<'_> {
         let free = |place: &Vector| {
             above_area(place) && there.iter().all(|(at, r)| (at - place).norm() > r + largest)
         };
+        let farthest = check(self.setup, 0.0).distance;
+        let mut is_beyond = false;
+        let is_followed = |place: &Vector| {
+            is_beyond = place.norm() > farthest;
+            !is_beyond
+        };
         let places: Vec<Vector> = area
             .lattice(largest)
             .take(TRIES * chosen.len())
             .filter(free)
+            .take_while(is_followed)
             .take(chosen.len())
             .collect();
         if places.len() < chosen.len() {
+            let within = match is_beyond {
+                true => format!(
+                    "within the {} m from the origin up to which bodies are followed",
+                    three_decimals(farthest)
+                ),
+                false => "clear of the pieces".to_owned(),
+            };
             return Err(StageError::Placing(format!(
-                "the area of the deposit has room for {} of {}, clear of the pieces (allowed: \
-                 another place, `at_mm`, a larger area, or fewer grains, `mass_g`)",
+                "the area of the deposit has room for {} of {}, {within} (allowed: another place, \
+                 `at_mm`, a larger area, `{}`, or fewer grains, `mass_g`)",
                 places.len(),
-                counted(chosen.len(), "grain")
+                counted(chosen.len(), "grain"),
+                if area.round { "diameter_mm" } else { "area_mm" }
             )));
         }
         for (&grain, place) in chosen.iter().zip(places) {

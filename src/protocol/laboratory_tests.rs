@@ -323,3 +323,23 @@ fn a_lattice_does_not_go_through_a_piece() {
     let is_said = allowed.iter().all(|words| refused.to_string().contains(words));
     assert!(is_said, "law: with what would help, {allowed:?}, got {refused}");
 }
+
+/// Law: a lattice has no places beyond the distance up to which bodies are followed, and its refusal
+/// names what would make it lower.
+#[test]
+fn a_lattice_ends_where_bodies_are_no_longer_followed() {
+    let areas = [("area_mm", json!([8, 8])), ("diameter_mm", json!(8))];
+    for (field, area) in areas {
+        // Up to 20 m there are 50 mm, and one grain lies above the other.
+        let mut high = json!({ "stage": "deposit", "how": "lattice", "at_mm": [0, 0, 19950],
+            "time_limit_s": 1 });
+        high[field] = area;
+        let refused = carry_out(specimen(), &stage(high)).expect_err("law: there is no room");
+        let is_said = matches!(refused, StageError::Placing(_));
+        assert!(is_said, "law: grains could not be placed, got {refused}");
+        let (told, field) = (refused.to_string(), format!("`{field}`"));
+        for words in ["within the 20 m from the origin", "`at_mm`", field.as_str(), "`mass_g`"] {
+            assert!(told.contains(words), "law: expected `{words}`, got {told}");
+        }
+    }
+}
