@@ -1,12 +1,12 @@
 //! Stages of a laboratory of pieces: deposit, move, press, remove.
 
 use super::*;
-use crate::plain::{components, counted, in_number, three_decimals};
+use crate::plain::{components, counted, four_digits, in_number, three_decimals};
 use crate::scenario::{
     DepositKind, DepositSpec, MoveSpec, PIECE_DENSITY, PressSpec, ReleaseSpec, RemoveSpec,
 };
 use crate::specimen::TurnState;
-use crate::units::{from_kpa, to_g};
+use crate::units::{from_kpa, to_g, to_mm};
 
 /// Places of a lattice that are tried for each grain before there counts as no room.
 const TRIES: usize = 1000;
@@ -45,8 +45,16 @@ impl Laboratory<'_> {
         let short = mass_g.and_then(|asked| too_few(&specimen.grains, &chosen, asked));
         let fallen_before = fallen_out(&specimen);
         let mut course = Course::until_settled(stage.time_limit_s);
+        let mut too_high = None;
         match (stage.how, stage.rate_g_per_s) {
-            (DepositKind::Lattice, _) => self.lay_out(&mut specimen, &area, &chosen)?,
+            (DepositKind::Lattice, _) => {
+                let height = self.lay_out(&mut specimen, &area, &chosen)?;
+                too_high = too_fast_from(height, self.setup);
+                // Said at once: no summary will, if the stage fails by it.
+                if let Some(told) = &too_high {
+                    self.observer.warn(told);
+                }
+            }
             (DepositKind::Rain, Some(rate)) => {
                 course.feed = Some(Feed {
                     rate: Rate::Mass(from_g(rate)),
@@ -62,7 +70,7 @@ impl Laboratory<'_> {
         let left = "of the deposit had not been let go: each waits until others and the pieces \
                     are out of its way";
         let (mut outcome, _) = self.feed(specimen, &course, "depositing", left)?;
-        outcome.warnings.extend(short);
+        outcome.warnings.extend(too_high.into_iter().chain(short));
         let fallen = fallen_out(&outcome.specimen) - fallen_before;
         if fallen > 0 {
             let all = fallen + outcome.specimen.present().count();
@@ -104,13 +112,13 @@ impl Laboratory<'_> {
     }
 
     /// Puts grains at rest on a lattice, clear of pieces and of grains that are there, and no farther
-    /// away than bodies are followed.
+    /// away than bodies are followed. Gives the height in m above the area at which the last begins.
     fn lay_out(
         &self,
         specimen: &mut Specimen,
         area: &Area,
         chosen: &[usize],
-    ) -> Result<(), StageError> {
+    ) -> Result<f64, StageError> {
         let set = specimen.grains.clone();
         let mixed = grains::mix(&set, self.setup.seed, self.setup.configuration);
         let clearance = set.rain_clearance();
@@ -160,12 +168,13 @@ impl Laboratory<'_> {
                 if area.round { "diameter_mm" } else { "area_mm" }
             )));
         }
+        let highest = places.iter().map(|place| place.z).fold(area.middle.z, f64::max);
         for (&grain, place) in chosen.iter().zip(places) {
             let pose = Pose::from_parts(place.into(), mixed.orientations[grain]);
             let state = &mut specimen.state.bodies[grain];
             (state.body, state.fate) = (BodyState::at_rest(pose), Fate::Present);
         }
-        Ok(())
+        Ok(highest - area.middle.z)
     }
 
     pub(super) fn move_pieces(&mut self, mut specimen: Specimen, stage: &MoveSpec) -> StageResult {
@@ -350,6 +359,23 @@ fn too_few(set: &GrainSet, chosen: &[usize], asked: f64) -> Option<String> {
             "the deposit asks for {} g of grains, and only {} g were waiting",
             three_decimals(asked),
             three_decimals(there)
+        )
+    })
+}
+
+/// Says that grains which fall from the top of a lattice of a height in m move by more than the size
+/// of the smallest in a step; none of a lower one. With the automatic step rate nothing does whose
+/// speed follows from the scenario; how high a lattice is does not.
+fn too_fast_from(height: f64, setup: &Setup) -> Option<String> {
+    let speed = (2.0 * setup.gravity * height).sqrt();
+    let (step, size) = (speed / setup.engine.rate_hz, setup.scale.sizes.smallest);
+    let [height_mm, step_mm, size_mm] = [height, step, size].map(|m| four_digits(to_mm(m)));
+    (step > size).then(|| {
+        format!(
+            "the lattice of the deposit is {height_mm} mm high: its last grains land at about {} m/s, \
+             {step_mm} mm in a step, more than the smallest grain's size, {size_mm} mm, and may get \
+             into walls (advised: a larger area, or rain with `above_surface_mm`)",
+            four_digits(speed)
         )
     })
 }

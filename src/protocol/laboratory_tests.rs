@@ -3,6 +3,7 @@
 use super::testing::*;
 use super::*;
 use crate::motion::{Path, PieceMotion};
+use crate::plain::four_digits;
 use crate::scenario::Scenario;
 use crate::world::scripted::ScriptedWorld;
 
@@ -342,4 +343,35 @@ fn a_lattice_ends_where_bodies_are_no_longer_followed() {
             assert!(told.contains(words), "law: expected `{words}`, got {told}");
         }
     }
+}
+
+/// Law: grains at the top of a lattice of height h land at √(2 g h); that this is more than the
+/// smallest grain's size in a step is a warning, and a lattice from which grains land slower has none.
+#[test]
+fn a_lattice_from_which_grains_land_too_fast_is_warned_of() {
+    let mut scenario = scenario();
+    // With which 8 mm in a step are 1.92 m/s, a fall of 188 mm.
+    scenario.engine.rate_hz = 240.0;
+    let lattice = |side_mm: f64| {
+        let stage = stage(json!({ "stage": "deposit", "how": "lattice", "at_mm": [0, 0, 100],
+            "area_mm": [side_mm, side_mm], "time_limit_s": 1 }));
+        // In this world grains stay where they begin.
+        let make = scripted_worlds(|| ScriptedWorld::still(STEP));
+        let outcome = run_stage(&scenario, &make, specimen(), &stage, None, &mut ());
+        let StageOutcome { specimen, warnings, .. } = outcome.expect("a deposit");
+        let highest = specimen.present().map(|n| specimen.centroid(n).z).fold(0.1, f64::max);
+        (highest - 0.1, warnings)
+    };
+    let (height, told) = lattice(8.0);
+    let speed = (2.0 * scenario.gravity_m_per_s2 * height).sqrt();
+    assert!(speed > 1.92, "the check sees a high lattice, {height} m");
+    let [told] = &told[..] else { panic!("law: one warning, got {told:?}") };
+    let high = format!("is {} mm high", four_digits(height * 1e3));
+    let fast = format!("at about {} m/s", four_digits(speed));
+    for words in [high.as_str(), fast.as_str(), "size, 8 mm", "`above_surface_mm`"] {
+        assert!(told.contains(words), "law: expected `{words}`, got {told}");
+    }
+    let (height, told) = lattice(80.0);
+    assert!(height < 0.188, "the check sees a low lattice, {height} m");
+    assert_eq!(told, [""; 0], "law: nothing is said of {height} m");
 }

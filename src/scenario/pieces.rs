@@ -32,7 +32,8 @@ pub enum DepositKind {
     #[default]
     Rain,
     /// All of them begin at once, at rest and apart, on a lattice above the area, below the first
-    /// piece over it.
+    /// piece over it. Its layers are as high as the largest grain, and each grain falls from its
+    /// own: the last from the full height of the lattice.
     Lattice,
 }
 
