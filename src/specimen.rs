@@ -181,7 +181,8 @@ pub enum Fate {
     /// It went over the rim of cylinder or funnel, rolled off a pile's base or fell below all
     /// pieces of a laboratory, and was taken away.
     Spilled,
-    /// It passed through a wall or the floor, which no grain should.
+    /// It passed through a wall or the floor, or its centroid was found in a piece of a laboratory,
+    /// which no grain should get into.
     ThroughWall,
     /// It was left in the funnel when the funnel was taken away.
     LeftInFunnel,

@@ -5,6 +5,7 @@ use super::*;
 use crate::motion::{Path, PieceMotion};
 use crate::plain::four_digits;
 use crate::scenario::Scenario;
+use crate::specimen::GrainState;
 use crate::world::scripted::ScriptedWorld;
 
 fn scenario() -> Scenario {
@@ -374,4 +375,20 @@ fn a_lattice_from_which_grains_land_too_fast_is_warned_of() {
     let (height, told) = lattice(80.0);
     assert!(height < 0.188, "the check sees a low lattice, {height} m");
     assert_eq!(told, [""; 0], "law: nothing is said of {height} m");
+}
+
+/// Law: of a grain whose centroid is in a piece it is said that it was found there, not that it went
+/// through.
+#[test]
+fn a_grain_in_a_piece_is_said_to_be_found_there() {
+    let setup = Setup::new(&scenario()).expect("a laboratory");
+    let mut specimen = laboratory::begun(&setup, specimen());
+    let in_gate = BodyState::at_rest(Pose::translation(0.2, 0.0, 0.0));
+    specimen.state.bodies[0] = GrainState { body: in_gate, fate: Fate::Present };
+    let outcome = carry_out(specimen, &StageSpec::Rest { duration_s: 0.1 }).expect("it rests");
+    let fate = outcome.specimen.state.bodies[0].fate;
+    assert_eq!(fate, Fate::ThroughWall, "law: no grain gets into a piece");
+    let [told] = &outcome.warnings[..] else { panic!("law: once, got {:?}", outcome.warnings) };
+    let found = told.starts_with("grain_00000 was found with its centroid in a wall at 0.0");
+    assert!(found && told.ends_with(" s, at (200, 0, 0) mm"), "law: when and where, got `{told}`");
 }

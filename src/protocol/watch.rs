@@ -35,7 +35,7 @@ const LOOKS_A_CYCLE: f64 = 16.0;
 pub struct Watch {
     /// How often every body was checked to be somewhere, with finite numbers.
     pub checks: u64,
-    /// Grains that passed through a wall or a floor.
+    /// Grains that passed through a wall or a floor, or were found in one.
     pub through_walls: u32,
     /// Largest speed of grains, plate, and pressed and free pieces in m/s.
     pub speed: Watched,

@@ -9,7 +9,7 @@ use crate::protocol::{Watch, Watched};
 pub struct StageChecks {
     /// How often every body was checked to be somewhere, with finite numbers.
     pub checks: u64,
-    /// Grains that passed through a wall or a floor.
+    /// Grains that passed through a wall or a floor, or were found in one.
     pub through_walls: u32,
     /// Largest speed in m/s.
     pub speed: Watched,
@@ -62,7 +62,7 @@ pub struct Checks {
     pub finite: CheckSummary,
     /// Grains that the engine no longer holds.
     pub lost: CheckSummary,
-    /// Grains that passed through a wall or a floor.
+    /// Grains that passed through a wall or a floor, or were found in one.
     pub through_walls: CheckSummary,
     /// Speeds.
     pub speed: CheckSummary,

@@ -194,7 +194,7 @@ pub(super) fn of_run<'a>(
             checks,
         ),
         through_walls: CheckSummary::none_of(
-            "grains that passed through a wall or a floor, ended a stage with their centroid in one, or were gone that way before the run began",
+            "grains that passed through a wall or a floor, were found with their centroid in one, or were gone that way before the run began",
             "grains",
             through,
             checks,

@@ -126,8 +126,10 @@ impl Stand<'_> {
             let place = level(at, &self.specimen.state);
             self.specimen.state.bodies[index].body = body;
             let mut fate = self.whereabouts.note(index, &place, table_x);
-            // No grain should get into a piece.
-            if fate == Fate::Present && self.pieces.solids.holds(&at, &self.specimen.state) {
+            // No grain should get into a piece; whether it comes out on the other side is not waited for.
+            let is_in_piece =
+                fate == Fate::Present && self.pieces.solids.holds(&at, &self.specimen.state);
+            if is_in_piece {
                 fate = Fate::ThroughWall;
             }
             if fate == Fate::Present {
@@ -140,9 +142,13 @@ impl Stand<'_> {
             if fate == Fate::ThroughWall {
                 self.midway.watch.through_walls += 1;
                 let (grain, [x, y, z]) = (grain_name(index), components::<3>((at * 1e3).into()));
-                self.midway.warnings.push(format!(
-                    "{grain} passed through a wall at {now_s:.3} s, last seen at ({x}, {y}, {z}) mm"
-                ));
+                let (what, seen) = match is_in_piece {
+                    true => ("was found with its centroid in a wall", "at"),
+                    false => ("passed through a wall", "last seen at"),
+                };
+                self.midway
+                    .warnings
+                    .push(format!("{grain} {what} at {now_s:.3} s, {seen} ({x}, {y}, {z}) mm"));
             }
         }
         if let Some(id) = self.plate {
