@@ -122,16 +122,16 @@ impl Laboratory<'_> {
         // The funnel is taken away, with what hangs in it.
         let cylinder = &self.setup.cylinder;
         let (rim, radius) = (cylinder.height, cylinder.radius);
-        let state = &mut stand.specimen.state;
-        state.funnel = None;
         let mut hanging = 0;
-        for grain in state.bodies.iter_mut().filter(|s| s.fate == Fate::Present) {
+        let bodies = stand.specimen.state.bodies.iter_mut();
+        for grain in bodies.filter(|s| s.fate == Fate::Present) {
             let at = grain.body.pose.translation.vector;
             if let Some(fate) = above_rim(&at, rim, radius, opening_height) {
                 grain.fate = fate;
                 hanging += usize::from(fate == Fate::LeftInFunnel);
             }
         }
+        stand.take_funnel_away();
         if hanging > 0 {
             let (noun, were) = if hanging == 1 { ("grain", "was") } else { ("grains", "were") };
             let when = if settled { "everything had come to rest" } else { "the stage ended" };

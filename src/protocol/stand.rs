@@ -345,6 +345,20 @@ impl<'a> Stand<'a> {
         Ok(())
     }
 
+    /// Takes the funnel away, with the grains that count as no longer present: their shapes and
+    /// contacts are not read from the world any more.
+    pub(super) fn take_funnel_away(&mut self) {
+        self.specimen.state.funnel = None;
+        let bodies = &self.specimen.state.bodies;
+        self.parties.retain(|party, _| match party {
+            Party::Grain(n) => bodies[*n].fate == Fate::Present,
+            Party::Other(other) => !matches!(other, Other::Funnel(_)),
+        });
+        for (id, _) in self.grains.iter_mut().zip(bodies).filter(|(_, s)| s.fate != Fate::Present) {
+            *id = None;
+        }
+    }
+
     /// Takes the specimen out of the world, with a warning where a condition was to end the stage
     /// and did not.
     pub(super) fn finish(mut self) -> StageOutcome {

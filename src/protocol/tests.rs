@@ -245,6 +245,39 @@ fn pouring_lifts_the_funnel_and_counts_what_hangs_in_it() {
     );
 }
 
+/// Law: what is taken away with the funnel bears nothing any more: the contacts that a pour leaves are
+/// those of grains in the cylinder, and the next stage begins from them.
+#[test]
+fn contacts_of_what_hangs_in_the_funnel_go_with_it() {
+    let _turn = crate::world::shared_turn();
+    let mut scenario = scenario();
+    // So narrow that all of them hang.
+    scenario.apparatus.funnel.opening_diameter_mm = 6.0;
+    let run_in_engine = |specimen: Specimen, stage: &StageSpec| {
+        run_stage(&scenario, &crate::world::create, specimen, stage, None, &mut ())
+            .expect("it runs")
+    };
+    let fill = StageSpec::FillFunnel { time_limit_s: 4.0 };
+    let mut filled = run_in_engine(specimen_of(&scenario, 1), &fill).specimen;
+    let is_of =
+        |contact: &SavedContact, grain: usize| contact.between.contains(&Party::Grain(grain));
+    // One lies in the cylinder already.
+    filled.state.contacts.retain(|contact| !is_of(contact, 0));
+    assert!(filled.state.contacts.len() > 10, "the check sees contacts in the funnel");
+    filled.state.bodies[0].body = BodyState::at_rest(Pose::translation(0.0, 0.0, 0.02));
+    let pour = StageSpec::Pour { falling_height_mm: 0.0, time_limit_s: 4.0 };
+    let StageOutcome { specimen, corners, .. } = run_in_engine(filled, &pour);
+    let state = &specimen.state;
+    let hang = state.bodies.iter().filter(|grain| grain.fate == Fate::LeftInFunnel).count();
+    assert_eq!(hang, state.bodies.len() - 1, "law: all but one hang in the funnel");
+    assert!(!state.contacts.is_empty(), "law: the one that lies in the cylinder bears its weight");
+    let gone = state.contacts.iter().filter(|contact| !is_of(contact, 0)).count();
+    assert_eq!(gone, 0, "law: no contact of what is gone, of {:?}", state.contacts);
+    let held: Vec<bool> = corners.iter().map(Option::is_some).collect();
+    let there: Vec<bool> = state.bodies.iter().map(|grain| grain.fate == Fate::Present).collect();
+    assert_eq!(held, there, "law: shapes of grains that are there");
+}
+
 #[test]
 fn grains_that_fall_outside_are_taken_away_and_remembered() {
     let mut specimen = poured(&[]);
