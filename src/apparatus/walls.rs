@@ -153,6 +153,8 @@ pub struct Funnel {
     pub opening_height: f64,
     /// Height of the cone's top above the cylinder's floor, in m.
     pub top_height: f64,
+    /// Height of the upper edge above the cylinder's floor, in m: that of the collar, if there is one.
+    pub edge_height: f64,
     /// Inner radius of the opening, in m.
     pub opening_radius: f64,
     /// Inner radius at the top, in m.
@@ -188,7 +190,15 @@ impl Funnel {
             Ok((pieces, piece(lid)))
         };
         let (pieces, lid) = build().map_err(unbuilt("funnel"))?;
-        Ok(Self { opening_height, top_height, opening_radius: opening, top_radius, pieces, lid })
+        Ok(Self {
+            opening_height,
+            top_height,
+            edge_height: top_height + collar,
+            opening_radius: opening,
+            top_radius,
+            pieces,
+            lid,
+        })
     }
 
     /// Inner radius of the cone in m at a height in m, of its ends beyond them.

@@ -65,7 +65,7 @@ impl Whereabouts {
     /// Height in m from which what is outside at a height `z` has fallen at least.
     pub(super) fn rim(&self, z: f64) -> f64 {
         let cylinder = self.cylinder.map(|(_, height)| height - self.rim_zone);
-        let funnel = self.funnel.as_ref().map(|f| f.top_height);
+        let funnel = self.funnel.as_ref().map(|f| self.edge_of(f));
         cylinder.filter(|rim| z < *rim).or(funnel).unwrap_or(0.0)
     }
 
@@ -89,6 +89,12 @@ impl Whereabouts {
         self.zone(position, x) == Zone::Outside
     }
 
+    /// Height in m up to which a funnel has an inside: to the top of its cone, and in a collar to where
+    /// grains may lean on the edge.
+    fn edge_of(&self, funnel: &Funnel) -> f64 {
+        funnel.top_height.max(funnel.edge_height - self.rim_zone)
+    }
+
     fn zone(&self, position: &Vector, x: f64) -> Zone {
         let radius = (position.x - x).hypot(position.y);
         if let Some((inner, height)) = self.cylinder
@@ -101,7 +107,7 @@ impl Whereabouts {
         }
         if let Some(funnel) = &self.funnel
             && position.z > funnel.opening_height + self.rim_zone
-            && position.z < funnel.top_height
+            && position.z < self.edge_of(funnel)
         {
             let inner = funnel.inner_radius(position.z);
             return if radius < inner + self.wall / 2.0 { Zone::Inside } else { Zone::Outside };
@@ -122,8 +128,8 @@ mod tests {
     use super::*;
     use crate::protocol::testing::*;
 
-    /// One grain between cylinder and funnel.
-    fn laboratory() -> Whereabouts {
+    /// One grain between cylinder and funnel, which has a collar of a height in m.
+    fn laboratory_with(collar: f64) -> Whereabouts {
         let scenario = scenario_of(json!({
             "grains": { "total_mass_g": 2, "density_kg_per_m3": 2673.9, "sieve_table":
                 [{ "passing_mm": 16, "retained_mm": 8, "mass_percent": 100 }] }
@@ -131,8 +137,12 @@ mod tests {
         let setup = Setup::new(&scenario).expect("a laboratory");
         let mut specimen = specimen_of(&scenario, 1);
         specimen.state.cylinder = true;
-        let funnel = Funnel::new(&setup.funnel, 0.25, 0.0).expect("funnel");
+        let funnel = Funnel::new(&setup.funnel, 0.25, collar).expect("funnel");
         Whereabouts::of(&setup, &specimen, Some(&funnel))
+    }
+
+    fn laboratory() -> Whereabouts {
+        laboratory_with(0.0)
     }
 
     fn walk(path: &[[f64; 3]]) -> Vec<Fate> {
@@ -158,6 +168,28 @@ mod tests {
         assert_eq!(floor.last(), Some(&Fate::ThroughWall), "{floor:?}");
         let funnel = walk(&[[0.0, 0.0, 0.30], [0.15, 0.0, 0.30]]);
         assert_eq!(funnel.last(), Some(&Fate::ThroughWall), "{funnel:?}");
+    }
+
+    /// Law: through the collar is through a wall, over its edge is spilled; without a collar the funnel
+    /// ends with its cone.
+    #[test]
+    fn the_collar_is_a_wall_of_the_funnel() {
+        let funnel = laboratory().funnel.expect("a funnel");
+        let (top, beside) = (funnel.top_height, funnel.top_radius + 0.05);
+        let last = |collar: f64, path: &[[f64; 2]]| {
+            let mut whereabouts = laboratory_with(collar);
+            let fates =
+                path.iter().map(|&[x, z]| whereabouts.note(0, &Vector::new(x, 0.0, z), 0.0));
+            fates.collect::<Vec<Fate>>()[path.len() - 1]
+        };
+        let through = [[0.0, top + 0.05], [beside, top + 0.05], [beside, -0.1]];
+        let got = last(0.1, &through[..2]);
+        assert_eq!(got, Fate::ThroughWall, "law: the collar is 0.1 m high");
+        assert_eq!(last(0.0, &through), Fate::Spilled, "law: there is none");
+        let over = [[0.0, top + 0.05], [beside, top + 0.12], [beside, top + 0.05], [beside, -0.1]];
+        assert_eq!(last(0.1, &over), Fate::Spilled, "law: over the edge");
+        let at_edge = last(0.1, &[[0.0, top + 0.05], [beside, top + 0.09]]);
+        assert_eq!(at_edge, Fate::Present, "law: near the edge a grain may lean on it");
     }
 
     #[test]
