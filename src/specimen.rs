@@ -80,7 +80,8 @@ pub struct PieceState {
     pub present: bool,
     /// Where its own frame is, in m.
     pub pose: Pose,
-    /// Force of the grains on it in N, mean since the sample before.
+    /// Force of the grains on it in N, mean since the sample before, or since the joint of two
+    /// checkpoint segments where that is later.
     pub force_n: Vector,
     /// Moment of that force about the origin of its frame in N m, world axes.
     pub moment_n_m: Vector,

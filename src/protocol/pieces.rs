@@ -320,7 +320,9 @@ impl Pieces {
         Ok(())
     }
 
-    /// Writes the mean force and moment since the sample before into a state, and begins anew.
+    /// Writes the mean force and moment since the sample before into a state, and begins anew; or since
+    /// these bodies were added, where that was later. A segment hands no loads on to the next: a piece
+    /// that is pressed after it was held begins from the last of these means, which keeps its bits.
     pub(super) fn take_loads(&mut self, state: &mut SpecimenState, step: f64) {
         let time = f64::from(self.steps) * step;
         for (piece, load) in state.pieces.iter_mut().zip(&mut self.loads) {

@@ -26,7 +26,8 @@ pub struct LaboratoryRow {
 pub struct PieceRow {
     /// Where the origin of its frame is, in mm.
     pub at_mm: [f64; 3],
-    /// Force of the grains on it in N, mean since the row before.
+    /// Force of the grains on it in N, mean since the row before, or since the joint of two
+    /// checkpoint segments where that is later.
     pub force_n: [f64; 3],
     /// Moment of that force about the origin of its frame in N m.
     pub moment_n_m: [f64; 3],
