@@ -34,6 +34,10 @@ struct StageKey<'a> {
     pieces: &'a [PieceSpec],
     #[serde(skip_serializing_if = "MeasuresSpec::is_empty")]
     measures: &'a MeasuresSpec,
+    /// The sieves of the grains, where the stage chooses grains by them: of grains from a file they
+    /// do not follow from shapes, and a sieve of a table may be another without another grain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sieves_sha256: Option<String>,
     /// Key of the stage before or, for the first, the hash of the grains.
     parent: &'a str,
     stage: &'a StageSpec,
@@ -53,6 +57,7 @@ pub(super) fn identity(
     stage: &StageSpec,
     segment_steps: Option<u64>,
 ) -> StageIdentity {
+    let by_sieve = matches!(stage, StageSpec::Deposit(deposit) if deposit.sizes_mm.is_some());
     let key = StageKey {
         format: FORMAT,
         version: env!("CARGO_PKG_VERSION"),
@@ -67,6 +72,7 @@ pub(super) fn identity(
         configuration: scenario.configuration,
         pieces: &scenario.pieces,
         measures: &scenario.measures,
+        sieves_sha256: by_sieve.then(|| sieves_hash(grains)),
         parent: after.unwrap_or(grains_sha256),
         stage,
         segment_steps,
@@ -79,6 +85,14 @@ pub(super) fn grains_hash(grains: &GrainSet) -> String {
     let cells: Vec<_> =
         grains.grains.iter().map(|g| (&g.shape, &g.pose_in_block, g.mass, g.inertia)).collect();
     hash_json(&cells)
+}
+
+/// Name of the sieves of a set of grains: the hash of the openings of every block, and of the block
+/// of every grain.
+fn sieves_hash(grains: &GrainSet) -> String {
+    let openings: Vec<_> = grains.blocks.iter().map(|b| (b.passing, b.retained)).collect();
+    let blocks: Vec<_> = grains.grains.iter().map(|g| g.fraction).collect();
+    hash_json(&(openings, blocks))
 }
 
 #[cfg(test)]
@@ -100,5 +114,54 @@ mod tests {
         let expected =
             format!("[{{\"sizes\":{of_sizes},\"density\":4.0,\"gravity\":5.0}},{of_sizes}]");
         assert_eq!(got, expected, "law: left what it is, right what was stored");
+    }
+
+    /// The identity of a first stage that deposits grains, all or those between two openings.
+    fn deposited(grains: &GrainSet, sizes_mm: Option<[f64; 2]>) -> StageIdentity {
+        let mut deposit = json!({ "stage": "deposit", "at_mm": [0, 0, 50], "area_mm": [50, 50],
+            "rate_g_per_s": 20, "time_limit_s": 5 });
+        if let Some(sizes) = sizes_mm {
+            deposit["sizes_mm"] = json!(sizes);
+        }
+        let scenario: Scenario = serde_json::from_value(json!({
+            "name": "s", "grains": { "file": "grains.json" }, "stages": [deposit],
+            "pieces": [{ "name": "box", "shape": { "box": { "inner_mm": [60, 60, 60] } } }]
+        }))
+        .expect("a scenario");
+        let setup = Setup::new(&scenario).expect("a laboratory");
+        let hash = grains_hash(grains);
+        identity(&scenario, &setup, (grains, hash.as_str()), None, &scenario.stages[0], None)
+    }
+
+    /// Law: who takes grains by their sieves is another stage where a sieve is another, also where no
+    /// grain and no size that follows from the grains is; to other stages it makes no difference.
+    #[test]
+    fn a_deposit_by_sieves_is_another_one_with_other_sieves() {
+        let sieved = json!({
+            "total_mass_g": 100, "density_kg_per_m3": 2673.9,
+            "sieve_table": [
+                { "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 10 },
+                { "passing_mm": 10, "retained_mm": 8, "mass_percent": 10 },
+                { "passing_mm": 8, "retained_mm": 6.3, "mass_percent": 80 }
+            ]
+        });
+        let sieved = serde_json::from_value(sieved).expect("a sieve table");
+        let set = grains::generate(&sieved, 1).expect("grains");
+        let mut other = set.clone();
+        other.blocks[0].retained = 0.0101;
+        other.blocks[1].passing = 0.0101;
+        assert_eq!(grains_hash(&other), grains_hash(&set), "law: the same grains");
+        assert_eq!(other.sizes(), set.sizes(), "law: of the same sizes");
+        let layer = Some([8.0, 10.0]);
+        let [one, two] = [&set, &other].map(|set| deposited(set, layer).key);
+        assert_ne!(one, two, "law: another layer, expected two keys, got one");
+        let mut moved = set.clone();
+        moved.grains[0].fraction = 1;
+        let got = deposited(&moved, layer).key;
+        assert_ne!(got, one, "law: a grain of another block, expected another key, got the same");
+        let [one, two] = [&set, &other].map(|set| deposited(set, None));
+        assert_eq!(one, two, "law: left and right the deposit of all grains");
+        let field = one.determined_by.get("sieves_sha256");
+        assert_eq!(field, None, "law: keys without a choice by sieves stay as they were");
     }
 }
