@@ -9,9 +9,9 @@ use std::process::Command;
 use super::*;
 use crate::plain::in_shell;
 
-/// Largest number of tasks of an array; Slurm's own default limit
-/// (`MaxArraySize`, slurm.conf) is 1001.
-const MOST_TASKS: usize = 1000;
+/// Tasks of an array have indices below this: Slurm's default limit (`MaxArraySize`, slurm.conf), of
+/// the indices and not of their number, is 1001.
+const INDICES: usize = 1000;
 
 /// Options with which no job is submitted.
 const NO_JOBS: [&str; 4] = ["plan_only", "snakemake", "status", "collect"];
@@ -45,7 +45,8 @@ pub struct SlurmJob {
 }
 
 /// Writes the jobs of all stages that are not stored into `DIR/slurm/` and
-/// submits them; gives them in the order in which they were submitted.
+/// submits them; gives them in the order in which they were submitted. `jobs.json` there names
+/// those so far, also where a later one is refused.
 ///
 /// # Errors
 /// [`StudyError::File`]; [`StudyError::Scenario`] with what sbatch says.
@@ -65,18 +66,21 @@ pub fn submit(
         write_file(&script, text.as_bytes())?;
         sbatch(&script)
     };
+    let list = folder.join("jobs.json");
     let mut before: Vec<String> = Vec::new();
     for level in 0..tasks.levels().len() {
-        let missing = tasks.missing(level);
         let mut ids = Vec::new();
-        for (part, numbers) in missing.chunks(MOST_TASKS).enumerate() {
+        for (base, numbers) in arrays(&tasks.missing(level)) {
             let command = format!(
-                "{program} stage {sweep} --level {level} --task \"$SLURM_ARRAY_TASK_ID\" --quiet"
+                "{program} stage {sweep} --level {level} \
+                 --task \"$((SLURM_ARRAY_TASK_ID + {base}))\" --quiet"
             );
+            let part = base / INDICES;
             let (file, name) = (format!("level-{level}-{part}.sh"), format!("pluvia-{level}"));
-            let of = Tasks { numbers: Some(numbers), cores: tasks.cores(level) };
+            let of = Tasks { numbers: Some(&numbers), cores: tasks.cores(level) };
             let id = submitted(file, &name, of, &before, &command)?;
             jobs.push(SlurmJob { id: id.clone(), level: Some(level), tasks: numbers.len() });
+            write_json(&list, &jobs)?;
             ids.push(id);
         }
         if !ids.is_empty() {
@@ -87,8 +91,19 @@ pub fn submit(
     let once = Tasks { numbers: None, cores: 1 };
     let id = submitted("collect.sh".to_owned(), "pluvia-collect", once, &before, &command)?;
     jobs.push(SlurmJob { id, level: None, tasks: 1 });
-    write_json(&folder.join("jobs.json"), &jobs)?;
+    write_json(&list, &jobs)?;
     Ok(jobs)
+}
+
+/// Numbers of tasks, in ascending order, as arrays: the number from which each counts, and its
+/// indices.
+fn arrays(numbers: &[usize]) -> Vec<(usize, Vec<usize>)> {
+    let parts = numbers.chunk_by(|a, b| a / INDICES == b / INDICES);
+    let array = |part: &[usize]| {
+        let base = part[0] / INDICES * INDICES;
+        (base, part.iter().map(|n| n - base).collect::<Vec<_>>())
+    };
+    parts.map(array).collect()
 }
 
 /// Numbers in ascending order as Slurm's lists have them: `0-3,7`.
@@ -104,7 +119,7 @@ fn ranges(numbers: &[usize]) -> String {
     parts.iter().map(part).collect::<Vec<_>>().join(",")
 }
 
-/// What a script runs: once, or once for each number.
+/// What a script runs: once, or once for each index of an array.
 #[derive(Clone, Copy)]
 struct Tasks<'a> {
     numbers: Option<&'a [usize]>,
@@ -192,6 +207,23 @@ mod tests {
     fn numbers_are_put_into_ranges() {
         assert_eq!(ranges(&[0, 1, 2, 3, 7, 9, 10]), "0-3,7,9-10");
         assert_eq!(ranges(&[5]), "5");
+    }
+
+    /// Law: an index is below 1000, whatever the number of its task; each task is there once.
+    #[test]
+    fn arrays_have_indices_that_slurm_takes() {
+        let one_by_one = |few: &[usize]| few.iter().map(|n| (n / 1000 * 1000, n % 1000)).collect();
+        let all: Vec<usize> = (0..1100).collect();
+        for numbers in [&[][..], &[0], &[7, 999, 1000, 3001], &all[..]] {
+            let expected: Vec<(usize, usize)> = one_by_one(numbers);
+            let found = arrays(numbers);
+            let tasks = found.iter().flat_map(|(base, of)| of.iter().map(move |n| (*base, *n)));
+            let got: Vec<(usize, usize)> = tasks.collect();
+            assert_eq!(got, expected, "law: left the arrays got, right bases and indices");
+            let bases: Vec<usize> = found.iter().map(|(base, _)| *base).collect();
+            assert!(bases.is_sorted_by(|a, b| a < b), "law: an array of each base, got {bases:?}");
+        }
+        assert_eq!(ranges(&arrays(&all)[1].1), "0-99", "law: the array of tasks 1000 to 1099");
     }
 
     #[test]

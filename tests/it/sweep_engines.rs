@@ -180,6 +180,26 @@ fn a_machine_without_slurm_is_called_so() {
     assert!(out.join("slurm/level-0-0.sh").is_file(), "law: the script is there");
 }
 
+/// Law: jobs that were submitted are noted, also where the cluster takes no more.
+#[test]
+fn jobs_before_one_that_is_refused_are_noted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write(folder.path(), "small.json", &small::layer(30.0));
+    let out = folder.path().join("out");
+    let path = path_with_sbatch(folder.path());
+    let takes_one = format!("{SBATCH}[ \"$(wc -l < submitted)\" -lt 2 ]\n");
+    script(&folder.path().join("bin/sbatch"), &takes_one);
+    let mut command = pluvia();
+    command.args(["sweep", "--quiet", "--slurm", "--over", "seed=1,2", "--out", text(&out)]);
+    let refused = command.arg(scenario).env("PATH", path).output().expect("it starts");
+    let said = said(&refused);
+    assert_eq!(refused.status.code(), Some(2), "law: refused, got {said}");
+    assert_holds(&said, &["sbatch does not take", "level-1-0.sh"]);
+    let expected = json!([{ "id": "1", "level": 0, "tasks": 2 }]);
+    let got = read(&out.join("slurm/jobs.json"));
+    assert_eq!(got, expected, "law: left the jobs noted, right those that were submitted");
+}
+
 /// Runs a script as Slurm does: in a shell, from some other folder.
 fn run_job(script: &Path) {
     let mut command = Command::new("sh");
