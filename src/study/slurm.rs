@@ -141,8 +141,10 @@ fn script_text(
         ("ntasks", Some("1".to_owned())),
         ("cpus-per-task", Some(tasks.cores.to_string())),
         ("output", Some(log_pattern(logs, log))),
-        // A stage that comes near its time limit is reported, and keeps its checkpoint.
-        ("signal", Some("TERM@30".to_owned())),
+        // A stage that comes near its time limit is reported, and keeps its checkpoint. Without `B:`
+        // the signal reaches steps of the job alone, and the script starts none: it becomes the
+        // program.
+        ("signal", Some("B:TERM@30".to_owned())),
         ("array", tasks.numbers.map(ranges)),
         ("dependency", dependency),
         ("partition", request.partition.clone()),
@@ -239,6 +241,7 @@ mod tests {
         for line in [
             "#!/bin/sh",
             "#SBATCH --requeue",
+            "#SBATCH --signal=B:TERM@30",
             "#SBATCH --cpus-per-task=4",
             "#SBATCH --array=0-1",
             "#SBATCH --dependency=afterany:7",
