@@ -171,6 +171,7 @@ fn options(args: &SweepArgs) -> Result<SweepOptions, CliError> {
             None => Design::Grid,
         },
         configurations: args.configurations.unwrap_or(1),
+        folder: PathBuf::new(),
     })
 }
 

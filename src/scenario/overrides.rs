@@ -12,6 +12,8 @@ pub struct Override {
     text: String,
     /// The option that it was typed with.
     option: &'static str,
+    /// Where relative names of files in it lead from; empty: the working directory.
+    folder: PathBuf,
 }
 
 /// The option of a change by itself.
@@ -79,7 +81,7 @@ impl FromStr for Override {
         let json = parse_value(path.trim(), value);
         let json = json.map_err(|twice| NotAnOverride::Twice(twice.to_string()))?;
         let value = json.unwrap_or_else(|| Value::String(value.to_owned()));
-        Ok(Self { path: steps, value, text: text.to_owned(), option: SET })
+        Ok(Self { path: steps, value, text: text.to_owned(), option: SET, folder: PathBuf::new() })
     }
 }
 
@@ -88,13 +90,20 @@ impl Override {
     pub fn new(fields: &[&str], value: Value) -> Self {
         let text = format!("{}={value}", fields.join("."));
         let path = fields.iter().map(|name| Step::Name((*name).to_owned())).collect();
-        Self { path, value, text, option: SET }
+        Self { path, value, text, option: SET, folder: PathBuf::new() }
     }
 
     /// The same typed with another option than `--set`, which faults name.
     #[must_use]
     pub fn typed_with(self, option: &'static str) -> Self {
         Self { option, ..self }
+    }
+
+    /// The same with names of files that lead from a folder; of an empty path, from the working
+    /// directory.
+    #[must_use]
+    pub fn naming_files_in(self, folder: &Path) -> Self {
+        Self { folder: folder.to_owned(), ..self }
     }
 
     /// The change as a person types it, `engine.rate_hz=960`.
@@ -145,7 +154,7 @@ impl Override {
     }
 
     fn origin(&self) -> Origin {
-        Origin::Set(format!("{} {}", self.option, self.text))
+        Origin::Set(format!("{} {}", self.option, self.text), self.folder.clone())
     }
 
     /// Lays the value over the document; `null` leaves the field out. A field that is not there is

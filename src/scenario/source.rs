@@ -20,15 +20,15 @@ const LONGEST_CHAIN: usize = 8;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Origin {
     File(PathBuf),
-    /// By an override, as typed with its option.
-    Set(String),
+    /// By an override, as typed with its option, which names files from a folder.
+    Set(String, PathBuf),
 }
 
 impl fmt::Display for Origin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File(path) => path.display().fmt(f),
-            Self::Set(text) => f.write_str(text),
+            Self::Set(text, _) => f.write_str(text),
         }
     }
 }
@@ -60,12 +60,12 @@ impl Document {
         fault.of(origin)
     }
 
-    /// The folder in which the value at a path names files: that of the file that gives it, of an
-    /// override the working directory.
+    /// The folder in which the value at a path names files: that of the file that gives it, or that of
+    /// an override, by itself the working directory.
     pub fn folder(&self, path: &str) -> PathBuf {
         match self.origin(path) {
             Origin::File(given_in) => given_in.parent().unwrap_or(Path::new("")).to_owned(),
-            Origin::Set(_) => PathBuf::new(),
+            Origin::Set(_, folder) => folder,
         }
     }
 
@@ -79,7 +79,7 @@ impl Document {
 
     /// Forgets where values were given that are no longer there: lists are replaced whole.
     fn forget_replaced(&mut self) {
-        let (mut there, any) = (HashMap::new(), Origin::Set(String::new()));
+        let (mut there, any) = (HashMap::new(), Origin::Set(String::new(), PathBuf::new()));
         note_origins("", &self.value, &any, &mut there);
         self.origins.retain(|at, _| there.contains_key(at));
     }
@@ -465,7 +465,7 @@ mod tests {
         }
         let own = || Origin::File(folder.path().join("s.json"));
         let extended = || Origin::File(folder.path().join("base/s.json"));
-        let set = |change: &str| Origin::Set(format!("--set {change}"));
+        let set = |change: &str| Origin::Set(format!("--set {change}"), PathBuf::new());
         let (element, field) = ("stages.1={\"of\":[9]}", "stages[0].rows[1][0]=9");
         let (list, name) = ("stages=[{},{\"of\":9}]", "stages[1].loads[0].of=9");
         for (changes, path, expected) in [

@@ -313,6 +313,39 @@ fn folders_with_blanks_and_quotes_come_through_slurm_and_snakemake() {
     refused(&no_level, 2, &["no stage 0 on level 9: level 0 has ", ", level 1 has "]);
 }
 
+/// Law: names of files in changes lead from where the sweep was planned, wherever its stages are run;
+/// tables have them as they were typed.
+#[test]
+fn files_that_changes_name_are_found_from_elsewhere() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut layer = small::layer(30.0);
+    let sieved = write(folder.path(), "sieved.json", &layer);
+    done(&["grains", text(&sieved), "--quiet", "--out", text(&folder.path().join("h"))]);
+    layer["grains"] = json!({ "file": "none.json" });
+    write(folder.path(), "small.json", &layer);
+    let (named, other) = ("grains.file=h/grains.json", "contact.restitution=0.2");
+    for (out, over, more) in [("set", other, vec!["--set", named]), ("over", named, Vec::new())] {
+        let mut command = pluvia();
+        command.args(["sweep", "small.json", "--quiet", "--snakemake", "--out", out]);
+        command.args(["--over", over]).args(more).current_dir(folder.path());
+        let planned = command.output().expect("the program starts");
+        assert!(planned.status.success(), "law: --{out} is planned: {}", said(&planned));
+        let place = folder.path().join(out);
+        let stage = ["stage", ".", "--level", "0", "--task", "0", "--quiet"];
+        let step = pluvia().args(stage).current_dir(&place).output().expect("it starts");
+        let said = said(&step);
+        assert!(step.status.success(), "law: a stage runs in the folder of --{out}: {said}");
+        assert_eq!(stored(&place).len(), 1, "law: the stage of --{out} is stored");
+    }
+    let plan = read(&folder.path().join("over/plan.json"));
+    let got = &plan["runs"][0]["values"]["grains.file"];
+    assert_eq!(
+        *got,
+        json!("h/grains.json"),
+        "law: left the value in tables, right as it was typed"
+    );
+}
+
 /// Law: who asks how far a sweep is writes nothing into its folder, which may be one that he may only
 /// read: no store is made, and nothing that others left is removed.
 #[test]

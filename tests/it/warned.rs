@@ -107,6 +107,7 @@ fn every_command_warns_once_before_it_runs() {
                 ranges: Vec::new(),
                 design: Design::Grid,
                 configurations: 2,
+                folder: "".into(),
             })?
             .study()
             .carry_out(&run)

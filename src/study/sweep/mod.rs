@@ -41,6 +41,8 @@ pub struct SweepOptions {
     pub design: Design,
     /// Configurations per point, each a new random arrangement of the same grains.
     pub configurations: u32,
+    /// Where relative names of files in all changes lead from; empty: the working directory.
+    pub folder: PathBuf,
 }
 
 impl SweepOptions {
@@ -64,6 +66,7 @@ impl SweepOptions {
             ranges: Vec::new(),
             design: Design::OneAtATime,
             configurations: configurations.unwrap_or(chosen.configurations),
+            folder: PathBuf::new(),
         })
     }
 
@@ -96,12 +99,18 @@ impl SweepStudy {
     /// # Errors
     /// [`StudyError::Faults`] with the faults of all points,
     /// [`StudyError::Scenario`] of what is varied, or of realisations that are all the same run.
-    pub fn new(options: SweepOptions) -> Result<Self, StudyError> {
+    pub fn new(mut options: SweepOptions) -> Result<Self, StudyError> {
         twice::refuse(&options)?;
+        let folder = &options.folder;
+        let placed = |change: Override| change.naming_files_in(folder);
+        options.changes = std::mem::take(&mut options.changes).into_iter().map(placed).collect();
         let scenario = load_scenario(&options.scenario, &options.changes)?.scenario;
         let gathered = gathered(&options.scenario)?;
         let SweepOptions { design, over, parameters, ranges, .. } = &options;
-        let points = points::points(*design, over, parameters, ranges, &scenario)?;
+        let mut points = points::points(*design, over, parameters, ranges, &scenario)?;
+        for change in points.iter_mut().flat_map(|point| &mut point.changes) {
+            *change = change.clone().naming_files_in(&options.folder);
+        }
         twice::refuse_shared_realisations(&options.names(), &points, options.configurations)?;
         let variations =
             points.iter().map(|point| Variation::new(&point.name, "sweep", point.changes.clone()));

@@ -29,6 +29,10 @@ pub struct SweepPlan {
     pub engines: Vec<String>,
     /// The scenario's file, as it was given.
     pub scenario: String,
+    /// The folder from which relative names of files in changes lead; none in plans of earlier builds,
+    /// where they lead from the folder of whoever runs a stage.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub folder: Option<String>,
     /// Its name.
     pub name: String,
     /// SHA-256 of the scenario's copy in the folder, as JSON in one line.
@@ -109,12 +113,16 @@ impl SweepStudy {
                 key: last.map(|n| plan.nodes[n].key().to_owned()).unwrap_or_default(),
             }
         });
+        let is_here = options.folder.as_os_str().is_empty();
+        let folder = if is_here { Path::new(".") } else { &options.folder };
+        let folder = std::path::absolute(folder).ok();
         Ok(SweepPlan {
             format: FORMAT.to_owned(),
             version: VERSION,
             program: format!("pluvia {}", env!("CARGO_PKG_VERSION")),
             engines: each_once(engines),
             scenario: options.scenario.display().to_string(),
+            folder: folder.and_then(|folder| folder.to_str().map(str::to_owned)),
             name: scenario.name.clone(),
             scenario_sha256: hash_json(gathered),
             design: name(options.design).to_owned(),
@@ -200,6 +208,7 @@ impl SweepPlan {
             ranges: parsed(&self.ranges)?,
             design,
             configurations: self.configurations,
+            folder: self.folder.as_ref().map(PathBuf::from).unwrap_or_default(),
         })
     }
 

@@ -97,6 +97,7 @@ mod tests {
             ranges: ranges.iter().map(|text| text.parse().expect("a range")).collect(),
             design: Design::Grid,
             configurations: 1,
+            folder: PathBuf::new(),
         }
     }
 
