@@ -31,7 +31,7 @@ pub struct RunRow {
     pub contact_solver: String,
     /// Steps per second of simulated time.
     pub rate_hz: f64,
-    /// Solver iterations a step, over all its sub-steps.
+    /// Solver iterations a step, over all its sub-steps; of rapier those that push overlaps apart.
     pub iterations: u32,
     /// Sub-steps of a step, where the contact solver has them.
     pub substeps: Option<u32>,
@@ -81,7 +81,13 @@ impl RunRow {
     pub fn of_scenario(run: &str, variation: &str, group: &str, scenario: &Scenario) -> Self {
         let engine = &scenario.engine;
         let native = engine.is_native();
-        let substeps = engine.native.substeps(engine.rate_hz);
+        let (substeps, iterations) = if native {
+            (Some(engine.native.substeps(engine.rate_hz)), engine.native.iterations)
+        } else if engine.is_stock() {
+            (None, engine.iterations)
+        } else {
+            (Some(engine.rapier.substeps), engine.rapier.iterations)
+        };
         let info = crate::world::info(engine.backend);
         Self {
             run: run.to_owned(),
@@ -93,12 +99,8 @@ impl RunRow {
             backend: info.name,
             precision: info.precision,
             rate_hz: engine.rate_hz,
-            iterations: if native {
-                substeps * engine.native.iterations
-            } else {
-                engine.iterations
-            },
-            substeps: native.then_some(substeps),
+            iterations: substeps.unwrap_or(1) * iterations,
+            substeps,
             contact_stiffness_n_per_m: native.then_some(engine.native.contact_stiffness_n_per_m),
             ..Self::default()
         }
@@ -316,6 +318,27 @@ mod tests {
             valid: height.map(|_| true),
             failure: height.is_none().then(|| "it blew up".to_owned()),
             ..RunRow::of_scenario(&name, variation, "group", &scenario)
+        }
+    }
+
+    /// Law: iterations and sub-steps are those of the solver that runs, not another's.
+    #[test]
+    fn iterations_and_sub_steps_are_those_of_the_engine() {
+        let rapier = serde_json::json!({ "substeps": 8, "iterations": 3 });
+        let native = serde_json::json!({ "substep_rate_hz": 1440, "iterations": 5 });
+        for (engine, expected) in [
+            (serde_json::json!({ "contact_solver": "stock", "iterations": 50 }), (50, None)),
+            (serde_json::json!({ "backend": "rapier", "rapier": rapier }), (24, Some(8))),
+            (serde_json::json!({ "rate_hz": 480, "native": native }), (15, Some(3))),
+        ] {
+            let scenario: Scenario = serde_json::from_value(serde_json::json!({
+                "name": "s", "grains": { "file": "grains.json" }, "engine": engine,
+                "stages": [{ "stage": "fill_funnel" }]
+            }))
+            .expect("a scenario");
+            let row = RunRow::of_scenario("a-c1", "a", "group", &scenario);
+            let got = (row.iterations, row.substeps);
+            assert_eq!(got, expected, "law: left what is shown of {engine}, right what is so");
         }
     }
 
