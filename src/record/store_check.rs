@@ -188,23 +188,28 @@ fn lineage(root: &Path, item: &mut StoredItem, records: &BTreeMap<String, StageR
 }
 
 fn checkpoints_in(root: &Path, folder: &str) -> Vec<StoredItem> {
-    let key = &folder[checkpoint::FOLDER.len()..];
     let files = checkpoint::files(&root.join(folder));
-    let items = files.iter().map(|path| {
-        let file = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        let name = format!("{folder}/{file}");
-        let checked = checkpoint::check_checkpoint(path);
-        let mut item = StoredItem::new(name, StoredState::Whole, checked.as_ref().ok());
-        match checked {
-            Err(error) => item.damaged(error),
-            Ok(identity) if identity.key.get(..24) != Some(key) => {
-                item.damaged(format!("it is of another stage, {}", identity.key));
-            }
-            Ok(_) => {}
+    files.iter().filter_map(|path| checkpoint_at(path, folder)).collect()
+}
+
+/// One checkpoint of a folder; none where it is gone by now: a stage under way keeps the last ones,
+/// and one that has ended none.
+fn checkpoint_at(path: &Path, folder: &str) -> Option<StoredItem> {
+    let key = &folder[checkpoint::FOLDER.len()..];
+    let file = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let name = format!("{folder}/{file}");
+    let checked = checkpoint::check_checkpoint(path);
+    let mut item = StoredItem::new(name, StoredState::Whole, checked.as_ref().ok());
+    let is_gone = || fs::symlink_metadata(path).is_err_and(|e| e.kind() == io::ErrorKind::NotFound);
+    match checked {
+        Err(_) if is_gone() => return None,
+        Err(error) => item.damaged(error),
+        Ok(identity) if identity.key.get(..24) != Some(key) => {
+            item.damaged(format!("it is of another stage, {}", identity.key));
         }
-        item
-    });
-    items.collect()
+        Ok(_) => {}
+    }
+    Some(item)
 }
 
 /// What is half written, and whether its writer may be at it still.

@@ -164,6 +164,20 @@ fn the_specimen_of_another_run_is_known() {
     assert!(note.contains("began with another specimen"), "law: and it says so, got {note}");
 }
 
+/// Law: a checkpoint that its stage removed after it was listed is no damage; one that is there and
+/// cannot be read is.
+#[test]
+fn a_checkpoint_that_is_gone_is_not_damaged() {
+    let root = tempfile::tempdir().expect("a folder");
+    let folder = format!("{}{}", checkpoint::FOLDER, "0".repeat(24));
+    let path = root.path().join(&folder).join("1.segment");
+    let got = checkpoint_at(&path, &folder);
+    assert_eq!(got, None, "law: left the item of one that is gone, right none");
+    fs::create_dir_all(&path).expect("a folder in its place");
+    let got = checkpoint_at(&path, &folder).map(|item| item.state);
+    assert_eq!(got, Some(StoredState::Damaged), "law: left one that cannot be read, right damaged");
+}
+
 #[test]
 fn damaged_and_foreign_checkpoints_are_found() {
     let root = tempfile::tempdir().expect("a folder");
