@@ -16,8 +16,19 @@ const ENDS: &str = ".part";
 const LETTERS: usize = 6;
 
 /// Folders below the output folder of a command into which files are written,
-/// but those of each run.
-const FOLDERS: [&str; 6] = ["figures", "rows", "interpretations", "beside", "slurm", "stages"];
+/// but those of each run; the last four are those of an export for VTK.
+const FOLDERS: [&str; 10] = [
+    "figures",
+    "rows",
+    "interpretations",
+    "beside",
+    "slurm",
+    "stages",
+    "grains",
+    "apparatus",
+    "contacts",
+    "force_chains",
+];
 
 /// A new file in a folder that nobody takes for abandoned while it is open; it
 /// is removed unless it is given another name.
@@ -116,8 +127,10 @@ mod tests {
     #[test]
     fn what_a_killed_writer_left_goes_and_what_is_being_written_stays() {
         let out = tempfile::tempdir().expect("a folder");
+        let of_vtk = ["grains", "apparatus", "contacts", "force_chains"];
         let folders = ["", "figures", "runs", "runs/a", "runs/a/figures", "stages", "rows"];
-        for folder in folders {
+        let folders = [&folders[..], &of_vtk].concat();
+        for folder in &folders {
             let folder = out.path().join(folder);
             fs::create_dir_all(&folder).expect("a folder");
             for left in [".pluvia-Abc123.part", ".Abc123.part"] {
@@ -137,6 +150,7 @@ mod tests {
         }
         let mut expected: Vec<String> = kept.map(str::to_owned).to_vec();
         expected.extend(["figures", "rows", "runs", "stages"].map(str::to_owned));
+        expected.extend(of_vtk.map(str::to_owned));
         expected.extend(path.file_name().map(|n| n.to_string_lossy().into_owned()));
         expected.sort();
         assert_eq!(names(out.path()), expected, "law: what is no leftover stays");
