@@ -30,6 +30,11 @@ pub(super) fn check(value: &Value) -> Checked {
     let value = &short;
     let mut checked = Checked { faults: Vec::new(), cleaned: value.clone() };
     RULES.root.check(value, "", "", &mut checked);
+    // Which pieces there are is not known where they are too many, as where they are no list.
+    let is_empty = |of: &Value| of["pieces"].as_array().map(Vec::is_empty);
+    if is_empty(value) == Some(false) && is_empty(&checked.cleaned) == Some(true) {
+        checked.cleaned["pieces"] = Value::Null;
+    }
     if let Some(grains) = value.get("grains").filter(|g| g.is_object()) {
         RULES.grains(grains).check(grains, "grains", "/grains", &mut checked);
     }
@@ -382,6 +387,7 @@ fn describe(schema: &Value) -> String {
         Some("array") => match (limit("minItems"), limit("maxItems")) {
             (Some(low), Some(high)) if low == high => format!("a list of {low} elements"),
             (Some(low), Some(high)) => format!("a list of {low} to {high} elements"),
+            (None, Some(high)) => format!("a list of at most {high} elements"),
             _ => "a list".into(),
         },
         Some("object") => format!("an object with {}", listed(&fields(schema))),
@@ -435,6 +441,7 @@ mod tests {
             ("seed", "a whole number of at least 0 and at most 18446744073709551615"),
             ("stages[0].stroke", "\"half_stroke\" or \"full_stroke\""),
             ("notes", "a list"),
+            ("pieces", "a list of at most 100 elements"),
             (
                 "begin.stage",
                 "a text: the name of a stage, \"rest_test\", or a number from 0 in double quotes, \"0\"",

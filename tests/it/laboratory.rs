@@ -133,7 +133,8 @@ fn a_travel_or_a_time_below_zero_is_a_single_fault() {
     }
 }
 
-/// Law: pieces that are no list are the only fault; stages and measures may speak of any.
+/// Law: pieces that are no list, or too many, are the only fault; stages and measures may speak of
+/// any.
 #[test]
 fn pieces_that_are_no_list_are_no_second_fault() {
     let mut value = sound();
@@ -143,6 +144,9 @@ fn pieces_that_are_no_list_are_no_second_fault() {
     for pieces in [value["pieces"][0].clone(), json!("box"), Value::Null] {
         assert_one(&changed(value.clone(), "pieces", pieces), "pieces", "");
     }
+    let many = json!(vec![value["pieces"][0].clone(); 255]);
+    let allowed = "a list of at most 100 elements";
+    assert_one(&changed(value, "pieces", many), "pieces", allowed);
 }
 
 #[test]
