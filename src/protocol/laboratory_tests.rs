@@ -260,6 +260,35 @@ fn pieces_move_as_prescribed_stay_there_and_are_removed() {
     assert!(again.to_string().contains("do not stand"), "{again}");
 }
 
+/// Law: what is kept of a stage that fails has pieces where they were at the last look, as the grains,
+/// and no contacts: those of the stage's beginning are gone.
+#[test]
+fn a_moved_piece_is_kept_where_it_was_at_the_last_look() {
+    let setup = Setup::new(&scenario()).expect("a laboratory");
+    let mut before = laboratory::begun(&setup, specimen());
+    before.state.bodies[0].fate = Fate::Present;
+    before.state.bodies[0].body.pose = Pose::translation(0.0, 0.0, 0.03);
+    before.state.contacts = vec![SavedContact {
+        between: [Party::Grain(0), Party::Grain(1)],
+        point_m: Vector::zeros(),
+        normal: Vector::z(),
+        force_n: Vector::zeros(),
+        warm_start: 1.0,
+        feature: [0, 0],
+    }];
+    let lift = stage(json!({ "stage": "move", "pieces": ["gate"],
+        "velocity_mm_per_s": [0, 0, 20], "duration_s": 1 }));
+    let make = scripted_worlds(exploding);
+    let failed = run_stage(&scenario(), &make, before, &lift, None, &mut ());
+    let error = failed.expect_err("NaN must not pass");
+    let StageError::World { last_good, .. } = error else { panic!("{error}") };
+    let good = &last_good.state;
+    assert!(good.time > 0.0, "expected a look before it failed, got none");
+    let (got, expected) = (good.pieces[1].pose.translation.z, 0.02 * good.time);
+    near("rise of the gate at the last look, m", got, expected, 1e-12);
+    assert!(good.contacts.is_empty(), "law: expected no contacts, got {:?}", good.contacts);
+}
+
 #[test]
 fn at_rest_the_box_carries_the_weight_of_the_grains() {
     let rain = stage(json!({ "stage": "deposit", "at_mm": [0, 0, 90],

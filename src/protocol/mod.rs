@@ -202,7 +202,7 @@ pub enum StageError {
     World {
         /// What happened.
         source: WorldError,
-        /// The specimen as it was when last checked.
+        /// The specimen as it was when last checked; of a stage that had begun, without contacts.
         last_good: Box<Specimen>,
     },
     /// Asked to stop.

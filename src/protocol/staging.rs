@@ -47,7 +47,7 @@ impl<'a> Laboratory<'a> {
             let begin = |feed| Feeder::new(self.setup, &stand.specimen, feed, fed);
             let mut feeder = course.feed.clone().map(begin);
             let end = stand.segment(course, feeder.as_mut(), self.observer, self.cancel);
-            match end.map_err(|source| failed(source, &stand.specimen))? {
+            match end.map_err(|source| stand.failed(source))? {
                 SegmentEnd::OfPart { settled } if part < course.last_part() => {
                     if !settled {
                         // Said at once: no summary will, if a later part fails.

@@ -18,6 +18,8 @@ pub(super) struct Stand<'a> {
     world: Box<dyn World + Send>,
     /// As last read from the world.
     pub(super) specimen: Specimen,
+    /// The table and the pieces when it was last read: these go on between two looks.
+    looked_at: (Vector, Vec<PieceState>),
     /// Bodies of the grains; `None` for those no longer present.
     grains: Vec<Option<BodyId>>,
     plate: Option<BodyId>,
@@ -165,6 +167,7 @@ impl<'a> Stand<'a> {
         }
         Ok(Self {
             places: centroids(&specimen),
+            looked_at: (specimen.state.table(), specimen.state.pieces.clone()),
             setup,
             world,
             specimen,
@@ -386,6 +389,17 @@ impl<'a> Stand<'a> {
         }
     }
 
+    /// The failure of its world, with the specimen as it was when it was last found good. Without
+    /// contacts: those at hand are of an earlier time.
+    pub(super) fn failed(&self, source: WorldError) -> StageError {
+        let mut last_good = self.specimen.clone();
+        let (table, pieces) = &self.looked_at;
+        last_good.state.set_table(*table);
+        last_good.state.pieces.clone_from(pieces);
+        last_good.state.contacts.clear();
+        failed(source, &last_good)
+    }
+
     /// When the part that goes on began, in s since the stage began.
     pub(super) fn part_began_s(&self) -> f64 {
         self.midway.part_began as f64 * self.world.time_step()
@@ -402,6 +416,6 @@ impl<'a> Stand<'a> {
 }
 
 /// A world that failed, with the last state of a specimen that was found good.
-pub(super) fn failed(source: WorldError, specimen: &Specimen) -> StageError {
+fn failed(source: WorldError, specimen: &Specimen) -> StageError {
     StageError::World { source, last_good: Box::new(specimen.clone()) }
 }

@@ -58,6 +58,15 @@ pub(super) fn scripted_worlds(
     move |_, _, _| Ok(Box::new(make()) as Box<dyn World + Send>)
 }
 
+/// A world in which nothing moves until the speeds of free bodies are no numbers, from step 100 on.
+pub(super) fn exploding() -> ScriptedWorld {
+    let script = |_, state: &BodyState, step: u64, _| {
+        let speed = if step < 100 { 0.0 } else { f64::NAN };
+        BodyState { linear_velocity: Vector::new(speed, 0.0, 0.0), ..*state }
+    };
+    ScriptedWorld::new(STEP, Box::new(script))
+}
+
 /// Keeps where a stage could go on.
 #[derive(Default)]
 struct Seams(Vec<Midway>);

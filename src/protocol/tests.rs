@@ -331,16 +331,7 @@ fn findings_carry_the_time_of_the_run() {
 
 #[test]
 fn an_unphysical_world_ends_the_stage_and_keeps_the_last_good_specimen() {
-    let exploding: Maker = Box::new(|| {
-        ScriptedWorld::new(
-            STEP,
-            Box::new(|_, state, step, _| {
-                let speed = if step < 100 { 0.0 } else { f64::NAN };
-                BodyState { linear_velocity: Vector::new(speed, 0.0, 0.0), ..*state }
-            }),
-        )
-    });
-    let (outcome, _) = carry_out(exploding, poured(&[0.07]), &rest(1.0));
+    let (outcome, _) = carry_out(Box::new(exploding), poured(&[0.07]), &rest(1.0));
     let error = outcome.expect_err("NaN must not pass");
     let StageError::World { source, last_good } = error else { panic!("{error}") };
     let text = source.to_string();
@@ -349,6 +340,20 @@ fn an_unphysical_world_ends_the_stage_and_keeps_the_last_good_specimen() {
     let good = &last_good.state;
     assert!(good.time > 0.1 && good.time < 0.22, "kept from before step 100: {} s", good.time);
     assert!(good.bodies.iter().all(|g| g.body.linear_velocity.iter().all(|v| v.is_finite())));
+}
+
+/// Law: what is kept of a stage that fails has the table where it was at the last look, as the grains.
+#[test]
+fn the_table_is_kept_where_it_was_at_the_last_look() {
+    let shaking = vibrate(1, 0.0);
+    let (outcome, _) = carry_out(Box::new(exploding), poured(&[]), &shaking);
+    let error = outcome.expect_err("NaN must not pass");
+    let StageError::World { last_good, .. } = error else { panic!("{error}") };
+    let good = &last_good.state;
+    assert!(good.time > 0.0, "expected a look before it failed, got none");
+    let motion = shaking.motion().expect("a motion");
+    let expected = motion.displacement(good.time).x;
+    near("the table at the last look, m", good.table_x, expected, 1e-12);
 }
 
 /// Keeps what it is warned of.

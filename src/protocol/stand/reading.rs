@@ -155,6 +155,8 @@ impl Stand<'_> {
             self.specimen.state.top_plate = self.snapshot[id.0 as usize];
         }
         self.specimen.state.time = now_s;
+        self.looked_at.0 = self.specimen.state.table();
+        self.looked_at.1.clone_from(&self.specimen.state.pieces);
         if gone {
             let left = self.tally();
             self.midway.watch.taken_away(left);
