@@ -218,22 +218,29 @@ impl Scale {
 }
 
 fn log_number(tick: f64) -> String {
-    let exponent = tick.log10().round() as i32;
-    if (-2..=3).contains(&exponent) {
-        let least = usize::try_from(-(tick.log10() + 1e-9).floor() as i32).unwrap_or(0);
+    // Last digits do not lower the power.
+    let exponent = (tick.log10() + 1e-9).floor() as i32;
+    let with_decimals = |number: f64, least: usize| {
         // Sieves have openings such as 12.5 and 3.15 mm.
         let whole = |decimals: &usize| {
-            let shifted = tick * 10f64.powi(*decimals as i32);
+            let shifted = number * 10f64.powi(*decimals as i32);
             (shifted - shifted.round()).abs() < 1e-6 * shifted
         };
         let decimals = (least..least + 3).find(whole).unwrap_or(least);
-        return format!("{tick:.decimals$}");
+        format!("{number:.decimals$}")
+    };
+    if (-2..=3).contains(&exponent) {
+        return with_decimals(tick, usize::try_from(-exponent).unwrap_or(0));
     }
     let superscript = |c: char| match c.to_digit(10) {
         Some(digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(digit as usize).unwrap_or(c),
         None => '\u{207B}',
     };
-    format!("10{}", exponent.to_string().chars().map(superscript).collect::<String>())
+    let power = format!("10{}", exponent.to_string().chars().map(superscript).collect::<String>());
+    match with_decimals(tick / 10f64.powi(exponent), 0).as_str() {
+        "1" => power,
+        mantissa => format!("{mantissa}·{power}"),
+    }
 }
 
 /// Smallest and largest of the finite values.
@@ -347,10 +354,18 @@ mod tests {
     #[test]
     fn numbers_of_log_axes_are_read_easily() {
         let axis = Scale::logarithmic([1e-8, 1.0].into_iter());
-        for (tick, expected) in
-            [(1.0, "1"), (0.01, "0.01"), (100.0, "100"), (1e-7, "10\u{207B}\u{2077}"), (0.5, "0.5")]
-        {
-            assert_eq!(axis.number(tick), expected, "number of {tick}");
+        for (tick, expected) in [
+            (1.0, "1"),
+            (0.01, "0.01"),
+            (100.0, "100"),
+            (1e-7, "10\u{207B}\u{2077}"),
+            (0.5, "0.5"),
+            (5000.0, "5000"),
+            (2e4, "2·10\u{2074}"),
+            (0.002, "2·10\u{207B}\u{00B3}"),
+            (2e-4, "2·10\u{207B}\u{2074}"),
+        ] {
+            assert_eq!(axis.number(tick), expected, "law: the number of {tick} is its own");
         }
         for (tick, expected) in [(12.5, "12.5"), (3.15, "3.15"), (8.0, "8"), (1.0 / 3.0, "0.3")] {
             assert_eq!(axis.number(tick), expected, "number of {tick}");
