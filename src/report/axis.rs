@@ -38,6 +38,9 @@ const HAIR: f64 = 5e-3;
 /// that it ends at a tick.
 const MOST_EMPTY: f64 = 0.05;
 
+/// Most decimals of a linear axis; finer ticks have an exponent.
+const MOST_DECIMALS: f64 = 9.0;
+
 /// Fewest ticks of a linear axis.
 const FEWEST_TICKS: usize = 4;
 
@@ -207,12 +210,19 @@ impl Scale {
             return format!("{tick:e}");
         }
         let step = self.ticks.windows(2).map(|w| (w[1] - w[0]).abs()).fold(f64::INFINITY, f64::min);
-        let decimals = if step.is_finite() && step > 0.0 {
-            (-(step * (1.0 + 1e-9)).log10().floor()).clamp(0.0, 9.0) as usize
+        let power = |value: f64| (value.abs() * (1.0 + 1e-9)).log10().floor();
+        let decimals = if step.is_finite() && step > 0.0 { -power(step) } else { 0.0 };
+        let text = if decimals <= MOST_DECIMALS {
+            let decimals = decimals.max(0.0) as usize;
+            format!("{:.decimals$}", if tick == 0.0 { 0.0 } else { tick })
+        } else if tick == 0.0 {
+            "0".to_owned()
         } else {
-            0
+            // As many digits as tell it from the next tick, without zeros at their end.
+            let digits = (decimals + power(tick)).clamp(0.0, 17.0) as usize;
+            let rounded: f64 = format!("{tick:.digits$e}").parse().unwrap_or(tick);
+            format!("{rounded:e}")
         };
-        let text = format!("{:.decimals$}", if tick == 0.0 { 0.0 } else { tick });
         text.replace('-', "\u{2212}")
     }
 }
@@ -308,6 +318,20 @@ mod tests {
                 assert!(ticks.iter().all(inside), "law: {low} to {high}: between ends: {got:?}");
             }
         }
+    }
+
+    /// Law: ticks that differ have different numbers, however small they are.
+    #[test]
+    fn small_ticks_have_exponents() {
+        let numbers = |high: f64| -> Vec<String> {
+            let axis = Scale::linear([0.0, high].into_iter());
+            axis.ticks.iter().map(|tick| axis.number(*tick)).collect()
+        };
+        let expected =
+            ["0", "2e\u{2212}10", "4e\u{2212}10", "6e\u{2212}10", "8e\u{2212}10", "1e\u{2212}9"];
+        assert_eq!(numbers(1e-9), expected, "law: got left, expected right");
+        let expected = ["0.000000000", "0.000000002", "0.000000004", "0.000000006", "0.000000008"];
+        assert_eq!(numbers(9e-9)[..5], expected, "law: nine decimals still tell them apart");
     }
 
     /// Law: the ends stand clear of the values, and ticks stay round numbers between them.
