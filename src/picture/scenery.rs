@@ -55,6 +55,8 @@ pub fn scene_of(
     let thickness = wall_thickness(setup);
     let mut ground = None;
     let pieces = standing(setup, grains, &as_state(frame)).map_err(PictureError::Apparatus)?;
+    let of_laboratory = pieces.iter().filter(|standing| standing.carrier == Carrier::Kinematic);
+    let middle = middle_of(of_laboratory.map(|standing| &standing.piece));
     for standing in pieces {
         let whole = Solid::new(&standing.piece.shape, &standing.piece.pose);
         let axis = match standing.name.starts_with("cylinder") {
@@ -76,7 +78,7 @@ pub fn scene_of(
             }
             // Which side of a piece is inside is not known: its parts are drawn whole.
             _ if standing.carrier == Carrier::Kinematic => {
-                bodies.extend(of_piece(whole, &standing.piece, walls, view));
+                bodies.extend(of_piece(whole, &standing.piece, &middle, walls, view));
             }
             // What a pile lies on is no wall: it is drawn whole, and stays.
             name if name.starts_with("base_") => {
@@ -90,15 +92,31 @@ pub fn scene_of(
     Ok(Scene::new(bodies, ground))
 }
 
+/// The middle of the box around some pieces; the origin without any.
+fn middle_of<'a>(pieces: impl Iterator<Item = &'a Piece>) -> Vector {
+    let solids = pieces.map(|piece| Solid::new(&piece.shape, &piece.pose));
+    let boxes = solids.map(|solid| [solid.low, solid.high]);
+    let whole = boxes.reduce(|[a, b], [low, high]| [a.inf(&low), b.sup(&high)]);
+    whole.map_or_else(Vector::zeros, |[low, high]| (low.coords + high.coords) / 2.0)
+}
+
 /// A part of a piece of a laboratory; none where it is cut away, being nearer to the camera
-/// than the middle of everything.
-fn of_piece(whole: Solid, piece: &Piece, walls: Walls, view: &View) -> Option<Body> {
+/// than the middle of all of them.
+fn of_piece(
+    whole: Solid,
+    piece: &Piece,
+    middle: &Vector,
+    walls: Walls,
+    view: &View,
+) -> Option<Body> {
     match walls {
         Walls::Hidden => None,
         Walls::Transparent => Some(Body { glass: true, ..Body::new(whole, Colour::WALL) }),
         Walls::Cut => {
-            let near = view.level().dot(&piece.pose.translation.vector) > 0.0;
             let size = whole.high - whole.low;
+            // Last digits do not tell two sides apart that are as far away as the middle.
+            let nearer = view.level().dot(&(piece.pose.translation.vector - middle));
+            let near = nearer > 1e-6 * size.norm();
             // A floor stays: it hides nothing.
             let floor = size.z < size.x.min(size.y);
             (floor || !near).then(|| Body::new(whole, Colour::WALL))
@@ -234,6 +252,35 @@ mod tests {
             let scene = scene_of(&setup, &no_grains, &frame, walls, &view, &[]).expect("a scene");
             let glass = scene.bodies.first().map(|body| body.glass);
             assert_eq!(glass, expected, "law: whether it is glass, {walls:?}");
+        }
+    }
+
+    /// Law: of a box its near wall is cut away, wherever the laboratory stands.
+    #[test]
+    fn the_near_wall_of_a_laboratory_is_cut_away() {
+        for y_mm in [-300.0, 0.0, 137.3] {
+            let scenario: Scenario = serde_json::from_value(serde_json::json!({
+                "name": "box",
+                "grains": { "total_mass_g": 8, "density_kg_per_m3": 2650, "sieve_table":
+                    [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }] },
+                "pieces": [{ "name": "box", "at_mm": [70, y_mm, 0],
+                    "shape": { "box": { "inner_mm": [90, 80, 70], "wall_mm": 10 } } }],
+                "stages": [{ "stage": "rest", "duration_s": 1 }],
+            }))
+            .expect("a scenario");
+            let setup = Setup::new(&scenario).expect("a laboratory");
+            let mut frame = Frame::of(&SpecimenState::before_everything(0));
+            (frame.cylinder, frame.pieces) = (false, vec![Some(setup.pieces[0].at)]);
+            let no_grains =
+                GrainSet { grains: vec![], blocks: vec![], density: 2650.0, meshes: vec![] };
+            let view = View { azimuth_deg: 0.0, elevation_deg: 10.0 };
+            let scene =
+                scene_of(&setup, &no_grains, &frame, Walls::Cut, &view, &[]).expect("a scene");
+            let got = scene.bodies.len();
+            assert_eq!(got, 4, "law: floor, back and both sides, at y = {y_mm} mm, got {got}");
+            let front = y_mm / 1000.0 - 0.04;
+            let is_front = |body: &Body| body.solid.high.y < front + 1e-6;
+            assert!(!scene.bodies.iter().any(is_front), "law: no front, at y = {y_mm} mm");
         }
     }
 
