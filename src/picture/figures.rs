@@ -138,13 +138,20 @@ fn of_moments(
         notes = Notes { lines: vec![run.scenario.clone()], ..said };
         scenes.push((scene, *name));
     }
-    if shown.iter().any(|s| s.1 == Walls::Cut) {
-        let cut = [(Colour::WALL, "wall".to_owned()), (Colour::SECTION, "wall, cut".to_owned())];
-        notes.things.extend(cut);
-    }
+    notes.things.extend(key_of_walls(run, shown));
     let panels = exposed(run, &scenes, &points);
     let image = sheet(&panels, columns(panels.len()), WIDTH, Some(&notes))?;
     finished(stem, title, format!("{what} Colours: sieve fraction. {MADE}"), &image)
+}
+
+/// What the key says of walls where any are cut: pieces of a laboratory are shown whole or not at all,
+/// and have no sections.
+fn key_of_walls(run: &Playback, shown: &[(At, Walls, &str)]) -> Vec<(Colour, String)> {
+    let is_cut = shown.iter().any(|s| s.1 == Walls::Cut);
+    let wall = is_cut.then(|| (Colour::WALL, "wall".to_owned()));
+    let has_sections = is_cut && run.setup.pieces.is_empty();
+    let section = has_sections.then(|| (Colour::SECTION, "wall, cut".to_owned()));
+    wall.into_iter().chain(section).collect()
 }
 
 /// The end of a stage; none where the run has no such stage.
@@ -213,6 +220,8 @@ mod tests {
     use super::super::moment::tests::canned;
     use super::*;
     use crate::plain::assert_holds;
+    use crate::protocol::Setup;
+    use crate::scenario::Scenario;
 
     #[test]
     fn a_run_gives_the_pictures_that_its_stages_allow() {
@@ -248,6 +257,30 @@ mod tests {
         assert_eq!(walls(&run), [Walls::Hidden], "law: of a pile");
         let picture = specimen(&run).expect("a picture");
         assert!(picture.caption.starts_with("The pile"), "law: named, got {}", picture.caption);
+    }
+
+    /// Law: the key names sections where there are any: of walls that are cut, not of the pieces of a
+    /// laboratory, which are left out whole.
+    #[test]
+    fn the_key_names_sections_where_there_are_any() {
+        let mut run = canned();
+        let end = at(&run, None, None).expect("an end");
+        let key = |run: &Playback, walls| -> Vec<String> {
+            let things = key_of_walls(run, &[(end, Walls::Hidden, ""), (end, walls, "")]);
+            things.into_iter().map(|(_, name)| name).collect()
+        };
+        assert_eq!(key(&run, Walls::Cut), ["wall", "wall, cut"], "law: of a cylinder");
+        assert!(key(&run, Walls::Hidden).is_empty(), "law: no wall is shown");
+        let scenario: Scenario = serde_json::from_value(serde_json::json!({
+            "name": "plate",
+            "grains": { "total_mass_g": 8, "density_kg_per_m3": 2650, "sieve_table":
+                [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }] },
+            "pieces": [{ "name": "plate", "shape": { "plate": { "size_mm": [90, 90, 10] } } }],
+            "stages": [{ "stage": "rest", "duration_s": 1 }],
+        }))
+        .expect("a scenario");
+        run.setup = Setup::new(&scenario).expect("a laboratory");
+        assert_eq!(key(&run, Walls::Cut), ["wall"], "law: of a laboratory");
     }
 
     #[test]
