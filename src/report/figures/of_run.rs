@@ -34,7 +34,12 @@ fn heights(run: &RunRecord) -> Result<Figure, ReportError> {
         ("Lower face of the plate", |r| r.plate_height_mm),
         ("Top of the pile above its base", |r| r.pile_height_mm),
     ];
-    let mut plot = over_time(run, Axis::linear("Height above the floor (mm)").from_zero());
+    // A laboratory of pieces has no floor of its own.
+    let name = match run.summary.laboratory {
+        Some(_) => "Height above z = 0 (mm)",
+        None => "Height above the floor (mm)",
+    };
+    let mut plot = over_time(run, Axis::linear(name).from_zero());
     for (n, (label, height)) in heights.into_iter().enumerate() {
         plot.add_some(label, Look::spaced(n), points(run, height));
     }
@@ -62,4 +67,27 @@ fn energy(run: &RunRecord) -> Result<Figure, ReportError> {
     });
     let caption = "Kinetic energy of grains and plate relative to the table.";
     Figure::new("energy", "Kinetic energy over time", caption, &[plot], &table)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::{Balance, LaboratorySummary, canned};
+
+    /// Law: heights are named by what they are counted from: the floor of the cylinder, or z = 0 of a
+    /// laboratory, which has no floor of its own.
+    #[test]
+    fn heights_are_named_by_what_they_count_from() {
+        let mut run = canned::valid_runs().remove(0);
+        let svg = |run: &RunRecord| heights(run).expect("a figure").svg;
+        let (floor, zero) = ("Height above the floor (mm)", "Height above z = 0 (mm)");
+        assert!(svg(&run).contains(floor), "law: expected `{floor}` with the cylinder");
+        let balance =
+            Balance { weight_n: 0.0, carried_n: 0.0, sideways_n: 0.0, difference_percent: None };
+        let (pieces, groups, openings, regions) = Default::default();
+        run.summary.laboratory =
+            Some(LaboratorySummary { pieces, groups, balance, openings, regions });
+        let got = svg(&run);
+        assert!(got.contains(zero) && !got.contains(floor), "law: expected `{zero}` of pieces");
+    }
 }
