@@ -185,7 +185,7 @@ impl Boxes {
     }
 
     /// Where the ray comes into a node's box, 0 inside it; `f64::MAX` where it does not up to
-    /// `most`. Boxes touched within a face count as met: min and max leave out the NaN of 0 · ∞.
+    /// `most`. Boxes touched within a face count as met.
     #[inline]
     fn enters(&self, node: &BvhNode, most: f64) -> f64 {
         let (low, high) = (node.mins(), node.maxs());
@@ -193,8 +193,13 @@ impl Boxes {
         for (axis, (low, high)) in
             [(low.x, high.x), (low.y, high.y), (low.z, high.z)].into_iter().enumerate()
         {
-            let a = (low - self.origin[axis]) * self.inverse[axis];
-            let b = (high - self.origin[axis]) * self.inverse[axis];
+            let (origin, inverse) = (self.origin[axis], self.inverse[axis]);
+            // Across the ray, between two faces or within one, nothing bounds it: 0 · ∞ is no number.
+            if inverse.is_infinite() && low <= origin && origin <= high {
+                continue;
+            }
+            let a = (low - origin) * inverse;
+            let b = (high - origin) * inverse;
             near = near.max(a.min(b));
             far = far.min(a.max(b));
         }
@@ -260,6 +265,32 @@ mod tests {
             shaded += usize::from(expected);
         }
         assert!(hits > 300 && shaded > 300, "the test meets bodies: {hits} and {shaded} times");
+    }
+
+    /// Law: a body is met by a ray that runs within one of its faces, as by one inside of it.
+    #[test]
+    fn rays_within_a_face_meet_the_body() {
+        let body = |n: u32| {
+            let shape = ConvexPolyhedron::cuboid(Vector::repeat(0.5)).expect("a box");
+            let pose = Pose::translation(f64::from(n), 0.0, 0.0);
+            Body::new(Solid::new(&shape, &pose), Colour::GREY)
+        };
+        let scene = Scene::new((0..3).map(body).collect(), None);
+        for side in [[0.0, 0.25], [0.0, -0.25], [0.25, 0.0], [-0.25, 0.0], [0.25, -0.25]] {
+            for (from, sign, expected) in [(-1.0, 1.0, 0), (3.0, -1.0, 2)] {
+                // Of -0 the inverse is negative.
+                for zero in [0.0, -0.0] {
+                    let origin = Vector::new(from, side[0], side[1]);
+                    let ray = Ray { origin, direction: Vector::new(sign, zero, zero) };
+                    let got = scene.first_hit(&ray).map(|hit| (hit.body, hit.t));
+                    assert_eq!(got, Some((expected, 0.75)), "law: body {expected} at {side:?}");
+                    assert!(scene.is_shaded(&ray, u32::MAX, 1.0), "law: it shades, at {side:?}");
+                }
+            }
+            let beside = Vector::new(-1.0, 2.0 * side[0], 2.0 * side[1]);
+            let ray = Ray { origin: beside, direction: Vector::x() };
+            assert_eq!(scene.first_hit(&ray), None, "law: nothing beside it, at {side:?}");
+        }
     }
 
     #[test]
