@@ -274,12 +274,19 @@ impl Plot {
     }
 }
 
-/// Plots that are read alike, one below the other, with one legend: that of the last.
+/// Plots that are read alike, one below the other, with one legend: that of the last, which has the
+/// entries of all others, too.
 pub fn with_one_legend(plots: impl IntoIterator<Item = Plot>) -> Vec<Plot> {
     let mut plots: Vec<Plot> = plots.into_iter().collect();
-    for plot in plots.iter_mut().rev().skip(1) {
-        plot.series.iter_mut().for_each(|series| series.label.clear());
+    let Some(mut last) = plots.pop() else { return plots };
+    for series in plots.iter_mut().flat_map(|plot| &mut plot.series) {
+        let label = std::mem::take(&mut series.label);
+        let is_known = |known: &Series| known.label == label;
+        if !label.is_empty() && !last.series.iter().any(is_known) {
+            last.add(label, series.look, Vec::new());
+        }
     }
+    plots.push(last);
     plots
 }
 
@@ -320,6 +327,30 @@ mod tests {
         let svg = plot.svg().expect("drawn");
         assert!(svg.contains("a &lt; b &amp; c"), "labels are escaped");
         assert!(!svg.contains("NaN"), "no NaN reaches the file");
+    }
+
+    /// Law: one legend explains all that is drawn, each thing once, also what the last plot lacks.
+    #[test]
+    fn one_legend_is_of_all_plots() {
+        let plot = |labels: &[&str]| {
+            let mut plot = Plot::new(Axis::linear("x"), Axis::linear("y"));
+            for (n, label) in labels.iter().enumerate() {
+                plot.add(*label, Look::points(n), vec![(0.0, 1.0)]);
+            }
+            plot
+        };
+        let labels = |plot: &Plot| -> Vec<String> {
+            let labels = plot.series.iter().map(|series| series.label.clone());
+            labels.filter(|label| !label.is_empty()).collect()
+        };
+        let got = with_one_legend([plot(&["runs", "", "left out"]), plot(&["means", "runs"])]);
+        assert!(labels(&got[0]).is_empty(), "law: the first has no legend: {:?}", got[0].series);
+        assert_eq!(labels(&got[1]), ["means", "runs", "left out"], "law: the last has all of it");
+        let added: Vec<&Series> = got[1].series.iter().skip(2).collect();
+        assert!(matches!(added[..], [alone] if alone.points.is_empty()), "law: a key: {added:?}");
+        let same = with_one_legend([plot(&["runs"]), plot(&["runs"])]);
+        assert_eq!(same[1], plot(&["runs"]), "law: what has all entries stays as it is");
+        assert!(with_one_legend([]).is_empty(), "law: nothing has none");
     }
 
     /// Law: bounds stand inside of the frame, where all values are within them and where none is.
