@@ -28,7 +28,10 @@ pub struct ColumnRange {
 }
 
 /// Endings of names and what they mean, the longer ones first.
-const UNITS: [(&str, &str); 26] = [
+const UNITS: [(&str, &str); 31] = [
+    ("_s_per_simulated_s", "s/s"),
+    ("_grains_per_s", "grains/s"),
+    ("_kg_per_m3", "kg/m³"),
     ("_mm_per_s2", "mm/s²"),
     ("_m_per_s2", "m/s²"),
     ("_mm_per_s", "mm/s"),
@@ -37,9 +40,11 @@ const UNITS: [(&str, &str); 26] = [
     ("_deg_per_s", "°/s"),
     ("_g_per_s", "g/s"),
     ("_m_per_s", "m/s"),
+    ("_n_per_m", "N/m"),
     ("_n_m", "N m"),
     ("_percent", "%"),
     ("_degrees", "°"),
+    ("_per_s", "1/s"),
     ("_kpa", "kPa"),
     ("_mm3", "mm³"),
     ("_cm3", "cm³"),
@@ -65,7 +70,9 @@ pub fn quantity_and_unit(name: &str) -> (String, &'static str) {
     let found = UNITS.iter().find_map(|(ending, unit)| {
         let quantity = name.strip_suffix(ending)?;
         let ends_in_number = quantity.rsplit(['_', '.']).next().is_some_and(is_number);
-        (!ends_in_number).then_some((quantity, *unit))
+        // Something per metre is no length.
+        let is_part_of_unit = quantity.ends_with("_per");
+        (!ends_in_number && !is_part_of_unit).then_some((quantity, *unit))
     });
     if let Some((_, last)) = name.rsplit_once('.') {
         // A share of a length in mm is no length.
@@ -205,6 +212,13 @@ mod tests {
             ("box_force_z_n", ("box force z", "N")),
             ("drum_moment_y_n_m", ("drum moment y", "N m")),
             ("largest_speed_m_per_s", ("largest speed", "m/s")),
+            ("contact_stiffness_n_per_m", ("contact stiffness", "N/m")),
+            ("wall_s_per_simulated_s", ("wall", "s/s")),
+            ("density_kg_per_m3", ("density", "kg/m³")),
+            ("feed_rate_grains_per_s", ("feed rate", "grains/s")),
+            ("linear_damping_per_s", ("linear damping", "1/s")),
+            ("length_scale_units_per_m", ("length scale units per m", "")),
+            ("wall_s_per_pour", ("wall s per pour", "")),
             ("core_stress_xx_kpa", ("core stress xx", "kPa")),
             ("core_void_ratio", ("core void ratio", "")),
             ("volume_mm3", ("volume", "mm³")),
