@@ -17,12 +17,8 @@ use crate::report::{
 
 /// Directions within this angle in degrees of right and left give the drawn lines.
 const SIDE_DEGREES: f64 = 30.0;
-/// Length of the scale bar in mm.
-const SCALE_BAR_MM: f64 = 50.0;
-/// Space in mm around what is drawn.
-const MARGIN_MM: f64 = 12.0;
-/// Height in mm of the floor as drawn: what is sunk into it does not show below.
-const FLOOR_MM: f64 = 20.0;
+/// Most of the width that the scale bar takes.
+const SCALE_BAR: f64 = 0.25;
 /// Space in SVG units above the pile, for the angle, and below, for the scale.
 const ABOVE: i32 = 150;
 const BELOW: i32 = 170;
@@ -97,6 +93,24 @@ pub fn side_view(specimen: &Specimen, pile: &AngleOfRepose) -> Result<Figure, Re
     Figure::of_svg("pile", "Side view of the pile", caption, svg, &table)
 }
 
+/// Space in mm around what is drawn of a pile on a base of a radius in mm: on those of the paper's
+/// piles 12.
+fn margin_mm(radius_mm: f64) -> f64 {
+    12f64.clamp(radius_mm / 15.0, radius_mm / 10.0)
+}
+
+/// Height in mm of the floor as drawn, on the same bases 20: what is sunk into it does not show below.
+fn floor_mm(radius_mm: f64) -> f64 {
+    20f64.clamp(radius_mm / 9.0, radius_mm / 6.0)
+}
+
+/// Length in mm of the scale bar of a view of a width in mm: 1, 2 or 5 times a power of ten.
+fn scale_bar_mm(width_mm: f64) -> f64 {
+    let most = SCALE_BAR * width_mm;
+    let power = 10f64.powi(most.log10().floor() as i32);
+    [5.0, 2.0].into_iter().map(|m| m * power).find(|length| *length <= most).unwrap_or(power)
+}
+
 /// What the side view shows, and how millimetres become SVG units.
 struct Picture<'a> {
     pile: &'a AngleOfRepose,
@@ -104,24 +118,27 @@ struct Picture<'a> {
     facets: Vec<Facet>,
     left_mm: f64,
     top_mm: f64,
+    floor_mm: f64,
     scale: f64,
     height: i32,
 }
 
 impl<'a> Picture<'a> {
     fn new(specimen: &Specimen, pile: &'a AngleOfRepose, base_level_mm: f64) -> Self {
-        let radius_mm = specimen.state.base.as_ref().map_or(0.0, |base| to_mm(base.radius));
-        let top_mm = base_level_mm + pile.pile_height_mm + MARGIN_MM;
-        let bottom_mm = -FLOOR_MM;
-        let scale = f64::from(style::WIDTH) / (2.0 * (radius_mm + MARGIN_MM));
+        let base = specimen.state.base.as_ref();
+        let radius_mm = base.map_or(pile.base_radius_mm, |base| to_mm(base.radius));
+        let (margin_mm, floor_mm) = (margin_mm(radius_mm), floor_mm(radius_mm));
+        let top_mm = base_level_mm + pile.pile_height_mm + margin_mm;
+        let scale = f64::from(style::WIDTH) / (2.0 * (radius_mm + margin_mm));
         Self {
             pile,
             base_level_mm,
             facets: facets(specimen),
-            left_mm: -radius_mm - MARGIN_MM,
+            left_mm: -radius_mm - margin_mm,
             top_mm,
+            floor_mm,
             scale,
-            height: ABOVE + ((top_mm - bottom_mm) * scale) as i32 + BELOW,
+            height: ABOVE + ((top_mm + floor_mm) * scale) as i32 + BELOW,
         }
     }
 
@@ -142,7 +159,7 @@ impl<'a> Picture<'a> {
 
     fn floor(&self, sheet: &Sheet) -> Drawn {
         let (left, right) = (self.left_mm, -self.left_mm);
-        let (upper_left, lower_right) = (self.at(left, 0.0), self.at(right, -FLOOR_MM));
+        let (upper_left, lower_right) = (self.at(left, 0.0), self.at(right, -self.floor_mm));
         sheet.rectangle([whole(upper_left), whole(lower_right)], style::BAND.filled())?;
         sheet.path([whole(upper_left), whole(self.at(right, 0.0))], INK, style::THIN)
     }
@@ -185,9 +202,10 @@ impl<'a> Picture<'a> {
     fn scale_bar(&self, sheet: &Sheet) -> Drawn {
         let y = self.height - BELOW / 2;
         let x = style::LEFT / 2;
-        let end = x + (SCALE_BAR_MM * self.scale) as i32;
+        let length_mm = scale_bar_mm(f64::from(style::WIDTH) / self.scale);
+        let end = x + (length_mm * self.scale) as i32;
         sheet.rectangle([(x, y), (end, y + 12)], INK.filled())?;
-        let text = format!("{SCALE_BAR_MM} mm");
+        let text = format!("{length_mm} mm");
         sheet.text(&text, (end + 30, y + 6), style::NUMBERS, (HPos::Left, VPos::Center))
     }
 }
@@ -240,5 +258,27 @@ mod tests {
         let expected =
             "Angle of repose 43.4° (95 % confidence 42.4° to 44.4°), mean of all directions";
         assert_eq!(angle_in_words(&pile), expected);
+    }
+
+    /// Law: space, floor and scale bar of the side view grow with the base, and the scale bar with its
+    /// number stays on the sheet; views of the usual bases have 12, 20 and 50 mm.
+    #[test]
+    fn a_side_view_fits_its_base() {
+        for radius_mm in [120.0, 180.0] {
+            let width_mm = 2.0 * (radius_mm + margin_mm(radius_mm));
+            let got = [margin_mm(radius_mm), floor_mm(radius_mm), scale_bar_mm(width_mm)];
+            assert_eq!(got, [12.0, 20.0, 50.0], "law: of a base of {radius_mm} mm");
+        }
+        for radius_mm in [0.5, 10.0, 37.0, 5000.0] {
+            let width_mm = 2.0 * (radius_mm + margin_mm(radius_mm));
+            let share = scale_bar_mm(width_mm) / width_mm;
+            assert!((0.1..=0.25).contains(&share), "law: of {radius_mm} mm a quarter, got {share}");
+            let spaces = [margin_mm(radius_mm), floor_mm(radius_mm)].map(|mm| mm / radius_mm);
+            assert!(
+                spaces.iter().all(|share| (0.06..0.17).contains(share)),
+                "law: a sixth of {radius_mm} mm at most, got {spaces:?}"
+            );
+        }
+        assert_eq!(scale_bar_mm(22.0), 5.0, "law: of a base of 20 mm");
     }
 }
