@@ -18,19 +18,24 @@ const parsed = (hex) => [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16) /
 const lifted = (rgb, k, all) => rgb.map((c) => c + 0.22 * (1 - k / (all.length - 1)) * (1 - c));
 const scales = { viridis: VIRIDIS.map(parsed).map(lifted), inferno: INFERNO.map(parsed) };
 
-// The colour at a share from 0 to 1 of a scale.
-export function colourAt(name, share) {
-  const stops = scales[name];
-  const place = Math.min(Math.max(share, 0), 1) * (stops.length - 1);
+// The colour at a place along some colours, counted from 0.
+function blended(stops, place) {
   const k = Math.min(Math.floor(place), stops.length - 2);
   return stops[k].map((from, c) => from + (place - k) * (stops[k + 1][c] - from));
 }
 
-// The colour of a fraction, by its number among all of them.
+// The colour at a share from 0 to 1 of a scale.
+export function colourAt(name, share) {
+  const stops = scales[name];
+  return blended(stops, Math.min(Math.max(share, 0), 1) * (stops.length - 1));
+}
+
+// The colour of a fraction, by its number among all of them: those of the list, and between them where
+// there are more fractions.
 export function fractionColour(n, count) {
   const all = FRACTIONS.length;
-  const place = count <= all ? (count === 1 ? 2 : Math.round((n * (all - 1)) / (count - 1))) : n % all;
-  return parsed(FRACTIONS[place]);
+  const place = count === 1 ? 2 : (n * (all - 1)) / (count - 1);
+  return count <= all ? parsed(FRACTIONS[Math.round(place)]) : blended(FRACTIONS.map(parsed), place);
 }
 
 export const css = (rgb) => `rgb(${rgb.map((c) => Math.round(255 * c)).join(" ")})`;
