@@ -31,11 +31,15 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
         ];
         let line = ends.map(|x| (x, solution.level + (x - solution.centre) * solution.slope));
         plot.add("Line through the nearest values", Look::line(0), line.into());
-        if let Some(i) = solution.interval_95 {
-            let (a, b) = (i.low.clamp(low, high), i.high.clamp(low, high));
+        if let Some(i) = solution.interval_95.filter(|i| i.low <= high && i.high >= low) {
+            let drawn = [i.low.max(low), i.high.min(high)].map(|x| (x, of.wanted));
+            plot.add("", Look::line(1), drawn.into());
             let stroke = 0.012 * plot_height(of);
-            let ends = [(a, of.wanted), (b, of.wanted)];
-            plot.add_interval("", Look::line(1), ends, (0.0, stroke));
+            // An end beyond the values searched is not seen.
+            for x in [i.low, i.high].into_iter().filter(|x| (low..=high).contains(x)) {
+                let ends = vec![(x, of.wanted - stroke), (x, of.wanted + stroke)];
+                plot.add("", Look::line(1), ends);
+            }
         }
         if (low..=high).contains(&solution.value) {
             let label = match solution.interval_95 {
@@ -69,12 +73,27 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
         Some(_) => " The line goes through the values nearest to the solution.",
         None => "",
     };
+    let interval = beyond(of);
     let caption = format!(
-        "Rings: every run{left_out}. Discs: means.{line} The same configurations stand at every \
-         value.{identity} {}.",
+        "Rings: every run{left_out}. Discs: means.{line}{interval} The same configurations stand at \
+         every value.{identity} {}.",
         capital(&of.statement)
     );
     Figure::new("calibration", &title, caption, &[plot], &table)
+}
+
+/// What a caption says of an interval that reaches beyond the values searched.
+fn beyond(of: &Calibration) -> &'static str {
+    let Some(interval) = of.solution.and_then(|solution| solution.interval_95) else { return "" };
+    let (low, high) = (of.between.low, of.between.high);
+    if interval.high < low || interval.low > high {
+        " The 95 % confidence interval lies outside of the values searched and is not drawn."
+    } else if interval.low < low || interval.high > high {
+        " The 95 % confidence interval goes on beyond the values searched, where it has no stroke at \
+         its end."
+    } else {
+        ""
+    }
 }
 
 /// How far results reach, for the size of strokes.
@@ -151,5 +170,31 @@ mod tests {
         assert!(spoilt.caption.contains("crosses: runs left out"), "law: one is");
         let with = of_calibration(&found(Some(Interval::new(0.5, 0.7)))).expect("a figure");
         assert!(with.svg.contains("Found, with its 95 % confidence"), "law: there is one");
+    }
+
+    /// Law: an interval ends with a stroke where it ends; one that goes on beyond the values searched
+    /// has none there, one beside them is not drawn, and the caption says so.
+    #[test]
+    fn an_interval_beyond_the_values_has_no_end() {
+        let figure = |interval: Option<(f64, f64)>| {
+            let interval = interval.map(|(low, high)| Interval::new(low, high));
+            of_calibration(&found(interval)).expect("a figure")
+        };
+        let lines = |figure: &Figure| figure.svg.matches("<polyline").count();
+        let none = figure(None);
+        for (interval, expected, words) in [
+            ((0.5, 0.7), 3, ""),
+            ((0.1, 0.7), 2, "goes on beyond the values searched"),
+            ((0.5, f64::INFINITY), 2, "goes on beyond the values searched"),
+            ((f64::NEG_INFINITY, f64::INFINITY), 1, "goes on beyond the values searched"),
+            ((1.2, 1.4), 0, "lies outside of the values searched"),
+        ] {
+            let got = figure(Some(interval));
+            let more = lines(&got) - lines(&none);
+            assert_eq!(more, expected, "law: the line and strokes of {interval:?}");
+            assert!(got.caption.contains(words), "law: of {interval:?} `{words}`: {}", got.caption);
+            let said = got.caption.contains("values searched");
+            assert_eq!(said, !words.is_empty(), "law: only of such: {}", got.caption);
+        }
     }
 }
