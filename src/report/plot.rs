@@ -140,6 +140,8 @@ pub struct Plot {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
+    /// Names in place of numbers on the horizontal axis, one a tick; ticks divide it evenly.
+    pub x_names: Option<Vec<String>>,
     /// Names in place of numbers on the vertical axis, one a tick.
     pub y_names: Option<Vec<String>>,
     /// Bands behind everything.

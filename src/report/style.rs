@@ -24,6 +24,8 @@ pub const BELOW: i32 = 170;
 pub const NUMBERS: f64 = 44.0;
 /// Size of axis names.
 pub const NAMES: f64 = 48.0;
+/// Least size of names that stand in the place of numbers.
+pub const LEAST: f64 = 20.0;
 /// Width of axes and ticks.
 pub const THIN: u32 = 3;
 /// Width of curves.
@@ -114,9 +116,32 @@ pub fn text_width(text: &str, size: f64) -> f64 {
     0.6 * size * text.chars().count() as f64
 }
 
+/// The size at which a text fits into a length in SVG units, at most the given one. What would fit in
+/// common letters keeps it; what is made smaller has room for wide ones.
+pub fn fitting(text: &str, size: f64, room: f64) -> f64 {
+    // Mean width of words by their size.
+    const COMMON: f64 = 0.54;
+    if COMMON * size * text.chars().count() as f64 <= room {
+        size
+    } else {
+        size.min((room / text_width(text, 1.0)).floor())
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{COLOURS, RGBColor, colour, marker};
+    use super::{COLOURS, NAMES, RGBColor, colour, fitting, marker, text_width};
+
+    /// Law: a text that fits keeps its size, a longer one is made to fit.
+    #[test]
+    fn long_texts_get_smaller() {
+        let usual = "Angle of repose (degrees)";
+        assert_eq!(fitting(usual, NAMES, 660.0), NAMES, "law: `{usual}` fits into a panel");
+        let long = "Void ratio of lower-half-of-the-box";
+        let size = fitting(long, NAMES, 660.0);
+        let got = text_width(long, size);
+        assert!(got <= 660.0 && got > 600.0, "law: `{long}` fills 660, got {got} at {size}");
+    }
 
     /// What eyes without the pigment for long waves, and those without that for middle ones, make of
     /// linear intensities (Machado, Oliveira & Fernandes 2009).

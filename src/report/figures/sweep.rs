@@ -33,17 +33,20 @@ fn stem(kind: &str, path: &str) -> String {
     format!("{kind}-{}", plain.collect::<String>())
 }
 
-/// The horizontal axis of a factor; where values are no numbers, their places.
-fn axis(factor: &SweepFactor) -> Axis {
+/// An empty panel of a result over a factor; where values are no numbers, over their names.
+fn panel(of: &Sweep, factor: &SweepFactor, outcome: &str) -> Plot {
     let numbers = factor.values.iter().map(|v| factor.number(v));
-    if factor.numeric {
-        return Axis::linear(&factor.path).holding(numbers).clear_of_frame();
-    }
-    let names: Vec<String> =
-        factor.values.iter().enumerate().map(|(n, v)| format!("{} {}", n + 1, shown(v))).collect();
-    let (from, to) = (0.5, names.len() as f64 + 0.5);
-    let scale = Scale { from, to, ticks: numbers.collect(), ..Scale::default() };
-    Axis::divided(format!("{}: {}", factor.path, names.join(", ")), scale)
+    let x = if factor.numeric {
+        Axis::linear(&factor.path).holding(numbers).clear_of_frame()
+    } else {
+        let (from, to) = (0.5, factor.values.len() as f64 + 0.5);
+        let scale = Scale { from, to, ticks: numbers.collect(), ..Scale::default() };
+        Axis::divided(&factor.path, scale)
+    };
+    let mut plot = Plot::new(x, Axis::linear(in_words(outcome, &of.names)));
+    plot.x_names = (!factor.numeric).then(|| factor.values.iter().map(shown).collect());
+    plot.frame_height = PANEL;
+    plot
 }
 
 /// Means, joined where a result can rise or fall from one to the next.
@@ -142,8 +145,7 @@ fn effect_panel(of: &Sweep, n: usize, factor: &SweepFactor, effect: &SweepEffect
     let bars = of_values().filter_map(|(at, e)| Some([(at, e.t_low?), (at, e.t_high?)]));
     let reach = Interval::of(factor.values.iter().map(|v| factor.number(v)));
     let stroke = reach.map_or(0.0, |i| STROKE * (i.high - i.low));
-    let mut plot = Plot::new(axis(factor), Axis::linear(in_words(&effect.outcome, &of.names)));
-    plot.frame_height = PANEL;
+    let mut plot = panel(of, factor, &effect.outcome);
     plot.add_some("Single runs", Look::rings(), counting.into_iter().filter_map(at));
     let left_out = left_out.into_iter().filter_map(at);
     plot.add_some("Left out of the means", Look::rings().marker(Marker::Cross), left_out);
@@ -161,8 +163,7 @@ fn pair_figure(of: &Sweep, a: usize, b: usize) -> Result<Option<Figure>, ReportE
     let outcomes: Vec<&str> = main_outcomes(&of.runs).into_iter().filter(has).collect();
     let mut panels = Vec::new();
     for path in outcomes {
-        let mut plot = Plot::new(axis(first), Axis::linear(in_words(path, &of.names)));
-        plot.frame_height = PANEL;
+        let mut plot = panel(of, first, path);
         for (k, value) in second.values.iter().enumerate() {
             let mut points = Vec::new();
             for at in &first.values {
@@ -260,5 +261,52 @@ mod tests {
         assert!(!figure(&drawn).caption.contains("Crosses"), "law: no run is left out");
         drawn.runs[0].left_out_of_means = Some("not valid".to_owned());
         assert!(figure(&drawn).caption.contains("Crosses: runs left out"), "law: one is");
+    }
+
+    /// The texts of a figure, each with its size.
+    fn texts(svg: &str) -> Vec<(f64, &str)> {
+        fn text(part: &str) -> Option<(f64, &str)> {
+            let (head, rest) = part.split_once('>')?;
+            let (_, size) = head.split_once("font-size=\"")?;
+            let (size, _) = size.split_once('"')?;
+            Some((size.parse().ok()?, rest.split_once('<')?.0.trim()))
+        }
+        svg.split("<text ").skip(1).filter_map(text).collect()
+    }
+
+    /// Law: names of axes and of values stand on the sheet, however long they are; values that are no
+    /// numbers are named at their ticks.
+    #[test]
+    fn long_names_stay_on_the_sheet() {
+        let mut of = sweep(2);
+        of.names.regions = vec!["lower-half-of-the-large-shear-box".to_owned()];
+        let outcome = "laboratory.regions.0.void_ratio";
+        of.effects[0].outcome = outcome.to_owned();
+        let values = ["crushed-basalt-of-the-northern-quarry", "river gravel"];
+        of.factors[0].values = values.map(Value::from).into();
+        of.factors[0].numeric = false;
+        for run in &mut of.runs {
+            let n = usize::from(run.point == "point-0002");
+            run.values = vec![values[n].into()];
+            run.outcomes = BTreeMap::from([(outcome.to_owned(), 0.6)]);
+        }
+        of.effects[0].means.clear();
+        let svg = of_sweep(&of).expect("figures").remove(0).svg;
+        let written = texts(&svg);
+        let name = in_words(outcome, &of.names);
+        // A panel is 660 high from its upper edge to the same distance below its middle.
+        for (text, room) in [(name.as_str(), 660.0), (values[0], 870.0), (values[1], 870.0)] {
+            let found = written.iter().find(|(_, found)| *found == text);
+            let Some((size, _)) = found else { panic!("law: `{text}` is written: {written:?}") };
+            let got = style::text_width(text, *size);
+            assert!(got <= room, "law: `{text}` fits into {room}, got {got} at {size}");
+        }
+        assert!(written.iter().any(|(_, text)| *text == "seed"), "law: the axis is the field's");
+        of.factors[0].values.push("a".repeat(500).into());
+        let svg = of_sweep(&of).expect("figures").remove(0).svg;
+        let cut = texts(&svg).into_iter().find(|(_, text)| text.starts_with("3 a"));
+        let (size, text) = cut.expect("law: a very long value is numbered and cut off");
+        let got = style::text_width(text, size);
+        assert!(text.ends_with('…') && got <= 580.0, "law: it fits into 580, got {got}: {text}");
     }
 }

@@ -23,8 +23,9 @@ impl Plot {
         let y_numbers = names.unwrap_or_else(|| y.ticks.iter().map(|t| y.number(*t)).collect());
         let width = |number: &String| style::text_width(number, style::NUMBERS);
         let widest = y_numbers.iter().map(width).fold(0.0, f64::max);
-        // How far the number of a tick at the right end reaches over it.
-        let at_end = x.ticks.iter().filter(|t| x.place(**t).is_some_and(|place| place > 0.98));
+        // How far the number of a tick at the right end reaches over it; names stay below their share.
+        let is_at_end = |tick: &f64| x.place(*tick).is_some_and(|place| place > 0.98);
+        let at_end = x.ticks.iter().filter(|t| self.x_names.is_none() && is_at_end(t));
         let over = at_end.map(|t| (width(&x.number(*t)) / 2.0) as i32 + 10).max().unwrap_or(0);
         let name = if self.y.name.is_empty() { 0 } else { style::UPRIGHT_NAME };
         let left = (widest as i32 + name + 50).max(style::LEFT);
@@ -38,7 +39,8 @@ impl Plot {
         let legend_top = frame.bottom + style::BELOW;
         let height = legend_top + rows.len() as i32 * LEGEND_ROW + 20;
         drawn(height, |sheet| {
-            let pen = Pen { sheet, frame, plot: self, x, y, y_numbers };
+            let x_numbers = self.x_numbers(&x, f64::from(frame.right - frame.left));
+            let pen = Pen { sheet, frame, plot: self, x, y, x_numbers, y_numbers };
             pen.bands()?;
             pen.envelopes()?;
             pen.grid()?;
@@ -50,6 +52,30 @@ impl Plot {
             }
             pen.legend(&rows, legend_top)
         })
+    }
+
+    /// What stands at each tick of the horizontal axis, and its size: numbers, or names that stand
+    /// beside each other. Names that would have to be too small are numbered and cut off.
+    fn x_numbers(&self, x: &Scale, width: f64) -> (Vec<String>, f64) {
+        const SHARE: f64 = 0.94;
+        let Some(names) = &self.x_names else {
+            return (x.ticks.iter().map(|t| x.number(*t)).collect(), style::NUMBERS);
+        };
+        let room = SHARE * width / names.len().max(1) as f64;
+        let sizes = names.iter().map(|name| style::fitting(name, style::NUMBERS, room));
+        let size = sizes.fold(style::NUMBERS, f64::min);
+        if size >= style::LEAST {
+            return (names.clone(), size);
+        }
+        let most = (room / style::text_width("x", style::LEAST)) as usize;
+        let cut = |(n, name): (usize, &String)| {
+            let numbered = format!("{} {name}", n + 1);
+            if numbered.chars().count() <= most {
+                return numbered;
+            }
+            numbered.chars().take(most.saturating_sub(1)).chain(['…']).collect()
+        };
+        (names.iter().enumerate().map(cut).collect(), style::LEAST)
     }
 
     /// Legend entries, wrapped to the width of the figure.
@@ -114,6 +140,8 @@ struct Pen<'a, 'b> {
     plot: &'a Plot,
     x: Scale,
     y: Scale,
+    /// What stands at each tick of the horizontal axis, and its size.
+    x_numbers: (Vec<String>, f64),
     /// What stands at each tick of the vertical axis.
     y_numbers: Vec<String>,
 }
@@ -175,11 +203,12 @@ impl Pen<'_, '_> {
             let y = y as i32;
             sheet.path([(left, y), (left + style::TICK / 2, y)], INK, style::THIN)?;
         }
-        for tick in &self.x.ticks {
+        let (x_numbers, size) = &self.x_numbers;
+        for (tick, number) in self.x.ticks.iter().zip(x_numbers) {
             let Some(x) = self.x(*tick) else { continue };
             let x = x as i32;
             sheet.path([(x, bottom), (x, bottom - style::TICK)], INK, style::THIN)?;
-            sheet.text(&self.x.number(*tick), (x, bottom + 18), style::NUMBERS, hanging)?;
+            sheet.text(number, (x, bottom + 18), *size, hanging)?;
         }
         for (tick, number) in self.y.ticks.iter().zip(&self.y_numbers) {
             let Some(y) = self.y(*tick) else { continue };
@@ -187,11 +216,15 @@ impl Pen<'_, '_> {
             sheet.path([(left, y), (left + style::TICK, y)], INK, style::THIN)?;
             sheet.text(number, (left - 20, y), style::NUMBERS, (HPos::Right, VPos::Center))?;
         }
-        let below = ((left + right) / 2, bottom + 92);
-        sheet.text(&self.plot.x.name, below, style::NAMES, hanging)?;
-        let beside = (28, (top + bottom) / 2);
-        let turned = FontTransform::Rotate270;
-        sheet.turned_text(&self.plot.y.name, beside, style::NAMES, hanging, turned)
+        // Names stand at the middle of the frame and reach to the nearer edge of the sheet at most.
+        let (across, up) = ((left + right) / 2, (top + bottom) / 2);
+        let room = 2 * across.min(style::WIDTH as i32 - across);
+        let (name, below) = (&self.plot.x.name, (across, bottom + 92));
+        let size = style::fitting(name, style::NAMES, f64::from(room));
+        sheet.text(name, below, size, hanging)?;
+        let (name, beside) = (&self.plot.y.name, (28, up));
+        let size = style::fitting(name, style::NAMES, f64::from(2 * up));
+        sheet.turned_text(name, beside, size, hanging, FontTransform::Rotate270)
     }
 
     fn look(&self, look: &Look, points: &[(f64, f64)]) -> Drawn {
