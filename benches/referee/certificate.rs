@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::{
+    fields::stands,
     kept::{self, Kept, fingerprint, identity},
     pours::Engine,
     program::{self, Program, number},
@@ -46,8 +47,8 @@ pub struct Certificate {
     pub contacts: u64,
     pub gap_mm: f64,
     /// Largest friction coefficient in it, that between grains, and the least with which forces in
-    /// the cones carry the weights, all pairs' coefficients being multiplied alike;
-    /// `null` where none is.
+    /// the cones carry the weights of the grains that do not fall, all pairs' coefficients being
+    /// multiplied alike; `null` where none is.
     pub friction: f64,
     pub least_friction: Option<f64>,
     /// The same where 1 % of the grains may be left with more than 1 % of their weight.
@@ -61,7 +62,7 @@ pub struct Certificate {
     /// weights together (Euclidean norm).
     pub worst_left_percent: Option<f64>,
     pub left_percent: Option<f64>,
-    /// It needs no more friction than it has.
+    /// No grain falls, and the others need no more friction than they have.
     pub stands: bool,
     /// Wall time of pouring and of the certificate.
     pub wall_s: f64,
@@ -135,7 +136,7 @@ fn poured(scenario: &str, engine: Engine) -> Result<Value, String> {
 /// What `certificate.py` answers.
 fn judged(name: &str, engine: Engine, answer: &Value) -> Result<Certificate, String> {
     let whole = |field: &str| number(answer, field).map(|n| n as u64);
-    let factor = answer["least_factor"].as_f64();
+    let fall = whole("fall")?;
     let percent = |field: &str| answer[field].as_f64().map(|share| 100.0 * share);
     Ok(Certificate {
         specimen: name.to_owned(),
@@ -147,11 +148,11 @@ fn judged(name: &str, engine: Engine, answer: &Value) -> Result<Certificate, Str
         friction: number(answer, "friction")?,
         least_friction: answer["least_friction"].as_f64(),
         least_friction_of_99_percent: answer["least_friction_of_most"].as_f64(),
-        fall: whole("fall")?,
+        fall,
         unbalanced: whole("unbalanced")?,
         worst_left_percent: percent("worst_left"),
         left_percent: percent("left"),
-        stands: factor.is_some_and(|f| f <= 1.0),
+        stands: stands(fall, answer["least_factor"].as_f64()),
         wall_s: 0.0,
     })
 }

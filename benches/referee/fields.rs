@@ -36,6 +36,12 @@ pub const PARTS: [Part; 3] = [
     },
 ];
 
+/// Whether a specimen can stand: no grain falls, and the coefficients with which the others stand,
+/// over those that it has, are at most 1; `None`: none is large enough.
+pub fn stands(fall: u64, least_factor: Option<f64>) -> bool {
+    fall == 0 && least_factor.is_some_and(|factor| factor <= 1.0)
+}
+
 /// What is wrong with the fields of a file's entries: those that are missing, and those
 /// that nothing tells of.
 pub fn faults(file: &Value) -> Vec<String> {

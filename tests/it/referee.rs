@@ -1,5 +1,7 @@
 //! The fields of the referee's results (`benches/referee/fields.rs`).
 
+use std::path::Path;
+
 use serde_json::{Value, json};
 
 #[path = "../../benches/referee/fields.rs"]
@@ -72,4 +74,37 @@ fn results_of_the_referee_have_their_fields() {
     let mut more = result();
     more["surplus"] = json!([]);
     assert_eq!(fields::faults(&more), vec!["`surplus` is no part of the file".to_owned()]);
+}
+
+/// Law: a specimen stands only where no grain falls and the others need no more friction than they
+/// have. In kept results, too.
+#[test]
+fn a_specimen_with_a_falling_grain_does_not_stand() {
+    let cases = [
+        (0, Some(0.8), true),
+        (0, Some(1.0), true),
+        (0, Some(1.1), false),
+        (0, None, false),
+        (1, Some(0.8), false),
+        (1, None, false),
+    ];
+    for (fall, factor, expected) in cases {
+        let got = fields::stands(fall, factor);
+        assert_eq!(got, expected, "law: {fall} that fall, coefficients times {factor:?}");
+    }
+    for name in ["referee.json", "referee-frictionless.json"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/results").join(name);
+        let kept: Value = pluvia::record::read_json(&path).expect("kept results can be read");
+        for of in kept["static"].as_array().expect("a list") {
+            let fall = of["fall"].as_u64().expect("a number");
+            let factor =
+                of["least_friction"].as_f64().zip(of["friction"].as_f64()).map(|(l, f)| l / f);
+            let expected = json!(fields::stands(fall, factor));
+            assert_eq!(
+                of["stands"], expected,
+                "law: {name}, {} of {}",
+                of["specimen"], of["engine"]
+            );
+        }
+    }
 }
