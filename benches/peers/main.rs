@@ -16,6 +16,7 @@ mod specimens;
 mod table;
 #[path = "../programs/tree.rs"]
 mod tree;
+mod verdict;
 
 use std::{
     path::{Path, PathBuf},

@@ -7,9 +7,7 @@ use pluvia::{
     geometry::{Pose, Vector},
     grains::{Grain, GrainSet},
     measure::{mean_grain_height, overlap_statistics, pairs_within, touching_gap},
-    scale::Scale,
     specimen::{Specimen, SpecimenState},
-    study::standard,
     world::BodyState,
 };
 use serde::Serialize;
@@ -17,6 +15,7 @@ use serde::Serialize;
 use super::{
     SceneName,
     engines::{Engine, Job, PeerResult, Sample},
+    verdict::meets_standard,
 };
 
 /// Simulated time in s below which poses tell more of the specimen than of the
@@ -128,22 +127,9 @@ pub fn measure(
         row.creep_um_per_s = creep_um_per_s(&result.series, &kept);
     }
     let creep = if name == SceneName::Rest { row.creep_um_per_s } else { creep_at_rest };
-    row.meets_standard = meets_standard(mean, p99, creep);
+    let must_stay = if name == SceneName::Pour { 0 } else { lost };
+    row.meets_standard = meets_standard(must_stay, mean, p99, creep);
     Measured { row, notes }
-}
-
-/// Whether all three are within the standard; not known where the first two
-/// are and nobody measured the third.
-fn meets_standard(mean: f64, p99: f64, creep: Option<f64>) -> Option<bool> {
-    // The scenes of the peers are of the paper's gravel.
-    let limits = standard(&Scale::PAPER);
-    let (mean_limit, p99_limit) = (limits.overlap_mean_percent, limits.overlap_p99_percent);
-    let creep_limit = limits.creep_um_per_s;
-    if mean < mean_limit && p99 < p99_limit {
-        creep.map(|c| c.abs() < creep_limit)
-    } else {
-        Some(false)
-    }
 }
 
 /// The grains where the engine left them, and the numbers of those that are

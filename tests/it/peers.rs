@@ -1,4 +1,5 @@
-//! What `make bench-peers` hands from one process to another (`benches/peers/handed.rs`).
+//! What `make bench-peers` hands from one process to another (`benches/peers/handed.rs`), and what it
+//! says of the accuracy standard (`benches/peers/verdict.rs`).
 
 use pluvia::{
     scenario::{EngineSettings, NativeSettings},
@@ -8,6 +9,8 @@ use serde_json::json;
 
 #[path = "../../benches/peers/handed.rs"]
 mod handed;
+#[path = "../../benches/peers/verdict.rs"]
+mod verdict;
 
 /// Law: the process that computes a row gets the settings of the row, the number of threads, which
 /// files leave out, among them; a world that has another number is refused.
@@ -30,4 +33,20 @@ fn threads_of_a_row_reach_its_world() {
         assert_eq!(silent.is_ok(), threads == 1, "law: an engine that does not say has one");
     }
     assert!(handed::settings("{}", "two").is_err(), "law: no number is refused");
+}
+
+/// Law: an engine that loses grains misses the accuracy standard, however well the others lie.
+#[test]
+fn an_engine_that_loses_grains_misses_the_standard() {
+    let cases = [
+        (0, 0.01, Some(0.0), Some(true)),
+        (0, 0.01, None, None),
+        (0, 50.0, None, Some(false)),
+        (1, 0.01, Some(0.0), Some(false)),
+        (1, 0.01, None, Some(false)),
+    ];
+    for (lost, overlap, creep, expected) in cases {
+        let got = verdict::meets_standard(lost, overlap, overlap, creep);
+        assert_eq!(got, expected, "law: {lost} lost, overlap {overlap} %, creep {creep:?} µm/s");
+    }
 }
