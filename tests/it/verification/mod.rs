@@ -2,6 +2,7 @@
 //! as `pluvia verify`; and wrong physics, put in on purpose, that must be found.
 
 mod defects;
+mod kept;
 mod order;
 
 use std::sync::{Arc, atomic::AtomicBool};
