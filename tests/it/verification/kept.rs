@@ -1,10 +1,12 @@
-//! Kept results of the verification are of the cases as they are now.
+//! Kept results of the verification are of the cases as they are now, and the page names failures
+//! that are known.
 
 use std::{collections::BTreeMap, path::Path};
 
 use pluvia::verify::builtin;
 
 use super::case;
+use crate::program::page;
 
 /// The kept tables, in double and in single precision.
 const KEPT: [&str; 2] = ["verify.csv", "verify-single.csv"];
@@ -42,5 +44,22 @@ fn ranges_of_packings_allow_little_more_than_chance() {
     for id in ["packing-turned", "packing-size"] {
         let got = case(id).tolerance / DEVIATION_MM;
         assert!(got < 6.0, "law: {id} allows less than 6 standard deviations, got {got:.1}");
+    }
+}
+
+/// Law: a case that the page names among the deviations of native contacts is a known failure of
+/// one of their settings.
+#[test]
+fn the_page_names_known_failures_of_native_contacts() {
+    let text = page("docs/verification.md");
+    let (_, rest) = text.split_once("- **Native contacts**").expect("the deviations");
+    let (native, _) = rest.split_once("\n- **").expect("those of others");
+    let cases = builtin().expect("the built-in cases are sound");
+    let quoted = native.split('`').skip(1).step_by(2);
+    let named: Vec<_> = quoted.filter_map(|word| cases.iter().find(|c| c.id == word)).collect();
+    assert!(named.len() >= 5, "law: the page names cases, got {}", named.len());
+    for case in named {
+        let known = case.known_failures.iter().any(|k| k.setting.starts_with("native"));
+        assert!(known, "law: `{}` is a known failure of native contacts", case.id);
     }
 }
