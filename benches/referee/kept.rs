@@ -2,6 +2,7 @@
 //! an interrupted run loses only what it was at.
 
 use std::{
+    collections::BTreeMap,
     fs::{File, OpenOptions},
     io::Write,
     path::{Path, PathBuf},
@@ -48,6 +49,13 @@ impl Kept {
         let line = serde_json::to_string(part).map_err(|e| told(&e))? + "\n";
         self.file.write_all(line.as_bytes()).map_err(|e| told(&e))
     }
+}
+
+/// Of parts with the same key the one that was kept last, by their keys: what was computed again
+/// stands in the file twice.
+pub fn last_of_each<T, K: Ord>(parts: Vec<T>, key: impl Fn(&T) -> K) -> Vec<T> {
+    let last: BTreeMap<K, T> = parts.into_iter().map(|part| (key(&part), part)).collect();
+    last.into_values().collect()
 }
 
 /// A short name of what determines a part.

@@ -20,7 +20,7 @@ use serde_json::{Value, json};
 
 use super::{
     crew,
-    kept::{self, Kept, fingerprint, identity},
+    kept::{self, Kept, fingerprint, identity, last_of_each},
     nearness::{Instant, Nearness, summary},
     program::{self, Program},
     tap::{Tap, Tapped, locked},
@@ -112,7 +112,8 @@ pub fn look(how: &Looking, name: &str, scenario: &str) -> Result<Vec<Nearness>, 
             Ok(())
         })?;
     }
-    instants.sort_by_key(|i| i.step);
+    // Those of a run without `--twice` may stand before the same with it.
+    let instants = last_of_each(instants, |i| (i.step, i.scene.clone()));
     Ok(scenes
         .iter()
         .filter_map(|(scene, due)| {

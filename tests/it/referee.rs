@@ -1,4 +1,5 @@
-//! The fields of the referee's results (`benches/referee/fields.rs`).
+//! The fields of the referee's results (`benches/referee/fields.rs`), and what earlier runs kept
+//! (`benches/referee/kept.rs`).
 
 use std::path::Path;
 
@@ -6,6 +7,9 @@ use serde_json::{Value, json};
 
 #[path = "../../benches/referee/fields.rs"]
 mod fields;
+#[allow(dead_code)] // nothing is kept here
+#[path = "../../benches/referee/kept.rs"]
+mod kept;
 
 /// A result with one entry of each kind, as `make referee` writes it.
 fn result() -> Value {
@@ -107,4 +111,14 @@ fn a_specimen_with_a_falling_grain_does_not_stand() {
             );
         }
     }
+}
+
+/// Law: an instant that was solved again, as `--twice` does, counts once, as it was solved last.
+#[test]
+fn what_was_computed_again_counts_once() {
+    let all =
+        vec![("pour", 7, "once"), ("rest", 2, "once"), ("pour", 7, "twice"), ("pour", 3, "once")];
+    let got = kept::last_of_each(all, |(scene, step, _)| (*step, *scene));
+    let expected = [("rest", 2, "once"), ("pour", 3, "once"), ("pour", 7, "twice")];
+    assert_eq!(got, expected, "law: the last of each instant, by steps");
 }
