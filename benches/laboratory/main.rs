@@ -14,6 +14,7 @@ mod references;
 mod relative;
 mod repose;
 mod row;
+mod rows;
 mod shear;
 mod shear_lines;
 #[allow(dead_code, unused_imports)] // its tests are those of tests/it/standard_tests.rs
@@ -25,7 +26,7 @@ mod triaxial;
 use std::{cell::RefCell, path::PathBuf, process::ExitCode};
 
 use clap::{Parser, ValueEnum};
-use pluvia::record::{create_folder, write_json};
+use pluvia::record::create_folder;
 
 use bench::{Bench, Design};
 use row::Row;
@@ -53,7 +54,7 @@ struct Options {
     #[arg(long, default_value = "out/laboratory.json")]
     out: PathBuf,
     /// Keep rows and figures in docs/results/ as well, for the pages
-    #[arg(long)]
+    #[arg(long, conflicts_with = "quick")]
     keep: bool,
     /// Run nothing: judge the rows of the file again by the references of today
     #[arg(long, conflicts_with_all = ["quick", "small", "only", "configurations", "jobs", "keep"])]
@@ -120,6 +121,7 @@ fn run(options: &Options) -> Result<(), String> {
     create_folder(&bench.out).map_err(|e| e.to_string())?;
     let kept = tree::root().join("docs/results");
     let kept_file = kept.join("laboratory.json");
+    let names = names();
     let mut rows = earlier(&options.out)?;
     let mut kept_rows = if options.keep { earlier(&kept_file)? } else { Vec::new() };
     // Nothing is judged by the beads, which are many, nor by the vibration of the standard, and
@@ -153,13 +155,10 @@ fn run(options: &Options) -> Result<(), String> {
                 row.note += &format!("; left out of this test: {}", left_out.join("; "));
             }
         }
-        for all in [&mut rows, &mut kept_rows] {
-            all.retain(|row| row.test != name);
-            all.extend(found.rows.iter().cloned());
+        rows::renew(&mut rows, &name, &found.rows, &names, &options.out)?;
+        if options.keep {
+            rows::renew(&mut kept_rows, &name, &found.rows, &names, &kept_file)?;
         }
-        relative::derive(&mut rows);
-        put_in_order(&mut rows);
-        write_json(&options.out, &rows).map_err(|e| e.to_string())?;
         for chart in found.charts {
             let figure = chart.figure().map_err(|e| e.to_string())?;
             figure.write(&bench.out.join("figures")).map_err(|e| e.to_string())?;
@@ -173,9 +172,6 @@ fn run(options: &Options) -> Result<(), String> {
         print!("{}", row::table(rows.iter().filter(|row| row.test == name)));
     }
     if options.keep {
-        relative::derive(&mut kept_rows);
-        put_in_order(&mut kept_rows);
-        write_json(&kept_file, &kept_rows).map_err(|e| e.to_string())?;
         println!("kept in docs/results/; `make results ARGS=--fill` fills the pages");
     }
     println!("all of it in {}", options.out.display());
@@ -189,18 +185,15 @@ fn judge_again(file: &std::path::Path) -> Result<(), String> {
         return Err(format!("{} has no rows to judge; run the tests first", file.display()));
     }
     rows.iter_mut().for_each(Row::judge);
-    relative::derive(&mut rows);
-    put_in_order(&mut rows);
-    write_json(file, &rows).map_err(|e| e.to_string())?;
+    rows::write(&mut rows, &names(), file)?;
     print!("{}", row::table(rows.iter()));
     println!("judged again in {}", file.display());
     Ok(())
 }
 
-/// Rows by their tests.
-fn put_in_order(rows: &mut [Row]) {
-    let names: Vec<String> = Part::value_variants().iter().map(Part::to_string).collect();
-    rows.sort_by_key(|row| names.iter().position(|name| *name == row.test));
+/// Names of all tests, in the order of their rows.
+fn names() -> Vec<String> {
+    Part::value_variants().iter().map(Part::to_string).collect()
 }
 
 /// Rows of tests that are not run now.

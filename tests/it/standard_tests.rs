@@ -13,6 +13,8 @@ mod relative;
 #[allow(dead_code)] // no table is printed here
 #[path = "../../benches/laboratory/row.rs"]
 mod row;
+#[path = "../../benches/laboratory/rows.rs"]
+mod rows;
 
 use laws::{self as standard_tests, Verdict};
 use references::{Published, Stated};
@@ -290,4 +292,36 @@ fn kept_relative_densities_follow_from_the_kept_index_densities() {
             row.id, row.ours
         );
     }
+}
+
+/// Law: the rows of a test are in the file when it ends, in the order of the tests, with what
+/// follows from them; those of other tests stay.
+#[test]
+fn rows_of_a_test_are_written_when_it_ends() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("rows.json");
+    let tests = ["density", "direct-shear", "oedometer"].map(str::to_owned);
+    let row = |test: &str, id: &str, value: f64| Row::of(test, id, "a void ratio", &[value]);
+    let of_density = [
+        row("density", "density-fraction-e-max", 1.0),
+        row("density", "density-fraction-e-min", 0.6),
+    ];
+    let oedometer = |value| [row("oedometer", "oedometer-void-ratio", value)];
+    let mut all = Vec::new();
+    let relative = "relative-density-oedometer-void-ratio";
+    let both = ["density-fraction-e-max", "density-fraction-e-min"];
+    let ends: [(&str, &[Row], Vec<&str>); 3] = [
+        ("oedometer", &oedometer(0.9), vec!["oedometer-void-ratio"]),
+        ("density", &of_density, vec![both[0], both[1], relative, "oedometer-void-ratio"]),
+        ("oedometer", &oedometer(0.8), vec![both[0], both[1], relative, "oedometer-void-ratio"]),
+    ];
+    for (test, found, expected) in ends {
+        rows::renew(&mut all, test, found, &tests, &file).expect("the rows are written");
+        let written: Vec<Row> = pluvia::record::read_json(&file).expect("the rows are there");
+        let got: Vec<&str> = written.iter().map(|row| row.id.as_str()).collect();
+        assert_eq!(got, expected, "law: the file after {test}");
+    }
+    let found = all.iter().find(|row| row.id == relative).and_then(|row| row.ours);
+    let got = found.expect("a relative density");
+    assert!((got - 0.5).abs() < 1e-12, "law: (1 - 0.8)/(1 - 0.6) = 0.5, got {got}");
 }
