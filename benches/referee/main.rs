@@ -58,7 +58,7 @@ struct Options {
     pours: Option<u64>,
     /// Only specimens with these names: quick (364 grains), paper (1456)
     /// [default: both, with --quick only quick]
-    #[arg(long, value_delimiter = ',')]
+    #[arg(long, value_delimiter = ',', value_parser = SPECIMENS)]
     specimens: Vec<String>,
     /// Instants or pours that are computed at a time [default: processors]
     #[arg(long)]
@@ -73,6 +73,9 @@ struct Options {
     #[arg(long, default_value = "out/referee.json")]
     out: PathBuf,
 }
+
+/// Names of the specimens that are looked at: of `SCENARIOS` in `steps` and `certificate`.
+const SPECIMENS: [&str; 2] = ["quick", "paper"];
 
 /// Entries of the parts, by their names.
 type Results = Map<String, Value>;
