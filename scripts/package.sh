@@ -4,6 +4,7 @@
 #   scripts/package.sh deb        dist/pluvia_VERSION-1_ARCHITECTURE.deb
 #   scripts/package.sh archive    dist/pluvia-VERSION-MACHINE-linux.tar.xz
 #   scripts/package.sh checksums  dist/SHA256SUMS of what is there
+#   scripts/package.sh install    prints what the archive says of its installation
 #
 # Both hold the stripped program, the manual pages and completions that it prints itself,
 # scenarios and documentation. Neither holds Bullet: the package depends on Debian's, the archive
@@ -109,6 +110,29 @@ END
     echo "$file, $(du -h "$file" | cut -f1)"
 }
 
+# Of the system that the program was built on, and of the Bullet that it is linked to there.
+install_text() {
+    local system bullet libraries packages=
+    system=$(. "${OS_RELEASE:-/etc/os-release}" && echo "${NAME% GNU/Linux}${VERSION_ID:+ $VERSION_ID}")
+    bullet=$("$program" info | sed -n 's/^backend *bullet \([^,]*\), \(.*\)$/Bullet \1 in \2/p')
+    [ -n "$bullet" ] || fail "$program does not say which Bullet it has" "$program info"
+    libraries=$(ldd "$program" | awk '/libBullet|libLinearMath/ { print $3 }')
+    if [ -n "$libraries" ] && command -v dpkg-query >/dev/null; then
+        # As dpkg knows them: /lib is a link to /usr/lib.
+        packages=$(realpath $libraries | xargs dpkg-query -S | cut -d: -f1 | sort -u | paste -sd' ') ||
+            fail "dpkg knows no package of $libraries" "apt-get install libbullet-dev"
+        packages="apt-get install $packages"
+    fi
+    cat <<END
+Built on $system for $bullet. Install that first:
+
+    ${packages:-as the system names its package}
+
+then run ./pluvia, or copy it to a folder of PATH, man/ to a MANPATH, and completions/ to where
+your shell looks for them.
+END
+}
+
 archive() {
     local name file
     name=pluvia-$version-$(uname -m)-linux
@@ -116,14 +140,7 @@ archive() {
     fill "$out/$name" "$out/$name/man" "$out/$name" "$out/$name"
     completions "$out/$name/completions"
     cp LICENSE-MIT LICENSE-APACHE "$out/$name/"
-    cat >"$out/$name/INSTALL" <<'END'
-Built on Debian 12 for Bullet 3.24 in double precision. Install that first:
-
-    apt-get install libbullet3.24
-
-then run ./pluvia, or copy it to a folder of PATH, man/ to a MANPATH, and completions/ to where
-your shell looks for them.
-END
+    install_text >"$out/$name/INSTALL"
     same_time "$out/$name"
     file=$made/$name.tar.xz
     tar --sort=name --owner=0 --group=0 --numeric-owner --mtime="@$SOURCE_DATE_EPOCH" \
@@ -136,10 +153,11 @@ checksums() {
         -printf '%P\n' | sort | xargs -r sha256sum >SHA256SUMS && cat SHA256SUMS)
 }
 
-mkdir -p "$out" "$made"
 case ${1:-} in
-deb) deb ;;
-archive) archive ;;
-checksums) checksums ;;
+deb | archive | checksums)
+    mkdir -p "$out" "$made"
+    "$1"
+    ;;
+install) install_text ;;
 *) fail "scripts/package.sh ${1:-} is not known" "scripts/package.sh deb, archive or checksums" ;;
 esac

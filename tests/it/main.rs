@@ -36,6 +36,7 @@ mod memory;
 mod motions;
 #[path = "../../src/geometry/testing/near.rs"]
 mod near;
+mod packages;
 mod peers;
 mod picture;
 mod program;
