@@ -108,3 +108,12 @@ fn reasons_quote_what_kept_rows_have() {
     }
     assert!(quoted > 400, "law: reasons quote kept rows, got {quoted}");
 }
+
+/// Law: tilted blocks meet the floor without gravity: no law of theirs speaks of its direction.
+#[test]
+fn laws_of_tilted_impacts_do_not_speak_of_gravity() {
+    for case in builtin().expect("the built-in cases are sound") {
+        let speaks = case.id.starts_with("impact-tilted") && case.law.contains("gravity");
+        assert!(!speaks, "law: {} is without gravity, got `{}`", case.id, case.law);
+    }
+}
