@@ -218,6 +218,26 @@ mod tests {
         assert!(arch(10.0, 30.0) > arch(20.0, 30.0), "law: steep faces thrust more");
     }
 
+    /// Law: with a friction that is 1 % too small the keystone of mass m sinks with a,
+    /// m a = m g − 2 N (sin β + μ cos β), and blocks of mass M at its sides go aside with a tan β,
+    /// M a tan β = N (cos β − μ sin β) − μ (M g + N (sin β + μ cos β)).
+    #[test]
+    fn the_source_of_the_arch_says_how_far_its_keystone_sinks() {
+        let mut cases = cases_of!(CriticalFriction, 2).into_iter();
+        let (case, critical) =
+            cases.find(|(c, _)| c.id == "arch-critical-friction").expect("the arch");
+        let Assembly::Arch { lean_deg, .. } = critical.assembly else { panic!("an arch") };
+        let (bodies, _) = critical.assembly.bodies().expect("bodies");
+        let (key, side) = (mass_of(&bodies[0]).0, mass_of(&bodies[1]).0);
+        let (sin, cos) = from_deg(lean_deg).sin_cos();
+        let (mu, tan) = (0.99 * critical.assembly.law(), sin / cos);
+        let (up, aside) = (sin + mu * cos, cos - mu * sin);
+        let normal = side * GRAVITY * (tan + mu) / (aside - mu * up + 2.0 * side / key * tan * up);
+        let sunk = 0.5 * (GRAVITY - 2.0 * normal * up / key) * critical.duration_s.powi(2);
+        let expected = format!("would sink by {:.0} mm in the time", to_mm(sunk));
+        assert!(case.source.contains(&expected), "law: {expected}, got `{}`", case.source);
+    }
+
     /// The forces at the critical friction, put together anew from the bodies
     /// themselves: nothing is left over, and no block tips.
     #[test]
