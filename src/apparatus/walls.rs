@@ -85,7 +85,8 @@ pub(super) fn vessel(
 
 /// A cone between two heights that widens upwards by its half angle in rad from one inner radius to
 /// another, and above it an upright collar of a height; all in m, the thickness along the wall's
-/// normal.
+/// normal. Parts of the cone end at its heights: those of a flat one are sheets as thick as it is
+/// high, and as wide as the thickness over the cosine of its half angle.
 pub(super) fn cone(
     sides: u32,
     heights: (f64, f64),
@@ -248,6 +249,26 @@ mod tests {
 
     fn volume(pieces: &[Piece]) -> f64 {
         pieces.iter().map(|p| p.shape.signed_volume()).sum()
+    }
+
+    /// Law: parts of a cone end at its heights: those of a flat one are sheets as thick as it is
+    /// high, and as wide as the thickness over the cosine of its half angle.
+    #[test]
+    fn parts_of_a_flat_cone_are_sheets() {
+        let (angle, radii, thickness) = (from_deg(89.0), (0.0225, 0.0268), 0.01);
+        let height = (radii.1 - radii.0) / angle.tan();
+        for part in cone(32, (0.0, height), radii, 0.0, thickness, angle).expect("a cone") {
+            let (low, high) = part.shape.heights(&part.pose);
+            near("as thick as it is high", high - low, height, 1e-9);
+            let away = |p: &Point| p.x.hypot(p.y);
+            let corners = || part.shape.vertices().iter().map(|v| away(&(part.pose * v)));
+            let (inner, outer) = corners()
+                .fold((f64::INFINITY, 0.0_f64), |(low, high), r| (low.min(r), high.max(r)));
+            // Corners lie off the flats, and the upper edge off the lower one.
+            let corner = 1.0 / (PI / 32.0).cos();
+            let wide = thickness / angle.cos() + half_width(radii.1, 32) - half_width(radii.0, 32);
+            near("as wide as its wall is across", outer - inner, wide * corner, 1e-9);
+        }
     }
 
     #[test]

@@ -134,7 +134,8 @@ pub struct HopperSpec {
     pub half_angle_deg: f64, from 1.0 to 89.0;
     /// Height of an upright collar on top of it in mm.
     pub collar_mm: f64, or default, from 0.0 to 10000.0;
-    /// Thickness of the walls in mm.
+    /// Thickness of the walls in mm, along their normal. Walls of the cone end at its lower and its
+    /// upper edge: those of a flat cone are wide sheets, as thick as it is high.
     pub wall_mm: f64, else "wall", from 0.001 to 10000.0;
     /// Number of flat sides; 4 make a pyramid.
     pub sides: u32, else "sides", from 4 to 256;
