@@ -251,7 +251,8 @@ pub struct DepositSpec {
 /// Fields of [`StageSpec::Move`].
 #[schemars(description = "")] // that of the stage stands in the schema
 pub struct MoveSpec {
-    /// Names of the pieces that move as one; left out, all that stand.
+    /// Names of the pieces that move as one; left out, all that stand and are neither pressed nor
+    /// free.
     pub pieces: Vec<String>, skip "Vec::is_empty";
     /// Velocity along x, y and z in mm/s.
     pub velocity_mm_per_s: Option<[f64; 3]>, skip "Option::is_none";
