@@ -12,8 +12,9 @@ use crate::units::to_mm;
 const TRIES: usize = 16;
 
 /// Looks in a row at which a grain is due and finds no place, though everything is at rest, before
-/// feeding counts as stuck: 2 s of the paper's gravel. Ours: of [`TRIES`] random places at each none
-/// was free, so that with 95 % confidence less than 0.2 % of the area is (3 over their number).
+/// feeding counts as stuck: about 2 s of the paper's gravel, less where samples fall between
+/// checks, as both are looks. Ours: of [`TRIES`] random places at each none was free, so that with
+/// 95 % confidence less than 0.2 % of the area is (3 over their number).
 const STUCK_AFTER: u32 = 100;
 
 /// A grain counts as landed this number of times of free fall after it was let go, and
