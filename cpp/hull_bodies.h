@@ -40,9 +40,10 @@ struct Gains {
     std::vector<Of> others;
 };
 
-// A length by which points of two bodies can come closer within a step. A
-// pair that may meet within the step has its contact points before it meets,
-// so that it is stopped at the surface and not beyond.
+// A length by which points of two bodies can come closer within a step, at the speeds that they
+// have when it begins and with what forces may add. A pair that may so meet within the step has
+// contact points before it meets, and is stopped at the surface. What a third body's impact
+// within the step adds is not foreseen: it may drive a body as deep as that goes in the step.
 double approach_in_step(const HullBody &a, const HullBody &b, double step);
 
 // Where a body can be within the step, in the frame of HullBodies, with half the speculative margin
