@@ -97,7 +97,7 @@ class ContactSolver {
     const ContactLaw &law() const { return law_; }
     bool gyroscopic() const { return gyroscopic_; }
     // Natural-map residual of the last sub-step of the step inspected last, over
-    // its impulses, both in the kinetic norm; 0 before the first.
+    // its impulses, both in the kinetic norm; negative before the first.
     double residual() const { return residual_; }
     // Has the last sub-step of every step recorded from now on.
     void record() { recording_ = true; }
@@ -138,7 +138,7 @@ class ContactSolver {
     std::unordered_map<int, int> wholes_;    // of further parts, by the same number
     bool recording_ = false;
     unsigned steps_ = 0;
-    double residual_ = 0;
+    double residual_ = -1;
     SubstepRecord recorded_;
 
     void sort_places();

@@ -303,7 +303,7 @@ mod bridge {
         fn recall_contacts(self: Pin<&mut BulletWorld>, contacts: &[ContactRead]) -> Result<()>;
         fn pair_value(self: &BulletWorld, a: u32, b: u32) -> Result<PairValue>;
         fn phases(self: &BulletWorld) -> PhaseTimes;
-        /// See `World::solver_residual`; negative with stock Bullet contacts.
+        /// See `World::solver_residual`; negative with stock Bullet contacts and before the first step.
         fn solver_residual(self: &BulletWorld) -> f64;
         /// From now on.
         fn record_substeps(self: Pin<&mut BulletWorld>);

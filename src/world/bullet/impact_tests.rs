@@ -184,6 +184,7 @@ fn the_residual_is_small_at_rest_and_the_record_holds_the_problem() {
         let at = Vector::new(0.0, 0.0, 0.0051 + 0.0101 * f64::from(n));
         world.add(&free_box(Vector::repeat(0.01), at)).expect("added");
     }
+    assert_eq!(world.solver_residual(), None, "law: before the first step nothing is solved");
     steps(&mut world, 240);
     let residual = world.solver_residual().expect("the native solver says");
     assert!(residual < 1e-3, "law: a stack at rest is solved; residual {residual}");
