@@ -15,8 +15,8 @@ pub struct NativeSettings {
     pub substep_rate_hz: f64 = 1440.0, from 30.0 to 1e6;
     /// Iterations over all contacts in a sub-step, alternately forwards and backwards, at
     /// least: they go on until `solver_tolerance` is met, up to 256 times forwards and
-    /// backwards. Fewer: high stacks and loads are not carried exactly, and creep
-    /// numerically; more: slower.
+    /// backwards, or as many as are asked for where that is more. Fewer: high stacks and loads
+    /// are not carried exactly, and creep numerically; more: slower.
     pub iterations: u32 = 8, from 1 to 10000;
     /// Share of what contacts change of a body in a sub-step, on average, by which the
     /// last iteration may still change any body, in the kinetic norm. Lower: forces
