@@ -97,7 +97,8 @@ fn compile_shims(bullet: &pkg_config::Library) {
         // a*b+c must not be fused differently from machine to machine.
         .flag("-ffp-contract=off")
         .flag("-fno-math-errno")
-        // Vectors of eight stay inside one source file (cpp/hull_axis.cpp).
+        // Vectors of eight stay inside one source file: those of cpp/hull_axis.cpp, and those of
+        // cpp/lanes.h in cpp/contact_solver.cpp.
         .flag("-Wno-psabi")
         .warnings(true)
         .extra_warnings(true);
