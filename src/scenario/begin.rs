@@ -143,6 +143,9 @@ fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>
     if let Some(why) = renamed::of_earlier_version(&manifest["scenario"]) {
         return Err(of_specimen(format!("{} cannot be used: {why}", file.display())));
     }
+    if !scenario.get("grains").is_some_and(Value::is_object) {
+        return Err(of_specimen(format!("{} has no grains in it", file.display())));
+    }
     let entries: Vec<&Value> = manifest["stages"].as_array().into_iter().flatten().collect();
     let rest_test = Some(&manifest["rest_test"]).filter(|rest_test| rest_test.is_object());
     let text = |entry: &Value, field: &str| entry[field].as_str().unwrap_or_default().to_owned();

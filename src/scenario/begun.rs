@@ -10,7 +10,7 @@ pub(super) fn contradictions(run: &Map<String, Value>, own: &Value) -> Vec<Fault
         Fault::new(format!("{why}: leave the field out"), found, allowed).at(path)
     };
     let grains = own.get("grains").and_then(|own| {
-        let run = &run["grains"];
+        let run = run.get("grains").unwrap_or(&Value::Null);
         let is_file_of_sieved =
             !own["file"].is_null() && !run["sieve_table"].is_null() && run["meshes"].is_null();
         let of_file = || ("grains.file".to_owned(), own["file"].clone(), "nothing".to_owned());

@@ -155,6 +155,12 @@ fn what_cannot_be_begun_with_is_refused() {
     write(folder.path(), "manifest.json", &earlier);
     let named = json!({ "specimen": text(folder.path()) });
     refused(&named, &rest, &["begin.specimen", "now called `engine.contact_solver`"]);
+    let stage = json!({ "stage": "pour", "key": "a", "specimen_sha256": "b" });
+    let bare = json!({ "scenario": {}, "stages": [stage] });
+    write(folder.path(), "manifest.json", &bare);
+    let mut scenario = small::scenario(30.0, 0.25, 0.1);
+    (scenario["begin"], scenario["stages"]) = (named, rest.clone());
+    assert_one(&scenario, "begin.specimen", "has no grains in it");
     let pour = json!([{ "stage": "pour", "falling_height_mm": 0 }]);
     let again = ["stages[0]", "`pour` cannot be done again", "the specimen"];
     refused(&json!({ "specimen": whole_run }), &pour, &again);
