@@ -181,7 +181,7 @@ pub struct RotationSpec {
     /// Direction of the axis; its length does not matter.
     pub axis: [f64; 3];
     /// A point of the axis in mm.
-    pub about_mm: [f64; 3], or default;
+    pub about_mm: [f64; 3], or default, schemars(inner(range(min = -1e6, max = 1e6)));
     /// Speed in degrees per second, right-handed about the axis.
     pub deg_per_s: f64, schemars(range(min = -36000.0, max = 36000.0));
 }
@@ -212,7 +212,8 @@ pub struct LoadSpec {
     /// Direction of the axis of a moment, right-handed; its length does not matter.
     pub axis: Option<[f64; 3]>, skip "Option::is_none";
     /// A point of that axis in mm; left out, the origin of the laboratory.
-    pub about_mm: Option<[f64; 3]>, skip "Option::is_none";
+    pub about_mm: Option<[f64; 3]>, skip "Option::is_none",
+        schemars(inner(range(min = -1e6, max = 1e6)));
     /// Mass in g that the force accelerates; left out, that of the piece in aluminium,
     /// 2700 kg/m³.
     pub mass_g: Option<f64>, skip "Option::is_none", above 0.0 to 1e9;
@@ -256,9 +257,9 @@ pub struct RegionSpec {
     /// Name in the results.
     pub name: String, length 1 to 40;
     /// Its lowest corner in mm.
-    pub low_mm: [f64; 3];
+    pub low_mm: [f64; 3], schemars(inner(range(min = -1e6, max = 1e6)));
     /// Its highest corner in mm.
-    pub high_mm: [f64; 3];
+    pub high_mm: [f64; 3], schemars(inner(range(min = -1e6, max = 1e6)));
 }
 
 /// A disc that grains pass through.
@@ -266,7 +267,7 @@ pub struct OpeningSpec {
     /// Name in the results.
     pub name: String, length 1 to 40;
     /// Its middle in mm.
-    pub at_mm: [f64; 3];
+    pub at_mm: [f64; 3], schemars(inner(range(min = -1e6, max = 1e6)));
     /// Its diameter in mm: no less than that of the opening, so that nothing passes beside it.
     pub diameter_mm: f64, above 0.0 to 10000.0;
     /// The direction in which flow counts as positive.

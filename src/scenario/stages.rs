@@ -222,7 +222,7 @@ pub struct DepositSpec {
     /// there upwards.
     pub at_mm: [f64; 3];
     /// Sizes of a rectangular area along x and y in mm.
-    pub area_mm: Option<[f64; 2]>, skip "Option::is_none";
+    pub area_mm: Option<[f64; 2]>, skip "Option::is_none", schemars(inner(range(max = 10000.0)));
     /// Diameter of a round area in mm, in place of `area_mm`.
     pub diameter_mm: Option<f64>, skip "Option::is_none", above 0.0 to 10000.0;
     /// Lets the height of a rain follow the grains that lie there: the sphere around a grain begins
@@ -255,7 +255,8 @@ pub struct MoveSpec {
     /// free.
     pub pieces: Vec<String>, skip "Vec::is_empty";
     /// Velocity along x, y and z in mm/s.
-    pub velocity_mm_per_s: Option<[f64; 3]>, skip "Option::is_none";
+    pub velocity_mm_per_s: Option<[f64; 3]>, skip "Option::is_none",
+        schemars(inner(range(min = -1e7, max = 1e7)));
     /// A turn about an axis, in place of a velocity.
     pub rotation: Option<RotationSpec>, skip "Option::is_none";
     /// A sine, in place of a velocity.

@@ -80,10 +80,12 @@ fn faults_name_the_field_and_what_is_allowed() {
         ("stages[0].at_mm", json!([0, 0, -11]), "a height of more than -10 mm"),
         ("stages[0].rate_g_per_s", Value::Null, "type"),
         ("stages[0].area_mm", json!([0, 80]), "above 0"),
+        ("stages[0].area_mm[1]", json!(1e160), "at most 10000"),
         ("stages[0].sizes_mm", json!([8, 9]), "[8, 10]"),
         ("stages[1].travel_mm", json!(0), "out of range"),
         ("stages[1].ramp_s", json!(0.6), "at most 0.5 s"),
         ("stages[1].velocity_mm_per_s", json!([0, 0, 0]), "nothing would move"),
+        ("stages[1].velocity_mm_per_s[2]", json!(1e160), "at most 10000000"),
     ] {
         assert_told(&faults(&changed(sound(), path, to)), path, words);
     }
@@ -117,6 +119,38 @@ fn faults_name_the_field_and_what_is_allowed() {
     without.as_object_mut().expect("an object").remove("pieces");
     let found = faults(&without);
     assert!(found.iter().any(|(path, _)| path == "stages[0].stage"), "law: no pieces, {found:?}");
+}
+
+/// Law: what is moved about, and where something is measured, lies near enough for numbers that are
+/// finite.
+#[test]
+fn places_that_overflow_are_refused() {
+    let turn = json!({ "axis": [0, 1, 0], "about_mm": [0, 1e19, 0], "deg_per_s": 10 });
+    let turn = json!({ "stage": "move", "rotation": turn, "travel_deg": 5 });
+    let load = json!({ "piece": "lid", "moment_n_m": 1, "axis": [0, 0, 1],
+        "about_mm": [1e308, 0, 0] });
+    let press = json!({ "stage": "press", "loads": [load] });
+    let region = json!({ "name": "core", "low_mm": [0, 0, -1e308], "high_mm": [1, 1e308, 1] });
+    let mouth = json!({ "name": "mouth", "at_mm": [-1e308, 0, 0], "diameter_mm": 80 });
+    let measures = json!({ "regions": [region], "openings": [mouth] });
+    for (place, to, paths) in [
+        ("stages[1]", turn, &["stages[1].rotation.about_mm[1]"][..]),
+        ("stages[1]", press, &["stages[1].loads[0].about_mm[0]"]),
+        (
+            "measures",
+            measures,
+            &[
+                "measures.openings[0].at_mm[0]",
+                "measures.regions[0].high_mm[1]",
+                "measures.regions[0].low_mm[2]",
+            ],
+        ),
+    ] {
+        let found = faults(&changed(sound(), place, to));
+        for path in paths {
+            assert_told(&found, path, "at least -1000000 and at most 1000000");
+        }
+    }
 }
 
 /// Law: a travel or a time that is out of range is one fault: nothing says how long a ramp may be in

@@ -152,7 +152,8 @@ struct Fast {
     what: String,
 }
 
-/// The fastest motion of each stage that is known beforehand.
+/// The fastest motion of each stage that is known beforehand. Speeds that are not finite follow from
+/// numbers beyond the ranges of their fields, which are faults already.
 fn motions(parts: &Parts) -> Vec<Fast> {
     // The first grains to fall in a stage meet what is at the bottom with v = √(2gh).
     let fall = |stage: usize, height_mm: f64, what: &str| {
