@@ -136,12 +136,20 @@ impl<'a> Faults<'a> {
         }
     }
 
-    /// Numbers of which one at least must not be 0: a direction, a velocity.
+    /// Numbers of a vector that must have a length: a direction, a velocity.
     pub fn not_zero(&mut self, field: &str, numbers: impl AsRef<[f64]>, why: &str) {
         let numbers = numbers.as_ref();
-        let is_zero = numbers.iter().all(|x| *x == 0.0);
-        self.add_if(is_zero, field, format!("{numbers:?}"), "numbers that are not all 0", why);
+        let allowed = match numbers.iter().all(|x| *x == 0.0) {
+            true => "numbers that are not all 0",
+            false => "numbers that are not all 0, and whose squares a computer can hold",
+        };
+        self.add_if(!has_length(numbers), field, format!("{numbers:?}"), allowed, why);
     }
+}
+
+/// Whether the length of a vector is known: its square is neither 0 nor rounded away, and finite.
+pub(super) fn has_length(numbers: &[f64]) -> bool {
+    numbers.iter().map(|x| x * x).sum::<f64>().is_normal()
 }
 
 /// Longest place that is written out, in characters.
@@ -266,5 +274,24 @@ mod tests {
         assert_eq!(fault.to_string(), expected);
         let two = ScenarioErrors::Faults(vec![fault.clone(), fault]).to_string();
         assert_eq!(two.lines().count(), 3, "a heading and one line a fault, got {two}");
+    }
+
+    /// Law: a direction is one whose length can be computed: neither 0, nor squares that are.
+    #[test]
+    fn directions_have_a_length() {
+        for (direction, expected) in [
+            ([0.0, 0.0, -1.0], true),
+            ([1e-100, 0.0, 0.0], true),
+            ([0.0, 1e150, -1e150], true),
+            ([0.0, 0.0, -0.0], false),
+            ([0.0, 1e-200, 0.0], false),
+            ([0.0, 1e-160, 0.0], false),
+            ([1e200, 0.0, 0.0], false),
+        ] {
+            let mut found = Vec::new();
+            Faults::of(&mut found).not_zero("direction", direction, "it has no direction");
+            let got = found.is_empty();
+            assert_eq!(got, expected, "law: whether {direction:?} has a length, got {found:?}");
+        }
     }
 }

@@ -79,7 +79,7 @@ fn check_move(stage: &MoveSpec, faults: &mut Faults) {
         (.., Some(sine)) => ("sine.amplitude_mm", &sine.amplitude_mm),
         _ => return,
     };
-    if by.iter().all(|x| *x == 0.0) {
+    if !has_length(by) {
         return faults.not_zero(field, by, "nothing would move");
     }
     let (length, length_s) = match until {
