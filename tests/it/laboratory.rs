@@ -95,6 +95,8 @@ fn faults_name_the_field_and_what_is_allowed() {
     let sine = json!({ "stage": "move", "sine": sine, "duration_s": 0.55 });
     let turn = json!({ "axis": [0, 1, 0], "deg_per_s": 10 });
     let turn = json!({ "stage": "move", "rotation": turn, "travel_mm": 5 });
+    let endless = json!({ "axis": [0, 1, 0], "deg_per_s": 1e-310 });
+    let endless = json!({ "stage": "move", "rotation": endless, "travel_deg": 1 });
     let remove = json!({ "stage": "remove", "pieces": ["lid"] });
     let fast = json!({ "stage": "move", "velocity_mm_per_s": [0, 0, 5000000], "duration_s": 1 });
     let three = json!(["lid", "box", "gate"]);
@@ -106,6 +108,7 @@ fn faults_name_the_field_and_what_is_allowed() {
         ("stages[1]", press, "stages[1].ramp_s", "at most 1 s"),
         ("stages[1]", sine, "stages[1].duration_s", "whole number of cycles"),
         ("stages[1]", turn, "stages[1].travel_mm", "no end of this motion"),
+        ("stages[1]", endless, "stages[1].travel_deg", "would never end"),
         ("stages[2].pieces", json!(["lid", "lid"]), "stages[2].pieces[1]", "named twice"),
         ("stages[2].pieces", three, "stages[2].pieces[2]", "allowed: box, lid"),
         ("stages[3]", remove, "stages[3].pieces[0]", "removed before"),

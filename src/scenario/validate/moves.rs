@@ -91,6 +91,10 @@ fn check_move(stage: &MoveSpec, faults: &mut Faults) {
         (_, Some(turn)) => turn.deg_per_s.abs(),
         _ => 0.0,
     };
+    if let Some(travel) = travel.filter(|travel| !(travel / speed).is_finite()) {
+        let allowed = "a travel that the speed covers in a finite time";
+        return faults.add(name, travel, allowed, "the motion would never end");
+    }
     // Times and travels below zero are faults already.
     let too_short = |time: &f64| *time > 0.0 && ramp_s > *time;
     if let Some(time) = travel.map(|travel| travel / speed).filter(too_short) {
