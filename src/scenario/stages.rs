@@ -298,7 +298,7 @@ pub struct PressSpec {
     pub loads: Vec<LoadSpec>, length 1 to 100;
     /// Time in s in which a force grows from what it was to what is wanted, once the piece
     /// meets grains.
-    pub ramp_s: f64, else "press_ramp", above 0.0 to 1800.0;
+    pub ramp_s: f64, else "press_ramp", from 1e-9 to 1800.0;
     /// Speed in mm/s at most with which a piece comes to the grains: until the whole force is
     /// on it, it moves no faster.
     pub approach_mm_per_s: f64, else "approach", above 0.0 to 10000.0;

@@ -90,6 +90,7 @@ fn faults_name_the_field_and_what_is_allowed() {
         assert_told(&faults(&changed(sound(), path, to)), path, words);
     }
     let load = json!({ "piece": "lid", "force_n": 1 });
+    let sudden = json!({ "stage": "press", "loads": [load], "ramp_s": 1e-320 });
     let press = json!({ "stage": "press", "loads": [load], "ramp_s": 2, "time_limit_s": 1 });
     let sine = json!({ "amplitude_mm": [0, 0, 1], "frequency_hz": 10 });
     let sine = json!({ "stage": "move", "sine": sine, "duration_s": 0.55 });
@@ -106,6 +107,7 @@ fn faults_name_the_field_and_what_is_allowed() {
         ("stages[1].pieces", json!(["door"]), "stages[1].pieces[0]", "no such piece"),
         ("stages[1]", fast, "stages[1]", "a piece at its fastest"),
         ("stages[1]", press, "stages[1].ramp_s", "at most 1 s"),
+        ("stages[1]", sudden, "stages[1].ramp_s", "at least 0.000000001"),
         ("stages[1]", sine, "stages[1].duration_s", "whole number of cycles"),
         ("stages[1]", turn, "stages[1].travel_mm", "no end of this motion"),
         ("stages[1]", endless, "stages[1].travel_deg", "would never end"),
