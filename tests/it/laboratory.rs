@@ -158,6 +158,63 @@ fn places_that_overflow_are_refused() {
     }
 }
 
+/// Law: what earlier stages have made of pieces and grains is known before anything is run: which
+/// pieces are free, gone or pressed, and that no grain waits any more.
+#[test]
+fn what_earlier_stages_leave_is_known_beforehand() {
+    let after = |stages: &[Value]| {
+        let mut value = sound();
+        let all = value["stages"].as_array_mut().expect("stages");
+        all.truncate(1);
+        all.extend(stages.iter().cloned());
+        value
+    };
+    let release = |name: &str| json!({ "stage": "release", "pieces": [name] });
+    let remove = |name: &str| json!({ "stage": "remove", "pieces": [name] });
+    let press = json!({ "stage": "press", "loads": [{ "piece": "lid", "force_n": 1 }] });
+    let lower = json!({ "stage": "move", "velocity_mm_per_s": [0, 0, -1], "travel_mm": 1 });
+    let lower_lid = changed(lower.clone(), "pieces", json!(["lid"]));
+    let force = json!({ "piece": "lid", "direction": [0, 0, 1], "force_n": 1 });
+    let until = changed(remove("box"), "until", force);
+    for (stages, at) in [
+        (vec![release("lid"), release("box")], "stages[2].pieces"),
+        (vec![remove("lid"), release("box")], "stages[2].pieces"),
+        (vec![remove("lid"), remove("box"), lower.clone()], "stages[3].pieces"),
+        (vec![remove("box"), press.clone(), lower.clone()], "stages[3].pieces"),
+        (vec![remove("lid"), until.clone()], "stages[2].until.piece"),
+    ] {
+        assert_one(&after(&stages), at, "");
+    }
+    for stages in [
+        vec![release("lid"), release("lid")],
+        vec![release("lid"), lower_lid, release("box")],
+        vec![press, lower.clone()],
+        vec![remove("lid"), lower],
+    ] {
+        assert_eq!(faults(&after(&stages)), [], "law: something is left after {stages:?}");
+    }
+    let layer = |fields: &Value| {
+        let mut stage = json!({ "stage": "deposit", "at_mm": [0, 0, 20], "area_mm": [80, 80],
+            "how": "lattice" });
+        small::put(&mut stage, fields);
+        stage
+    };
+    let mut value = sound();
+    let rain = value["stages"][0].clone();
+    for (first, is_sound) in [
+        (layer(&json!({})), false),
+        (layer(&json!({ "mass_g": 50 })), true),
+        (layer(&json!({ "sizes_mm": [8, 10] })), true),
+        (rain.clone(), true),
+    ] {
+        value["stages"] = json!([first, rain]);
+        match is_sound {
+            true => assert_eq!(faults(&value), [], "law: some may be left by {first}"),
+            false => assert_one(&value, "stages[1].stage", "no grain waits any more"),
+        }
+    }
+}
+
 /// Law: a travel or a time that is out of range is one fault: nothing says how long a ramp may be in
 /// less than no time.
 #[test]

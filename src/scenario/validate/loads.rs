@@ -15,7 +15,8 @@ fn check_solver(parts: &Parts, stage: &str, lack: &str, faults: &mut Faults) {
     faults.add("stage", format!("{stage:?}"), "it on Bullet with native contacts", message);
 }
 
-/// Checks the pieces that a stage lets go; whether they stand, each once, is checked with all others.
+/// Checks the pieces that a stage lets go; whether they stand, each once, and what is left to carry
+/// them is checked with all others.
 pub(super) fn check_release(parts: &Parts, names: &[String], faults: &mut Faults) {
     check_solver(parts, "release", "moves no piece freely", faults);
     for (k, name) in names.iter().enumerate() {
@@ -25,10 +26,6 @@ pub(super) fn check_release(parts: &Parts, names: &[String], faults: &mut Faults
         let message = "a free piece collides with the pieces that it overlaps";
         faults.add_if(crosses, &field, shown, "a piece without `may_cross`", message);
     }
-    let all = parts.pieces().all(|(_, piece)| names.contains(&piece.name));
-    let wrong = all && parts.has_pieces();
-    let why = "nothing is left that could carry what moves freely";
-    faults.add_if(wrong, "pieces", names.join(", "), "fewer than all pieces", why);
 }
 
 /// Checks the loads of a stage; whether their pieces stand is checked with all others.

@@ -1,5 +1,6 @@
 //! Pieces of a laboratory, the stages that speak of them, and what is measured there.
 
+use super::mean_stress::{Hold, Holds, follow};
 use super::*;
 use crate::geometry::ConvexPolyhedron;
 use crate::scale::LARGEST_DISTANCE;
@@ -41,6 +42,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     }
     moves::check(parts, faults);
     check_who_stands(parts, faults);
+    check_what_waits(parts, faults);
     until::check(parts, faults);
     mean_stress::check(parts, faults);
 }
@@ -221,8 +223,15 @@ const TWICE: &str = "the piece is named twice";
 fn check_who_stands(parts: &Parts, faults: &mut Faults) {
     let Some(known) = parts.names_of_pieces().filter(|_| parts.has_pieces()) else { return };
     let mut removed: HashSet<&str> = HashSet::new();
-    for (i, spec) in parts.specs() {
+    let mut holds = Holds::new();
+    for (i, stage) in parts.stages.iter().enumerate() {
+        let Some(spec) = &stage.spec else {
+            // It may hold any piece again.
+            holds.clear();
+            continue;
+        };
         let mut faults = faults.at(format!("stages[{i}]"));
+        check_what_is_left(&known, spec, &mut holds, &mut faults);
         let of_load = |k: usize| format!("loads[{k}].piece");
         let of_piece = |k: usize| format!("pieces[{k}]");
         let (names, field): (Vec<&String>, &dyn Fn(usize) -> String) = match spec {
@@ -251,6 +260,52 @@ fn check_who_stands(parts: &Parts, faults: &mut Faults) {
         if let StageSpec::Remove(stage) = spec {
             removed.extend(stage.pieces.iter().map(String::as_str));
         }
+    }
+}
+
+/// Whether a stage finds a piece that it can move, and leaves one that carries what moves freely;
+/// `holds` is what earlier stages have made of the pieces of these names, then this one as well.
+fn check_what_is_left<'a>(
+    known: &[&str],
+    spec: &'a StageSpec,
+    holds: &mut Holds<'a>,
+    faults: &mut Faults,
+) {
+    let all = |holds: &Holds, are: fn(Hold) -> bool| {
+        known.iter().all(|name| holds.get(*name).is_some_and(|hold| are(*hold)))
+    };
+    if let StageSpec::Move(MoveSpec { pieces, .. }) = spec {
+        let wrong = pieces.is_empty() && all(holds, |hold| hold != Hold::Held);
+        let allowed = "names of pieces that stand";
+        let why =
+            "without names it moves all that is neither pressed nor free, and nothing is left";
+        faults.add_if(wrong, "pieces", "no names", allowed, why);
+    }
+    follow(spec, holds);
+    if let StageSpec::Release(ReleaseSpec { pieces, .. }) = spec {
+        let wrong = all(holds, |hold| matches!(hold, Hold::Free | Hold::Removed));
+        let allowed = "fewer than all pieces, with those that earlier stages let go";
+        let why = "nothing is left that could carry what moves freely";
+        faults.add_if(wrong, "pieces", pieces.join(", "), allowed, why);
+    }
+}
+
+/// Whether grains wait for each deposit: a lattice takes all that do, where neither a mass nor
+/// sizes are given. Of a rain those may be left for which it had no time or no room.
+fn check_what_waits(parts: &Parts, faults: &mut Faults) {
+    let takes_all = |spec: &StageSpec| match spec {
+        StageSpec::Deposit(DepositSpec { how, mass_g, sizes_mm, .. }) => {
+            *how == DepositKind::Lattice && mass_g.is_none() && sizes_mm.is_none()
+        }
+        _ => false,
+    };
+    let Some((all, _)) = parts.specs().find(|(_, spec)| takes_all(spec)) else { return };
+    for (i, spec) in parts.specs().filter(|(i, _)| *i > all) {
+        let wrong = matches!(spec, StageSpec::Deposit(_));
+        let found = Value::from(spec.name());
+        let allowed = format!("`mass_g` or `sizes_mm` in stages[{all}]");
+        let why = format!("no grain waits any more: the lattice of stages[{all}] takes all");
+        faults.add_if(wrong, &format!("stages[{i}].stage"), found, allowed, why);
     }
 }
 

@@ -14,6 +14,9 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
             let mut faults = faults.at(format!("until{place}"));
             check_condition(condition, &mut faults);
             check_names(parts, condition, &mut faults);
+            if !check_stands(parts, condition, &holds, &mut faults) {
+                continue;
+            }
             check_way(parts, spec, condition, &holds, &mut faults);
             check_turn(parts, condition, &holds, &mut faults);
             check_reach(spec, condition, &mut faults);
@@ -96,6 +99,17 @@ fn check_names(parts: &Parts, until: &ConditionSpec, faults: &mut Faults) {
     }
     let openings = measures.openings.iter().map(|opening| opening.name.as_str());
     known("opening", &until.opening, openings.collect(), "there is no such opening");
+}
+
+/// Whether a condition is about a piece that stands, or a group of which one does.
+fn check_stands(parts: &Parts, until: &ConditionSpec, holds: &Holds, faults: &mut Faults) -> bool {
+    let (Some(name), Some(measures)) = (&until.piece, &parts.measures) else { return true };
+    let is_removed = |name: &String| holds.get(name.as_str()) == Some(&Hold::Removed);
+    let names = pieces_of(measures, until);
+    let wrong = !names.is_empty() && names.iter().all(is_removed);
+    let name = Value::from(name.as_str());
+    faults.add_if(wrong, "piece", name, "a piece that stands", "the piece was removed before");
+    !wrong
 }
 
 /// What ends by its displacement must be able to move.
