@@ -41,7 +41,18 @@ pub fn load_with(
     overrides: &[Override],
     readers: Readers,
 ) -> Result<Loaded, ScenarioErrors> {
-    load_document_with(source::read(path)?, overrides, readers)
+    let mut document = source::read(path)?;
+    lay_over(&mut document, overrides);
+    load_document_with(document, readers, |_| true)
+}
+
+/// Lays overrides over a document; those that do not fit are faults of it.
+fn lay_over(document: &mut Document, overrides: &[Override]) {
+    for change in overrides {
+        if let Err(fault) = change.apply(document) {
+            document.faults.push(fault);
+        }
+    }
 }
 
 /// What a scenario says beside its grains.
@@ -60,7 +71,7 @@ const BESIDE_GRAINS: [&str; 10] = [
 
 /// Whether what stands at a path says nothing of the grains, under its name of today or an old one.
 fn is_beside_grains(path: &str) -> bool {
-    let name = path.split(['.', '[']).next().unwrap_or_default();
+    let name = path.split(['.', '[']).next().unwrap_or_default().trim();
     let now = renamed_field(name);
     BESIDE_GRAINS.contains(&now.as_deref().unwrap_or(name))
 }
@@ -79,12 +90,6 @@ pub fn load_grains_with(
     let mut document = source::read(path)?;
     if let Value::Object(fields) = &mut document.value {
         fields.retain(|name, _| !is_beside_grains(name));
-        // Any will do that may follow.
-        let any = match fields.contains_key("begin") {
-            true => json!([{ "stage": "rest", "duration_s": 1 }]),
-            false => json!([{ "stage": "fill_funnel" }]),
-        };
-        fields.insert("stages".to_owned(), any);
     }
     document.faults.retain(|fault| !is_beside_grains(&fault.path));
     let is_idle = |change: &Override| is_beside_grains(change.path());
@@ -93,20 +98,26 @@ pub fn load_grains_with(
     document.faults.extend(idle.iter().map(|change| {
         change.fault("the grains do not depend on it", "a field of `grains`, or `seed`")
     }));
-    load_document_with(document, &changes, readers)
+    lay_over(&mut document, &changes);
+    if let Value::Object(fields) = &mut document.value {
+        // Any will do that may follow.
+        let any = match fields.contains_key("begin") {
+            true => json!([{ "stage": "rest", "duration_s": 1 }]),
+            false => json!([{ "stage": "fill_funnel" }]),
+        };
+        fields.insert("stages".to_owned(), any);
+    }
+    // What nobody typed follows from the grains, and may be out of range with them.
+    load_document_with(document, readers, |path| !is_beside_grains(path))
 }
 
+/// The scenario of a document; of the faults of its values those count whose paths do.
 fn load_document_with(
     mut document: Document,
-    overrides: &[Override],
     readers: Readers,
+    counts: fn(&str) -> bool,
 ) -> Result<Loaded, ScenarioErrors> {
     let mut faults = std::mem::take(&mut document.faults);
-    for change in overrides {
-        if let Err(fault) = change.apply(&mut document) {
-            faults.push(fault);
-        }
-    }
     let astray = named_files::faults(&document);
     if !astray.is_empty() {
         faults.extend(astray);
@@ -114,6 +125,7 @@ fn load_document_with(
     }
     let (begun_with, found) = begin::read(&mut document);
     faults.extend(found);
+    let of_document = faults.len();
     let mut unread = motion_file::read(&mut document);
     unread.extend(mesh_pieces::read(&mut document, readers.parts));
     let grading = grading_of(&document, readers.grading);
@@ -133,12 +145,19 @@ fn load_document_with(
     }
     faults.extend(unread);
     faults.extend(overlapping_pieces::faults(&document, readers.overlaps, &faults));
+    let of_values = faults.split_off(of_document).into_iter();
+    let (counted, left): (Vec<Fault>, Vec<Fault>) =
+        of_values.partition(|fault| counts(&fault.path));
+    faults.extend(counted);
     if !faults.is_empty() {
         return Err(ScenarioErrors::Faults(faults));
     }
     let mut value = document.value.take();
     named_files::place(&mut value, |place| document.folder(place));
-    let mut scenario: Scenario = read(&value).expect("what was checked is a scenario");
+    let Some(mut scenario) = read::<Scenario>(&value) else {
+        assert!(!left.is_empty(), "what was checked is a scenario");
+        return Err(ScenarioErrors::Faults(left));
+    };
     scenario.found = grading.filter(|_| scenario.grading_by_sieves().is_none());
     Ok(Loaded { scenario, files: document.files })
 }

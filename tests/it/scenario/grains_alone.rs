@@ -62,3 +62,36 @@ fn changes_of_grains_count_and_others_are_refused() {
     let said = load(&sound(), &["grains.total_mas_g=1"]).expect_err("law: refused");
     assert!(said.contains("did you mean `total_mass_g`"), "law: a slip is one, got `{said}`");
 }
+
+/// Law: grains of every size that a scenario may have are made; sizes that nobody typed, of a cylinder
+/// or of the engine, are not judged.
+#[test]
+fn what_follows_from_the_grains_does_not_keep_them_from_being_made() {
+    for (passing, retained, mass) in [(5000.0, 4000.0, 1e9), (0.002, 0.001, 1e-9)] {
+        let table =
+            json!([{ "passing_mm": passing, "retained_mm": retained, "mass_percent": 100 }]);
+        let mut value = sound();
+        small::put(&mut value["grains"], &json!({ "total_mass_g": mass, "sieve_table": table }));
+        let said = load(&value, &[]).err();
+        assert_eq!(said, None, "law: grains of {retained} to {passing} mm");
+    }
+}
+
+/// Law: it does not matter where a specimen is named that a scenario begins with: in the file or by a
+/// change, its grains are found.
+#[test]
+fn grains_of_a_specimen_are_found_where_a_change_names_it() {
+    let shape = json!({ "box": { "inner_mm": [100, 100, 100] } });
+    let run = json!({
+        "scenario": { "name": "run", "grains": sound()["grains"],
+            "pieces": [{ "name": "box", "shape": shape }] },
+        "stages": [{ "stage": "deposit", "key": "a", "specimen_sha256": "b" }]
+    });
+    let folder = folder(&[("manifest.json", &run.to_string())]);
+    let stages = json!([{ "stage": "rest", "duration_s": 1 }]);
+    let change = format!("begin.specimen={}", folder.path().display());
+    let scenario = load(&json!({ "name": "rests", "stages": stages }), &[&change]);
+    let scenario = scenario.unwrap_or_else(|said| panic!("law: it loads, got {said}"));
+    let GrainsSpec::Sieved(sieved) = &scenario.grains else { panic!("sieved grains") };
+    assert_eq!(json!(sieved.total_mass_g), json!(500.0), "law: those of the run");
+}
