@@ -1,7 +1,10 @@
 //! Text of files and names as it may be shown: characters that are not seen but change what is
 //! seen stand as their code points. All that goes to a terminal passes here. And short numbers.
 
-use std::{borrow::Cow, path::Path};
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+use serde::Serializer;
 
 /// Whether a character is not seen but changes what is: one that controls a
 /// terminal, begins another line, or turns the direction of what follows
@@ -21,6 +24,22 @@ pub fn plain(text: &str) -> Cow<'_, str> {
 /// A path as one line.
 pub fn plain_path(path: &Path) -> String {
     plain(&path.display().to_string()).into_owned()
+}
+
+/// A path as JSON has it, which is UTF-8: a mark stands for what is not.
+///
+/// # Errors
+/// Those of the serializer.
+pub fn json_path<S: Serializer>(path: &Path, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_str(&path.to_string_lossy())
+}
+
+/// The same of several.
+///
+/// # Errors
+/// Those of the serializer.
+pub fn json_paths<S: Serializer>(paths: &[PathBuf], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(paths.iter().map(|path| path.to_string_lossy()))
 }
 
 /// A text that may have several lines: the same, but ends of lines stay.

@@ -89,6 +89,7 @@ struct Written {
     /// Moments of the run; 1 for a specimen that does not move.
     moments: usize,
     bytes: u64,
+    #[serde(serialize_with = "json_paths")]
     files: Vec<PathBuf>,
     /// Number of further files, which those above name.
     more_files: usize,

@@ -59,6 +59,7 @@ struct Made {
     shape: Option<ShapeSummary>,
     /// What a reader should know of grains made from meshes.
     notes: Vec<String>,
+    #[serde(serialize_with = "json_paths")]
     files: Vec<PathBuf>,
 }
 

@@ -35,6 +35,7 @@ pub(super) fn run(args: &ManArgs, context: &Context) -> Result<ExitStatus, CliEr
         files.push(path);
     }
     let text: String = files.iter().map(|file| format!("{}\n", plain_path(file))).collect();
+    let files: Vec<_> = files.iter().map(|file| file.to_string_lossy()).collect();
     context.done(&text, &files)
 }
 

@@ -66,8 +66,8 @@ use crate::export::ExportError;
 use crate::grains::load_scenario;
 use crate::paper::Interpretation;
 use crate::plain::{
-    components, counted, four_digits, grams, plain, plain_lines, plain_path, three_decimals,
-    without_zeros,
+    components, counted, four_digits, grams, json_path, json_paths, plain, plain_lines, plain_path,
+    three_decimals, without_zeros,
 };
 use crate::protocol::Progress;
 use crate::record::{

@@ -107,6 +107,7 @@ struct Made {
     stage: Option<String>,
     time_s: Option<f64>,
     frames: Option<usize>,
+    #[serde(serialize_with = "json_path")]
     file: PathBuf,
     bytes: usize,
 }

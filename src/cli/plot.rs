@@ -70,10 +70,12 @@ pub(super) struct PlotArgs {
 
 #[derive(Serialize)]
 struct Drawn {
+    #[serde(serialize_with = "json_path")]
     table: PathBuf,
     rows: usize,
     x: String,
     y: Vec<String>,
+    #[serde(serialize_with = "json_path")]
     file: PathBuf,
     bytes: usize,
 }
@@ -92,6 +94,7 @@ const REST_TEST: &str = "rest_test";
 /// What `--list` prints.
 #[derive(Serialize)]
 struct Listed {
+    #[serde(serialize_with = "json_path")]
     table: PathBuf,
     rows: usize,
     columns: Vec<ColumnRange>,

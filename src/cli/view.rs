@@ -47,7 +47,7 @@ struct Shown {
     /// Address of the page, where it is served.
     address: Option<String>,
     /// The file, where it is saved.
-    file: Option<PathBuf>,
+    file: Option<String>,
 }
 
 impl Shown {
@@ -62,7 +62,7 @@ impl Shown {
         }
         match (&self.address, &self.file) {
             (Some(address), _) => text += &format!("{address}  (stop with Ctrl-C)\n"),
-            (None, Some(file)) => text += &format!("wrote {}\n", plain_path(file)),
+            (None, Some(file)) => text += &format!("wrote {}\n", plain(file)),
             (None, None) => {}
         }
         text
@@ -82,7 +82,7 @@ pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliE
         frames: data.frames,
         frames_kept: data.kept,
         address: None,
-        file: args.save.clone(),
+        file: args.save.as_ref().map(|file| file.to_string_lossy().into_owned()),
     };
     if let Some(file) = &args.save {
         prepare(file, args.force)?;

@@ -73,7 +73,7 @@ use serde_json::Value;
 
 use crate::grains::{GrainShape, ShapeRatio, Sieved};
 use crate::input;
-use crate::plain::{counted, in_number};
+use crate::plain::{counted, in_number, json_path};
 use crate::protocol::{Fall, Settling, UntilFound};
 use crate::specimen::{Fate, SpecimenState};
 use crate::units::{from_mm, to_mm};

@@ -43,6 +43,7 @@ pub struct StoredItem {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct StoreReport {
     /// Its folder.
+    #[serde(serialize_with = "json_path")]
     pub store: PathBuf,
     /// How many stages and checkpoints are damaged.
     pub damaged: usize,

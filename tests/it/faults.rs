@@ -231,6 +231,23 @@ fn files_of_a_run_without_end_are_refused() {
     }
 }
 
+/// Law: a folder may have any name; JSON, which is UTF-8, has a mark for what is not.
+#[cfg(target_os = "linux")]
+#[test]
+fn folders_whose_names_are_no_utf_8_are_named_in_json() {
+    use std::{ffi::OsStr, os::unix::ffi::OsStrExt};
+    let folder = Folder::new();
+    let path = folder.scenario("s.json", &small::layer(30.0));
+    let mut command = program::pluvia();
+    command.args(["grains", &path, "--json", "--out"]);
+    command.arg(folder.path("").join(OsStr::from_bytes(b"Kr\xfcmel")));
+    let output = command.output().expect("it runs");
+    assert_eq!(output.status.code(), Some(0), "law: they are made, got: {}", said(&output));
+    let made: Value = serde_json::from_slice(&output.stdout).expect("law: JSON is printed");
+    let file = made["files"][0].as_str().unwrap_or_default();
+    assert!(file.contains("Kr\u{fffd}mel/"), "law: the files are named, got {made}");
+}
+
 /// Law: a system that gives no threads is reported as one, at once.
 #[test]
 fn without_threads_one_message_says_so() {
