@@ -56,7 +56,13 @@ pub enum NotAnOverride {
     /// A value with a field that is given twice, with both: only one would count.
     #[error("{0}")]
     Twice(String),
+    /// A path of more steps than are read.
+    #[error("the path has {0} steps; at most 128 are read")]
+    Deep(usize),
 }
+
+/// Most steps of a path: JSON in JSON is read as deep.
+const MOST_STEPS: usize = 128;
 
 impl FromStr for Override {
     type Err = NotAnOverride;
@@ -76,6 +82,9 @@ impl FromStr for Override {
                 let index = piece.strip_suffix(']').and_then(|i| i.parse().ok()).ok_or_else(bad)?;
                 steps.push(Step::Index(index));
             }
+        }
+        if steps.len() > MOST_STEPS {
+            return Err(NotAnOverride::Deep(steps.len()));
         }
         let value = value.trim();
         let json = parse_value(path.trim(), value);
@@ -291,6 +300,15 @@ mod tests {
         for text in ["", "a", "=1", "a..b=1", "a[x]=1", "a[1=1", "[1]=2"] {
             assert!(text.parse::<Override>().is_err(), "`{text}` must be refused");
         }
+    }
+
+    /// Law: a path may be as deep as JSON, and no deeper: everything that follows it is recursive.
+    #[test]
+    fn paths_without_end_are_refused() {
+        let deep = |steps: usize| format!("{}=1", vec!["a"; steps].join(".")).parse::<Override>();
+        assert!(deep(MOST_STEPS).is_ok(), "law: {MOST_STEPS} steps are read");
+        let got = deep(20_000).expect_err("law: refused");
+        assert_eq!(got, NotAnOverride::Deep(20_000), "law: how many there are is said");
     }
 
     #[test]

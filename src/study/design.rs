@@ -57,6 +57,9 @@ impl<'a> Faults<'a> {
                 Err(NotAnOverride::Twice(why)) => {
                     self.add(&format!("{path}[{index}]"), "", "", &why);
                 }
+                Err(deep @ NotAnOverride::Deep(_)) => {
+                    self.add(&format!("{path}[{index}]"), "", "", &deep.to_string());
+                }
                 Err(NotAnOverride::Form(_)) => self.add(
                     &format!("{path}[{index}]"),
                     &format!("\"{text}\""),
