@@ -92,7 +92,9 @@ pub fn load_grains_with(
         fields.retain(|name, _| !is_beside_grains(name));
     }
     document.faults.retain(|fault| !is_beside_grains(&fault.path));
-    let is_idle = |change: &Override| is_beside_grains(change.path());
+    // Which arrangement of the grains is used says nothing of them.
+    let is_idle =
+        |change: &Override| is_beside_grains(change.path()) || change.path() == "configuration";
     let (idle, changes): (Vec<Override>, Vec<Override>) =
         overrides.iter().cloned().partition(is_idle);
     document.faults.extend(idle.iter().map(|change| {

@@ -53,7 +53,13 @@ fn changes_of_grains_count_and_others_are_refused() {
     let scenario = load(&sound(), &changes).expect("law: grains are changed");
     let GrainsSpec::Sieved(sieved) = &scenario.grains else { panic!("sieved grains") };
     assert_eq!((sieved.total_mass_g, scenario.seed), (300.0, 7), "law: as typed");
-    for change in ["engine.rate_hz=960", "stages.1.falling_height_mm=1", "rest_test_s=null"] {
+    for change in [
+        "engine.rate_hz=960",
+        "engine . rate_hz=960",
+        "stages.1.falling_height_mm=1",
+        "rest_test_s=null",
+        "configuration=2",
+    ] {
         let said = load(&sound(), &[change, "seed=7"]).expect_err("law: refused");
         let words = "the grains do not depend on it";
         let is_named = said.starts_with(&format!("--set {change}: ")) && said.contains(words);
