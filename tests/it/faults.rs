@@ -116,6 +116,14 @@ fn each_refusal_has_one_exit_code() {
     folder.scenario("of-missing.json", &from_file("missing.json"));
     folder.scenario("of-large-mesh.json", &of_mesh("large.stl"));
     folder.scenario("of-missing-mesh.json", &of_mesh("missing.stl"));
+    folder.scenario("extends-missing.json", &json!({ "extends": "missing.json" }));
+    let rest = json!([{ "stage": "rest", "duration_s": 1 }]);
+    let begun = json!({ "name": "begun", "begin": { "specimen": "missing" }, "stages": rest });
+    folder.scenario("of-missing-run.json", &begun);
+    let mut shaken = small::scenario(30.0, 0.25, 0.1);
+    shaken["stages"][3] = json!({ "stage": "vibrate", "waveform": "file",
+        "motion_file": "missing.csv" });
+    folder.scenario("of-missing-motion.json", &shaken);
     copy(small_run(), &folder.path("run"));
     fs::write(at("run/manifest.json"), "{}").expect("written");
     let (run, none) = (at("run"), at("none"));
@@ -123,7 +131,7 @@ fn each_refusal_has_one_exit_code() {
     let (export, png) = (["--format", "csv"], at("x.png"));
     let to_png = ["--out", &*png];
     type Case<'a> = (&'a str, &'a str, &'a [&'a str], i32, &'a [&'a str]);
-    let cases: [Case; 21] = [
+    let cases: [Case; 24] = [
         ("run", &at("large.json"), &[], 2, &["large.json", "4.0 MiB", "at most 4.0 MiB"]),
         ("run", &at("."), &[], 2, &["a folder", "regular files"]),
         ("run", &at("words.json"), &[], 2, &["words.json", "not JSON"]),
@@ -133,6 +141,9 @@ fn each_refusal_has_one_exit_code() {
         ("run", &none, &[], 4, &["none", "No such file"]),
         ("run", &at("of-missing.json"), &[], 4, &["missing.json", "No such file", "grains.file"]),
         ("grains", &at("of-missing-mesh.json"), &[], 4, &["missing.stl", "grains.meshes"]),
+        ("run", &at("extends-missing.json"), &[], 4, &["missing.json", "No such file"]),
+        ("run", &at("of-missing-run.json"), &[], 2, &["begin.specimen", "is not there"]),
+        ("run", &at("of-missing-motion.json"), &[], 2, &["missing.csv", "motion_file"]),
         ("export", &run, &export, 2, &["manifest.json", "as Pluvia writes it"]),
         ("export", &device, &export, 2, &["/dev/zero", "a device", "a folder is read here"]),
         ("export", &file, &export, 2, &["words.json", "a file", "a folder is read here"]),
