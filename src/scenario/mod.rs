@@ -86,6 +86,7 @@ mod fields;
 mod filled_numbers;
 mod grading;
 mod index_densities;
+mod json_text;
 mod load;
 mod loads_of_pieces;
 mod meant;

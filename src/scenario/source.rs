@@ -1,16 +1,14 @@
 //! From files to one JSON value: reading, duplicate keys, `extends`.
 
-use std::borrow::Cow;
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::fmt;
-use std::io::Read;
 use std::iter;
 
-use json_comments::CommentSettings;
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_json::Number;
 
+use super::json_text::{column_shown, hint, line, without_comments};
 use super::*;
 
 /// Longest chain of files that extend each other.
@@ -239,26 +237,6 @@ fn is_other_mesh_source(base: &Map<String, Value>, over: &Map<String, Value>) ->
     base.contains_key("meshes") && complete.iter().all(|field| over.contains_key(*field))
 }
 
-/// A text with its comments, `// ...` and `/* ... */`, replaced by blanks: everything else stands
-/// where it stood, so that lines and columns of faults are those of the file. A text whose
-/// comments do not end is left as it is, for the parser to say where.
-fn without_comments(text: &[u8]) -> Cow<'_, [u8]> {
-    if !text.contains(&b'/') {
-        return Cow::Borrowed(text);
-    }
-    let mut bare = Vec::with_capacity(text.len());
-    let mut stripped = CommentSettings::c_style().strip_comments(text);
-    if stripped.read_to_end(&mut bare).is_err() || bare.len() != text.len() {
-        return Cow::Borrowed(text);
-    }
-    for (bare, &byte) in bare.iter_mut().zip(text) {
-        if byte == b'\n' {
-            *bare = byte;
-        }
-    }
-    Cow::Owned(bare)
-}
-
 /// Parses JSON; keys given twice become faults.
 fn parse(file: &Path, text: &[u8], faults: &mut Vec<Fault>) -> Result<Value, ScenarioErrors> {
     let label = file.display().to_string();
@@ -270,26 +248,13 @@ fn parse(file: &Path, text: &[u8], faults: &mut Vec<Fault>) -> Result<Value, Sce
     parsed.map_err(|error| {
         let message = error.to_string();
         let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(m, _)| m);
-        let place = format!("line {}, column {}", error.line(), error.column());
-        let hint = hint(text, error.line(), error.column());
+        let (row, column) = (line(text, error.line()), error.column());
+        let place = format!("line {}, column {}", error.line(), column_shown(row, column));
+        let hint = hint(row, column);
         let message = format!("this is not JSON: {message}{hint}");
         faults.push(Fault::new(message, "", "").at(place).of(&label));
         ScenarioErrors::Faults(std::mem::take(faults))
     })
-}
-
-/// What is not JSON but often typed, at a line and a column from 1 where a text ceases to be any.
-fn hint(text: &[u8], line: usize, column: usize) -> &'static str {
-    let row = text.split(|byte| *byte == b'\n').nth(line.saturating_sub(1)).unwrap_or_default();
-    let before = |back: usize| column.checked_sub(1 + back).and_then(|n| row.get(n)).copied();
-    match (before(2), before(1), before(0)) {
-        (Some(b'0'..=b'9'), Some(b','), Some(b'0'..=b'9')) => {
-            "; decimals follow a point, as in 5.6"
-        }
-        (.., Some(b'\'')) => "; texts and names stand in double quotes",
-        (.., Some(b'#')) => "; comments begin with //",
-        _ => "",
-    }
 }
 
 /// Parses JSON that is to stand at a path, as a file's is parsed; `None` where the text is none.
@@ -440,6 +405,8 @@ mod tests {
             ("// a\n{ \"c\": // b\n }", "line 3, column 2"),
             ("{ \"a\": 1 / 2 }", "line 1, column 10"),
             ("{ \"a\": 1 } /* without an end", "line 1, column 12"),
+            ("{ \"µ\": \"Größe\", x }", "line 1, column 17"),
+            ("{ \"a\": µ }", "line 1, column 8"),
         ] {
             let said = parsed(text).expect_err("it is not JSON");
             assert!(said.contains(place), "law: {text:?} has a fault at {place}, got `{said}`");
