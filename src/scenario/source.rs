@@ -316,9 +316,13 @@ impl<'de> Visitor<'de> for Node<'_> {
     }
 
     fn visit_f64<E: serde::de::Error>(self, value: f64) -> Result<Value, E> {
-        // 20.0 is the whole number 20, exactly so below 2^53.
+        // 20.0 is the whole number 20, exactly so below 2^53; above, a number has the value that is
+        // read, and a seed may be as large as 2^64.
         if value.fract() == 0.0 && value.abs() < 9_007_199_254_740_992.0 {
             return Ok(Value::Number((value as i64).into()));
+        }
+        if (0.0..18_446_744_073_709_551_616.0).contains(&value) && value.fract() == 0.0 {
+            return Ok(Value::Number((value as u64).into()));
         }
         let number = Number::from_f64(value);
         number.map(Value::Number).ok_or_else(|| E::custom("a number is not finite"))
@@ -375,6 +379,21 @@ mod tests {
             "// first\n{ /* two\nlines */ \"a\": 1, // b\n \"c\": \"http://d /* e */\" }\n// last";
         let expected = serde_json::json!({ "a": 1, "c": "http://d /* e */" });
         assert_eq!(parsed(text), Ok(expected), "law: as without its comments");
+    }
+
+    /// Law: a number without decimals is whole however it is written, up to the largest seed.
+    #[test]
+    fn whole_numbers_are_whole_however_they_are_written() {
+        for (text, expected) in [
+            ("20.0", serde_json::json!(20)),
+            ("-2e1", serde_json::json!(-20)),
+            ("1e19", serde_json::json!(10_000_000_000_000_000_000_u64)),
+            ("9007199254740994.0", serde_json::json!(9_007_199_254_740_994_u64)),
+            ("2e19", serde_json::json!(2e19)),
+            ("0.5", serde_json::json!(0.5)),
+        ] {
+            assert_eq!(parsed(text), Ok(expected), "law: {text}");
+        }
     }
 
     /// Law: what people often type in place of JSON is answered with what they meant.
