@@ -66,14 +66,9 @@ struct Made {
 pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let scenario = load_grains(&args.scenario, args.changes.overrides()?)?.scenario;
     asked::refuse(&args.out, "grains")?;
-    let was_there = args.out.exists();
+    let new = output_folder::missing(&args.out);
     output_folder::prepare(&args.out)?;
-    let set = make_grains(&scenario).inspect_err(|_| {
-        if !was_there {
-            // Only while it is empty.
-            let _ = std::fs::remove_dir(&args.out);
-        }
-    })?;
+    let set = make_grains(&scenario).inspect_err(|_| output_folder::remove_empty(&new))?;
     let mut files = grain_files(&scenario, &set)?;
     let mut content = Vec::new();
     let written = match args.format {

@@ -33,6 +33,17 @@ pub(super) fn prepare(folder: &Path) -> Result<(), FileError> {
     Ok(())
 }
 
+/// The folders that [`prepare`] would make, from the folder itself upwards.
+pub(super) fn missing(folder: &Path) -> Vec<PathBuf> {
+    let above = folder.ancestors().take_while(|path| !path.as_os_str().is_empty());
+    above.take_while(|path| !path.exists()).map(Path::to_owned).collect()
+}
+
+/// Removes folders, each only while it is empty, up to the first that is not.
+pub(super) fn remove_empty(folders: &[PathBuf]) {
+    let _ = folders.iter().try_for_each(std::fs::remove_dir);
+}
+
 /// Writes files of one command into its folder. Where a file of one of these names lies there with
 /// another content, none is written, unless `force` says that it is replaced.
 ///
@@ -119,6 +130,24 @@ mod tests {
         let folder = base.path().join("a/b");
         prepare(&folder).expect("it can be made");
         assert_eq!(fs::read_dir(&folder).expect("it is there").count(), 0, "the probe is gone");
+    }
+
+    /// Law: all folders that were made are removed, none that was there, and none that holds something.
+    #[test]
+    fn folders_that_were_made_are_removed() {
+        let base = tempfile::tempdir().expect("a temporary folder");
+        let folder = base.path().join("a/b/c");
+        let new = missing(&folder);
+        prepare(&folder).expect("it can be made");
+        remove_empty(&new);
+        assert!(!base.path().join("a").exists(), "law: all of them are gone");
+        assert!(base.path().exists(), "law: what was there stays");
+        let new = missing(&folder);
+        prepare(&folder).expect("it can be made");
+        fs::write(base.path().join("a/own"), "").expect("a file");
+        remove_empty(&new);
+        assert!(!base.path().join("a/b").exists(), "law: what is empty is gone");
+        assert!(base.path().join("a/own").exists(), "law: what holds something stays");
     }
 
     /// Law: the same files again change nothing, another content is written by force alone, and

@@ -168,6 +168,18 @@ fn each_refusal_has_one_exit_code() {
     }
 }
 
+/// Law: a command that is refused leaves no folder that it made.
+#[test]
+fn refusals_leave_no_folders() {
+    let folder = Folder::new();
+    let path = folder.scenario("s.json", &scenario(json!({ "file": "missing.json" })));
+    for command in ["run", "grains"] {
+        let command = pluvia(&[command, &path], &folder.path("a/b"));
+        refused(command, 4, &["missing.json"], "grains that are not there");
+        assert!(!folder.path("a").exists(), "law: neither the folder nor the one above it is left");
+    }
+}
+
 /// Law: for each command that reads a folder, one that is there and of another kind is a wrong
 /// argument (2), as a file in its place is; one that is not there cannot be read (4).
 #[test]
