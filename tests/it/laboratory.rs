@@ -158,6 +158,18 @@ fn places_that_overflow_are_refused() {
     }
 }
 
+/// Law: decimals of a fraction do for a whole number of cycles, as for a table; more is a stop away
+/// from its place.
+#[test]
+fn cycles_of_pieces_are_whole_as_those_of_a_table() {
+    for (duration_s, is_whole) in [(2.0 / 3.0, true), (0.6667, true), (0.68, false)] {
+        let sine = json!({ "amplitude_mm": [0, 0, 1], "frequency_hz": 3 });
+        let stage = json!({ "stage": "move", "sine": sine, "duration_s": duration_s });
+        let found = faults(&changed(sound(), "stages[1]", stage));
+        assert_eq!(found.is_empty(), is_whole, "law: {duration_s} s at 3 Hz, got {found:?}");
+    }
+}
+
 /// Law: what earlier stages have made of pieces and grains is known before anything is run: which
 /// pieces are free, gone or pressed, and that no grain waits any more.
 #[test]

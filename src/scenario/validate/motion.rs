@@ -3,9 +3,9 @@
 use super::*;
 use crate::motion::{LARGEST_CRANK, RowFault, Start};
 
-/// How far a period may be from a whole number of cycles, in cycles: decimals
-/// of a fraction such as 0.6667 s at 3 Hz must do.
-const CYCLE_TOLERANCE: f64 = 1e-3;
+/// How far a period, of the table or of pieces, may be from a whole number of cycles, in cycles:
+/// decimals of a fraction such as 0.6667 s at 3 Hz must do.
+pub(super) const CYCLE_TOLERANCE: f64 = 1e-3;
 
 pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     for (i, spec) in parts.specs() {

@@ -1,6 +1,6 @@
 //! Prescribed motions of pieces.
 
-use super::motion::report_rows;
+use super::motion::{CYCLE_TOLERANCE, report_rows};
 use super::*;
 
 pub(super) fn check(parts: &Parts, faults: &mut Faults) {
@@ -109,7 +109,7 @@ fn check_move(stage: &MoveSpec, faults: &mut Faults) {
         faults.add("ramp_s", ramp_s, allowed, why);
     } else if let Some(sine) = sine {
         let cycles = sine.frequency_hz * duration;
-        let wrong = ramp_s == 0.0 && (cycles.round() - cycles).abs() > 1e-6;
+        let wrong = ramp_s == 0.0 && (cycles.round() - cycles).abs() > CYCLE_TOLERANCE;
         let allowed = "a whole number of cycles, or `ramp_s` above 0";
         let why = "the sine would stop abruptly, away from its place";
         faults.add_if(wrong, length, duration, allowed, why);
