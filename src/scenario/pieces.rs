@@ -95,9 +95,9 @@ pub struct BoxSpec {
 /// A round container.
 pub struct CylinderPieceSpec {
     /// Inner diameter in mm; the polygon of the walls has the circle's area.
-    pub inner_diameter_mm: f64, above 0.0 to 10000.0;
+    pub inner_diameter_mm: f64, from 0.001 to 10000.0;
     /// Inner height in mm.
-    pub height_mm: f64, above 0.0 to 10000.0;
+    pub height_mm: f64, from 0.001 to 10000.0;
     /// Thickness of walls, floor and lid in mm.
     pub wall_mm: f64, else "wall", from 0.001 to 10000.0;
     /// Number of flat wall parts.
@@ -117,9 +117,9 @@ pub struct PlateSpec {
 /// A solid round plate or rod.
 pub struct DiscSpec {
     /// Diameter in mm; the polygon has the circle's area.
-    pub diameter_mm: f64, above 0.0 to 10000.0;
+    pub diameter_mm: f64, from 0.001 to 10000.0;
     /// Thickness in mm.
-    pub thickness_mm: f64, above 0.0 to 10000.0;
+    pub thickness_mm: f64, from 0.001 to 10000.0;
     /// Number of sides of the polygon.
     pub sides: u32, else "sides", from 8 to 256;
 }
@@ -127,9 +127,9 @@ pub struct DiscSpec {
 /// A cone or a pyramid, open above and below.
 pub struct HopperSpec {
     /// Diameter of the opening in mm, of the circle of the same area.
-    pub opening_diameter_mm: f64, above 0.0 to 10000.0;
+    pub opening_diameter_mm: f64, from 0.001 to 10000.0;
     /// Diameter at the top in mm, likewise.
-    pub top_diameter_mm: f64, above 0.0 to 10000.0;
+    pub top_diameter_mm: f64, from 0.001 to 10000.0;
     /// Angle of the wall from the vertical, in degrees.
     pub half_angle_deg: f64, from 1.0 to 89.0;
     /// Height of an upright collar on top of it in mm.
@@ -150,9 +150,9 @@ pub struct WedgeSpec {
 /// A closed drum.
 pub struct DrumSpec {
     /// Inner diameter in mm; the polygon of the walls has the circle's area.
-    pub inner_diameter_mm: f64, above 0.0 to 10000.0;
+    pub inner_diameter_mm: f64, from 0.001 to 10000.0;
     /// Inner length along its axis in mm.
-    pub length_mm: f64, above 0.0 to 10000.0;
+    pub length_mm: f64, from 0.001 to 10000.0;
     /// Thickness of the walls in mm.
     pub wall_mm: f64, else "wall", from 0.001 to 10000.0;
     /// Number of flat parts of the round wall.
@@ -160,15 +160,15 @@ pub struct DrumSpec {
     /// Number of bars along the inside of the wall; each is as thick as it is high.
     pub lifters: u32, or default, schemars(range(max = 64));
     /// Height of these bars in mm.
-    pub lifter_mm: f64, else "wall", above 0.0 to 1000.0;
+    pub lifter_mm: f64, else "wall", from 0.001 to 1000.0;
 }
 
 /// Flat blades about an upright axis.
 pub struct VaneSpec {
     /// Diameter in mm of the circle on which the blades end.
-    pub diameter_mm: f64, above 0.0 to 10000.0;
+    pub diameter_mm: f64, from 0.001 to 10000.0;
     /// Height of the blades in mm.
-    pub height_mm: f64, above 0.0 to 10000.0;
+    pub height_mm: f64, from 0.001 to 10000.0;
     /// Number of blades, the first along x.
     pub blades: u32, else "four", from 2 to 16;
     /// Thickness of the blades in mm.

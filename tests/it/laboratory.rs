@@ -126,6 +126,30 @@ fn faults_name_the_field_and_what_is_allowed() {
     assert!(found.iter().any(|(path, _)| path == "stages[0].stage"), "law: no pieces, {found:?}");
 }
 
+/// Law: sizes of pieces are large enough for faces that have an area; a hopper needs no collar.
+#[test]
+fn sizes_of_pieces_have_a_floor() {
+    let hopper = |collar_mm: f64| {
+        json!({ "hopper": { "opening_diameter_mm": 20, "top_diameter_mm": 60,
+            "half_angle_deg": 30, "collar_mm": collar_mm } })
+    };
+    for (shape, field) in [
+        (json!({ "disc": { "diameter_mm": 20, "thickness_mm": 1e-10 } }), "disc.thickness_mm"),
+        (json!({ "vane": { "diameter_mm": 20, "height_mm": 1e-10 } }), "vane.height_mm"),
+        (
+            json!({ "cylinder": { "inner_diameter_mm": 1e-10, "height_mm": 9 } }),
+            "cylinder.inner_diameter_mm",
+        ),
+        (json!({ "drum": { "inner_diameter_mm": 20, "length_mm": 1e-10 } }), "drum.length_mm"),
+        (hopper(1e-10), "hopper.collar_mm"),
+    ] {
+        let value = changed(sound(), "pieces[1].shape", shape);
+        assert_told(&faults(&value), &format!("pieces[1].shape.{field}"), "at least 0.001");
+    }
+    let bare = changed(sound(), "pieces[1].shape", hopper(0.0));
+    assert_eq!(faults(&bare), [], "law: a hopper without a collar is one");
+}
+
 /// Law: what is moved about, and where something is measured, lies near enough for numbers that are
 /// finite.
 #[test]

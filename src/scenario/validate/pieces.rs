@@ -93,6 +93,12 @@ fn check_shape(shape: &ShapeSpec, faults: &mut Faults) {
         let allowed = format!("more than the diameter of its opening, {opening} mm");
         let why = "the hopper is no wider at the top than at its opening";
         faults.add_if(top <= opening, "shape.hopper.top_diameter_mm", top, allowed, why);
+        let collar = hopper.collar_mm;
+        // Other sizes have this as the lower end of their range.
+        let wrong = collar > 0.0 && collar < 0.001;
+        let allowed = "0, or at least 0.001 mm";
+        let why = "the collar is too low for faces with an area";
+        faults.add_if(wrong, "shape.hopper.collar_mm", collar, allowed, why);
     }
     if let Some(drum) = &shape.drum {
         let (radius, high) = (drum.inner_diameter_mm / 2.0, drum.lifter_mm);
