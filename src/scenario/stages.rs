@@ -253,7 +253,7 @@ pub struct DepositSpec {
 pub struct MoveSpec {
     /// Names of the pieces that move as one; left out, all that stand and are neither pressed nor
     /// free.
-    pub pieces: Vec<String>, skip "Vec::is_empty";
+    pub pieces: Vec<String>, skip "Vec::is_empty", schemars(length(max = 100));
     /// Velocity along x, y and z in mm/s.
     pub velocity_mm_per_s: Option<[f64; 3]>, skip "Option::is_none",
         schemars(inner(range(min = -1e7, max = 1e7)));

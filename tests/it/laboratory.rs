@@ -265,6 +265,13 @@ fn a_travel_or_a_time_below_zero_is_a_single_fault() {
     }
 }
 
+/// Law: as many pieces move as there may be, and no more are looked up.
+#[test]
+fn a_move_of_more_pieces_than_there_may_be_is_refused() {
+    let value = changed(sound(), "stages[1].pieces", json!(vec!["lid"; 101]));
+    assert_one(&value, "stages[1].pieces", "too long");
+}
+
 /// Law: pieces that are no list, or too many, are the only fault; stages and measures may speak of
 /// any.
 #[test]
