@@ -31,6 +31,15 @@ fn a_pile_needs_no_apparatus_and_little_else() {
     let mut rests = sound();
     rests["stages"] = json!([rests["stages"][0], { "stage": "rest", "duration_s": 1 }]);
     assert_eq!(faults(&rests), [], "a pile may rest");
+    // Of a scenario that it extends, say.
+    let narrow = json!({ "cylinder": { "inner_diameter_mm": 25 },
+        "funnel": { "opening_diameter_mm": 12 } });
+    let beside = changed(sound(), "apparatus", narrow);
+    assert_eq!(faults(&beside), [], "law: no grain comes into cylinder and funnel");
+    let filled = changed(beside, "stages[0]", json!({ "stage": "fill_funnel" }));
+    for path in ["apparatus.cylinder.inner_diameter_mm", "apparatus.funnel.opening_diameter_mm"] {
+        assert_told(&faults(&filled), path, "grain");
+    }
 }
 
 #[test]

@@ -16,8 +16,17 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     }
 }
 
+/// Whether no grain comes into the cylinder or the funnel: all that is done builds a pile, or leaves
+/// one alone.
+fn is_pile(parts: &Parts) -> bool {
+    let pile = "slow_pluviation";
+    let begun = parts.begun_after.iter().flatten().any(|name| name == pile);
+    let of_pile = |stage: &Stage| matches!(stage.known(), Some("slow_pluviation" | "rest"));
+    (begun || parts.has_stage(pile)) && parts.stages.iter().all(of_pile)
+}
+
 fn check_cylinder(parts: &Parts, faults: &mut Faults) {
-    let Some(cylinder) = &parts.cylinder else { return };
+    let Some(cylinder) = parts.cylinder.as_ref().filter(|_| !is_pile(parts)) else { return };
     let Some(coarsest) = parts.coarsest_mm() else { return };
     let (across, longest) = (cylinder.inner_diameter_mm, LONGEST_GRAIN * coarsest);
     let why = format!(
@@ -47,7 +56,7 @@ fn check_funnel(parts: &Parts, faults: &mut Faults) {
     let allowed = format!("more than the diameter of its opening, {opening} mm");
     let why = "the funnel is no wider at the top than at its opening";
     faults.add_if(top <= opening, "top_diameter_mm", top, allowed, why);
-    if let Some(coarsest) = parts.coarsest_mm() {
+    if let Some(coarsest) = parts.coarsest_mm().filter(|_| !is_pile(parts)) {
         let least = as_typed(coarsest);
         let allowed = format!("more than {least} mm, and 7 to 8 grains wide against jams");
         let why = "no grain of the coarsest fraction can leave the funnel";
