@@ -169,7 +169,7 @@ impl Override {
     /// Lays the value over the document; `null` leaves the field out. A field that is not there is
     /// made; whether the scenario knows it is found when everything is checked.
     pub(super) fn apply(&self, document: &mut Document) -> Result<(), Fault> {
-        if let [Step::Name(name)] = &self.path[..]
+        if let Some(Step::Name(name)) = self.path.first()
             && name == "extends"
         {
             let allowed = "a field of the scenario, or another scenario file";

@@ -228,7 +228,10 @@ impl Part {
                         let now = renamed::field(&here, name);
                         let message = now.map(called).unwrap_or_else(|| {
                             let near = did_you_mean(name, known.iter().copied(), '`');
-                            format!("there is no such field{near}")
+                            match name.is_empty() {
+                                true => "the field has no name".to_owned(),
+                                false => format!("there is no such field{near}"),
+                            }
                         });
                         let (path, value) = (field_path(&here, name), &error.instance()[name]);
                         add(path.clone(), shown(value), listed(&known), message);

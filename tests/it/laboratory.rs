@@ -99,6 +99,7 @@ fn faults_name_the_field_and_what_is_allowed() {
     let endless = json!({ "axis": [0, 1, 0], "deg_per_s": 1e-310 });
     let endless = json!({ "stage": "move", "rotation": endless, "travel_deg": 1 });
     let remove = json!({ "stage": "remove", "pieces": ["lid"] });
+    let none = json!({ "stage": "remove", "pieces": ["lid", "box"] });
     let fast = json!({ "stage": "move", "velocity_mm_per_s": [0, 0, 5000000], "duration_s": 1 });
     let three = json!(["lid", "box", "gate"]);
     for (place, to, path, words) in [
@@ -114,6 +115,7 @@ fn faults_name_the_field_and_what_is_allowed() {
         ("stages[2].pieces", json!(["lid", "lid"]), "stages[2].pieces[1]", "named twice"),
         ("stages[2].pieces", three, "stages[2].pieces[2]", "allowed: box, lid"),
         ("stages[3]", remove, "stages[3].pieces[0]", "removed before"),
+        ("stages[1]", none, "stages[2].pieces[0]", "allowed: none: all pieces are removed"),
         ("stages[3]", json!({ "stage": "fill_funnel" }), "stages[3].stage", "built-in"),
     ] {
         assert_told(&faults(&changed(sound(), place, to)), path, words);

@@ -225,6 +225,8 @@ fn expect_at(path: &str, to: Value, words: &[&str]) {
 fn unknown_fields_are_named_with_what_is_known() {
     let words = ["no such field", "did you mean `iterations`", "found 50", "`rate_hz`"];
     expect_at("engine.iteration", json!(50), &words);
+    expect_at("engine.", json!(50), &["the field has no name", "`rate_hz`"]);
+    expect_at("name", json!("\u{200b}\u{feff}"), &["nothing of the name is seen: U+200B, U+FEFF"]);
     expect_at("colour", json!("red"), &["no such field", "`gravity_m_per_s2`"]);
     expect_at("extend", json!("base.json"), &["did you mean `extends`", "and `extends`"]);
     expect_at("grains.densty_kg_per_m3", json!(1), &["did you mean `density_kg_per_m3`"]);
@@ -426,6 +428,7 @@ fn overrides_change_values() {
         ("engine.rate_hz=fast", "wrong type"),
         ("engine=960", "wrong type"),
         ("extends=b.json", "what a scenario extends cannot be changed"),
+        ("extends.a=1", "what a scenario extends cannot be changed"),
     ] {
         let found = load_text(&text, &[change]).expect_err(change);
         assert_eq!(found.faults().len(), 1, "{found}");

@@ -213,21 +213,32 @@ pub(super) fn as_typed(value: f64) -> String {
     if is_short { value.to_string() } else { format!("{value:.3e}") }
 }
 
+/// Whether a character leaves no trace in a line.
+fn has_no_width(c: char) -> bool {
+    matches!(c, '\u{ad}' | '\u{200b}'..='\u{200d}' | '\u{2060}'..='\u{2064}' | '\u{feff}')
+}
+
 /// The name becomes the name of a folder.
 fn check_name(value: &Value, faults: &mut Faults) {
     let Some(name) = value.as_str() else { return };
     let shown = shown(value);
-    let misleading: BTreeSet<char> = name.chars().filter(|c| misleads(*c)).collect();
-    let points: Vec<String> =
-        misleading.into_iter().map(|c| format!("U+{:04X}", u32::from(c))).collect();
+    let code_points = |which: fn(char) -> bool| {
+        let found: BTreeSet<char> = name.chars().filter(|c| which(*c)).collect();
+        let points = found.into_iter().map(|c| format!("U+{:04X}", u32::from(c)));
+        points.collect::<Vec<String>>().join(", ")
+    };
     let allowed = "letters, digits and signs that are seen, and spaces";
-    let points = points.join(", ");
+    let points = code_points(misleads);
     let why = format!("the name holds what is not seen but changes how it is read: {points}");
     faults.add_if(!points.is_empty(), "name", &shown, allowed, why);
     let wrong = name.contains(['/', '\\']) || name.starts_with('.') || name.trim() != name;
     let allowed =
         "a text without / and \\, that begins with no dot and begins and ends with no space";
-    faults.add_if(wrong, "name", shown, allowed, "the name cannot be that of a folder");
+    faults.add_if(wrong, "name", &shown, allowed, "the name cannot be that of a folder");
+    let unseen = !name.is_empty() && name.chars().all(has_no_width);
+    let allowed = "a text with letters, digits or signs that are seen";
+    let why = format!("nothing of the name is seen: {}", code_points(has_no_width));
+    faults.add_if(unseen, "name", shown, allowed, why);
 }
 
 #[cfg(test)]
