@@ -320,6 +320,7 @@ fn discharge(run: &Run, opening: f64, total: f64) -> Result<Flow, String> {
             bulk_density: SOLIDS / (1.0 + full[3]),
         }),
         Outflow::Steady(_) | Outflow::Jammed => Flow::Without("the flow jammed"),
+        Outflow::Unsteady => Flow::Without("the flow died away or grew"),
         Outflow::Short => {
             Flow::Without("too little of the flow was seen, or it stood still at the end")
         }

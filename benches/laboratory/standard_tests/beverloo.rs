@@ -127,6 +127,10 @@ fn with_k(points: &[(f64, f64)], k: f64, exponent: Option<f64>) -> Option<Beverl
 
 /// Longest time in s in which nothing passes an opening that is not jammed.
 const LONGEST_STOP: f64 = 0.3;
+/// Most by which the rates of the two halves of a steady flow differ, as a factor: what dies away
+/// grain by grain is no more steady than what stops. Ours; halves of flows that go on differ by less
+/// than 1.4.
+const MOST_CHANGE: f64 = 2.0;
 
 /// An outflow as read.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -137,6 +141,8 @@ pub enum Outflow {
     Jammed,
     /// Too little was watched to tell, or it stood still when the watch ended.
     Short,
+    /// It died away or grew.
+    Unsteady,
 }
 
 /// Rate of a steady outflow: the slope of the straight line through the mass that has passed, from
@@ -144,7 +150,8 @@ pub enum Outflow {
 ///
 /// `series` holds times in s and the mass in kg passed since the time before. It is short with less
 /// than four times within; and where it ends before `most` has passed with a stop longer than each
-/// before: who watches no longer cannot tell that from a jam.
+/// before: who watches no longer cannot tell that from a jam. It is unsteady where the rates of its
+/// halves differ by more than [`MOST_CHANGE`].
 pub fn steady_outflow(series: &[(f64, f64)], opened: f64, settled: f64, most: f64) -> Outflow {
     let mut sum = 0.0;
     let all = series.iter().filter(|(time, _)| *time > opened);
@@ -172,6 +179,15 @@ pub fn steady_outflow(series: &[(f64, f64)], opened: f64, settled: f64, most: f6
     let goes_on = passed.last().is_some_and(|p| p.1 > most);
     if !goes_on && stop > longest * (1.0 + 1e-6) {
         return Outflow::Short;
+    }
+    let (first, second) = (&steady[..=steady.len() / 2], &steady[steady.len() / 2..]);
+    let mean = |half: &[(f64, f64)]| {
+        let (begin, end) = (half[0], half[half.len() - 1]);
+        (end.1 - begin.1) / (end.0 - begin.0)
+    };
+    let (first, second) = (mean(first), mean(second));
+    if first > MOST_CHANGE * second || second > MOST_CHANGE * first {
+        return Outflow::Unsteady;
     }
     least_squares_slope(&steady).map_or(Outflow::Short, Outflow::Steady)
 }
@@ -349,8 +365,28 @@ mod tests {
                 Outflow::Steady(_) => "steady",
                 Outflow::Jammed => "jammed",
                 Outflow::Short => "short",
+                Outflow::Unsteady => "unsteady",
             };
             assert_eq!(called, expected, "law: of {rows} rows {empty:?} empty, got {got:?}");
+        }
+    }
+
+    /// Law: a flow that dies away or grows gives no rate, one that varies by less does.
+    #[test]
+    fn an_outflow_that_dies_away_is_no_rate() {
+        let flow = |factor: f64| -> Vec<(f64, f64)> {
+            (1..=24).map(|n| (0.05 * f64::from(n), 0.02 * factor.powi(n))).collect()
+        };
+        let read = |factor: f64| steady_outflow(&flow(factor), 0.0, 0.24, 2.0);
+        for factor in [0.85, 1.2] {
+            assert_eq!(read(factor), Outflow::Unsteady, "law: {factor} from row to row");
+        }
+        for factor in [0.95, 1.0, 1.05] {
+            let got = read(factor);
+            assert!(
+                matches!(got, Outflow::Steady(_)),
+                "law: {factor} from row to row, got {got:?}"
+            );
         }
     }
 }
