@@ -26,14 +26,16 @@ done
 began=$(date +%s)
 "${PLUVIA:-target/release/pluvia}" run "$scenario" --out "$out" "$@" &
 run=$!
-# An interrupt is for the run, which stops where it can go on.
-trap 'kill -INT $run 2> /dev/null' INT TERM
+# A signal is for the run, which stops where it can go on: at the second it would end at once. Ctrl-C
+# at a terminal reaches it without this script, SIGTERM does not. Ctrl-C ends `sed` and `sleep`, too.
+trap : INT
+trap 'kill -TERM $run 2> /dev/null || true' TERM
 peak_kib=0
 while kill -0 $run 2> /dev/null; do
     # The system keeps the peak itself.
-    now=$(sed -n 's/^VmHWM:[^0-9]*\([0-9]*\).*/\1/p' "/proc/$run/status" 2> /dev/null || true)
+    now=$(sed -n 's/^VmHWM:[^0-9]*\([0-9]*\).*/\1/p' "/proc/$run/status" 2> /dev/null) || true
     peak_kib=${now:-$peak_kib}
-    sleep 0.2
+    sleep 0.2 || true
 done
 wait $run
 peak_mib=$((peak_kib / 1024))

@@ -1,8 +1,10 @@
 //! `scripts/load.sh` fails where a run takes more than it may, or misses the standard.
 
-use std::{fs, path::Path, process::Command};
+use std::{
+    fs, os::unix::process::CommandExt, path::Path, process::Command, thread::sleep, time::Duration,
+};
 
-use super::program::{assert_holds, root, script};
+use super::program::{assert_holds, catches_signals, ended, root, script, spawned};
 
 /// A program in the place of `pluvia` that writes this summary after a moment.
 fn program(folder: &Path, meets_standard: &str, wall_s: f64) -> std::path::PathBuf {
@@ -60,4 +62,43 @@ fn a_load_beyond_a_limit_fails_and_says_which() {
     assert!(code == Some(1) && said.contains("LIMIT_MIB=1"), "law: memory fails, got {said}");
     let (said, code) = load(MET, 300.0, ["1024", "soon"]);
     assert!(code == Some(2) && said.contains("LIMIT_MINUTES=soon"), "law: refused, got {said}");
+}
+
+/// Law: Ctrl-C at a terminal, a SIGINT to script and run alike, and a SIGTERM to the script alone
+/// reach the run once; the script waits for the run and ends with its exit code.
+#[test]
+fn an_interrupted_load_asks_its_run_once_and_ends_with_it() {
+    for (signal, to) in [("INT", "-"), ("TERM", "")] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        let [asked, begun] = [at("asked"), at("begun")];
+        // What a shell runs in the background ignores SIGINT unless it has its own answer to it.
+        let text = format!(
+            "#!/bin/sh\nexec env --default-signal=INT sh -c '\n\
+             trap \"echo asked >> {asked}\" INT TERM\ntouch {begun}\n\
+             for _ in $(seq 100); do\n[ -e {asked} ] && sleep 1 && exit 7\nsleep 0.1\ndone'\n",
+            asked = asked.display(),
+            begun = begun.display(),
+        );
+        script(&at("pluvia"), &text);
+        let mut load = Command::new("bash");
+        load.current_dir(root()).args(["scripts/load.sh", "10000", "1024", "90"]);
+        load.arg(folder.path()).env("PLUVIA", at("pluvia")).process_group(0);
+        let load = spawned(load);
+        for _ in 0..1000 {
+            if begun.exists() && catches_signals(&load) {
+                break;
+            }
+            sleep(Duration::from_millis(10));
+        }
+        let whom = format!("{to}{}", load.id());
+        let sent = Command::new("kill").args(["-s", signal, "--", &whom]).status();
+        let sent = sent.expect("kill starts");
+        assert!(sent.success(), "law: SIG{signal} is sent, got {sent}");
+        let output = ended(load, Duration::from_secs(20), "an interrupted load ends");
+        let code = output.status.code();
+        assert_eq!(code, Some(7), "law: SIG{signal}: the script ends by the run's exit code");
+        let times = fs::read_to_string(&asked).unwrap_or_default().lines().count();
+        assert_eq!(times, 1, "law: SIG{signal} reaches the run once");
+    }
 }
