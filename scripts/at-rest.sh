@@ -3,6 +3,8 @@
 # and left alone with native contacts; puts what docs/results/interpretations.md quotes of them into
 # OUT/tables: at-rest.sh OUT [arguments of `pluvia sweep`].
 set -euo pipefail
+# Numbers have a point in every locale.
+export LC_ALL=C
 
 out=$1
 shift

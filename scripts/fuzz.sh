@@ -79,7 +79,7 @@ if [ "${1:-}" = keep ]; then
 fi
 minutes=${1:-10}
 [ $# -lt 2 ] || targets=("${@:2}")
-seconds=$(awk -v minutes="$minutes" -v targets="${#targets[@]}" \
+seconds=$(LC_ALL=C awk -v minutes="$minutes" -v targets="${#targets[@]}" \
     'BEGIN { print int(60 * minutes / targets) }')
 [ "$seconds" -gt 0 ] || fail "there is no time for $minutes minutes" "make fuzz MINUTES=10"
 cargo fuzz build

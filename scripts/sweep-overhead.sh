@@ -9,6 +9,8 @@
 # as taskset has them. Prints wall time and CPU time of both and their ratio, and
 # what the sweep's wall time is over that of its stages alone.
 set -euo pipefail
+# Times have a point in every locale.
+export LC_ALL=C
 cd "$(dirname "$0")/.."
 
 program=$(realpath "${PLUVIA:-target/release/pluvia}")

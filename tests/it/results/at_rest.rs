@@ -3,7 +3,7 @@
 use std::{fmt::Write as _, fs, process::Command};
 
 use super::{list, root};
-use crate::program::Folder;
+use crate::program::{Folder, script};
 
 /// Readings of a run in which the plate sinks by so many mm in a second, of a stage that begins at
 /// 3 s and lasts for so long; the readings lie between the times that the table asks for.
@@ -19,10 +19,13 @@ fn series(sinks: f64, lasts_s: f64) -> String {
 }
 
 /// Law: the table has what plate and surface have sunk by 5 s and 20 s, on straight lines between
-/// readings; a run that ends before is an error.
+/// readings, with a point in every locale; a run that ends before is an error.
 #[test]
 fn the_table_of_specimens_left_alone_has_what_sank_by_the_times() {
     let folder = Folder::new();
+    // awk and seq read and write numbers as the locale does; this one need not be installed.
+    let program = folder.path("pluvia");
+    script(&program, "#!/bin/sh\n[ \"$LC_ALL\" = C ]\n");
     let table = |lasts_s: f64| {
         for (of, sinks) in [("rest", 1.0), ("shaken", 0.5), ("rest", 0.0)] {
             for c in 1..=3 {
@@ -33,7 +36,8 @@ fn the_table_of_specimens_left_alone_has_what_sank_by_the_times() {
             }
         }
         let mut bash = Command::new("bash");
-        bash.arg(root().join("scripts/at-rest.sh")).arg(folder.path("")).env("PLUVIA", "true");
+        bash.arg(root().join("scripts/at-rest.sh")).arg(folder.path(""));
+        bash.env("PLUVIA", &program).env("LC_ALL", "de_DE.UTF-8");
         bash.output().expect("bash starts").status.success()
     };
     assert!(table(21.0), "law: whole runs make tables");
