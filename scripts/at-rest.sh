@@ -47,6 +47,7 @@ at() {
 
 tables=$out/tables
 mkdir -p "$tables"
+# Each value gets a line of its own: within an `echo` a failure of `at` would not end the script.
 {
     echo "configuration,stock_rest_plate_after_5_s_mm,stock_rest_plate_after_20_s_mm,\
 stock_rest_share_after_5_s_percent,stock_rest_surface_after_20_s_mm,stock_shaken_plate_after_5_s_mm,\
@@ -57,28 +58,34 @@ stock_shaken_plate_after_20_s_mm,stock_shaken_surface_after_20_s_mm,native_rest_
         native=$(sunk "rest/runs/point-0002-c$c")
         plate=$(at "5 20" 2 4 <<<"$rest")
         share=$(awk -F, '{ printf "%.4f", 100 * $1 / $2 }' <<<"$plate")
-        echo "$c,$plate,$share,$(at 20 3 4 <<<"$rest"),$(at "5 20" 2 4 <<<"$shaken"),$(
-            at 20 3 4 <<<"$shaken"
-        ),$(at 20 2 4 <<<"$native")"
+        surface=$(at 20 3 4 <<<"$rest")
+        shaken_plate=$(at "5 20" 2 4 <<<"$shaken")
+        shaken_surface=$(at 20 3 4 <<<"$shaken")
+        native_plate=$(at 20 2 4 <<<"$native")
+        echo "$c,$plate,$share,$surface,$shaken_plate,$shaken_surface,$native_plate"
     done
-} >"$tables/stock-at-rest.csv"
+} >"$tables/stock-at-rest.partial"
 
 times=$(seq -s " " 0 0.4 20)
 names=(stock_left_alone_c{1,2,3} stock_shaken_c{1,2,3} native_left_alone_c1)
 runs=(rest/runs/point-0001-c{1,2,3} shaken/runs/point-0001-c{1,2,3} rest/runs/point-0002-c1)
 columns=()
 for name in "${names[@]}"; do columns+=("settlement_${name}_mm"); done
+files=()
+for n in "${!runs[@]}"; do
+    file=$tables/${names[n]}.column
+    sunk "${runs[n]}" | at "$times" 2 3 | tr ',' '\n' >"$file"
+    echo >>"$file"
+    files+=("$file")
+done
 {
     (IFS=, && echo "time_s,${columns[*]}")
-    # shellcheck disable=SC2046 # no file of a column has a space in its name
-    paste -d, <(tr ' ' '\n' <<<"$times") \
-        $(for n in "${!runs[@]}"; do
-            file=$tables/${names[n]}.column
-            sunk "${runs[n]}" | at "$times" 2 3 | tr ',' '\n' >"$file"
-            echo >>"$file"
-            echo "$file"
-        done)
-} >"$tables/stock-at-rest-series.csv"
+    paste -d, <(tr ' ' '\n' <<<"$times") "${files[@]}"
+} >"$tables/stock-at-rest-series.partial"
+# Both tables or neither.
+for table in stock-at-rest stock-at-rest-series; do
+    mv "$tables/$table.partial" "$tables/$table.csv"
+done
 rm "$tables"/*.column
 all=$(IFS=, && echo "${columns[*]}")
 "$program" plot "$tables" --file stock-at-rest-series.csv --x time_s --y "$all" \

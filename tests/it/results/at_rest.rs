@@ -19,15 +19,17 @@ fn series(sinks: f64, lasts_s: f64) -> String {
 }
 
 /// Law: the table has what plate and surface have sunk by 5 s and 20 s, on straight lines between
-/// readings, with a point in every locale; a run that ends before is an error.
+/// readings, with a point in every locale; a run that ends before is an error and leaves no
+/// table.
 #[test]
 fn the_table_of_specimens_left_alone_has_what_sank_by_the_times() {
     let folder = Folder::new();
     // awk and seq read and write numbers as the locale does; this one need not be installed.
     let program = folder.path("pluvia");
     script(&program, "#!/bin/sh\n[ \"$LC_ALL\" = C ]\n");
-    let table = |lasts_s: f64| {
-        for (of, sinks) in [("rest", 1.0), ("shaken", 0.5), ("rest", 0.0)] {
+    let table = |lasts_s: [f64; 3]| {
+        let groups = [("rest", 1.0), ("shaken", 0.5), ("rest", 0.0)];
+        for ((of, sinks), lasts_s) in groups.into_iter().zip(lasts_s) {
             for c in 1..=3 {
                 let point = if sinks > 0.0 { 1 } else { 2 };
                 let run = folder.path(&format!("{of}/runs/point-000{point}-c{c}"));
@@ -40,7 +42,7 @@ fn the_table_of_specimens_left_alone_has_what_sank_by_the_times() {
         bash.env("PLUVIA", &program).env("LC_ALL", "de_DE.UTF-8");
         bash.output().expect("bash starts").status.success()
     };
-    assert!(table(21.0), "law: whole runs make tables");
+    assert!(table([21.0; 3]), "law: whole runs make tables");
     let got = folder.text("tables/stock-at-rest.csv");
     let kept = |file: &str| fs::read_to_string(root().join(list::FOLDER).join(file));
     let header =
@@ -54,5 +56,12 @@ fn the_table_of_specimens_left_alone_has_what_sank_by_the_times() {
     assert_eq!(lines.len(), 52, "law: every 0.4 s to 20 s");
     let second = "0.4,0.400,0.400,0.400,0.200,0.200,0.200,0.000";
     assert_eq!(lines[2], second, "law: between readings");
-    assert!(!table(19.0), "law: a run that ends before 20 s is an error");
+    for file in ["stock-at-rest.csv", "stock-at-rest-series.csv"] {
+        fs::remove_file(folder.path("tables").join(file)).expect("removed");
+    }
+    for lasts_s in [[19.0, 21.0, 21.0], [21.0, 19.0, 21.0], [21.0, 21.0, 19.0]] {
+        assert!(!table(lasts_s), "law: a run that ends before 20 s is an error, got {lasts_s:?}");
+        let made = folder.path("tables/stock-at-rest.csv").exists();
+        assert!(!made, "law: no table of runs that lasted {lasts_s:?} s, got one");
+    }
 }
