@@ -12,6 +12,8 @@
 # looked at is what the shims do, and every block of memory they are given or
 # give back, whoever made it. A finding ends the program, and this script.
 set -euo pipefail
+# A build that fails within `$(…)` ends it, and with it this script.
+shopt -s inherit_errexit
 cd "$(dirname "$0")/.."
 
 fail() {
