@@ -65,8 +65,11 @@ for round in $(seq "$rounds"); do
     [ $((round % 2)) = 1 ] || order='sweep bare'
     for which in $order; do
         rm -rf "${folder:?}/$which"
-        # shellcheck disable=SC2046
-        printf '%s %s %s\n' "$round" "$which" "$(timed "$which")" >>"$folder/times"
+        took=$(timed "$which") || {
+            echo "error: round $round, $which: a run failed; see $folder/$which" >&2
+            exit 1
+        }
+        printf '%s %s %s\n' "$round" "$which" "$took" >>"$folder/times"
     done
 done
 
