@@ -9,7 +9,7 @@ fail() {
     exit 1
 }
 
-wheel=$(ls dist/pluvia-*.whl 2>/dev/null | head -1)
+wheel=$(ls dist/pluvia-*.whl 2>/dev/null | head -1) || true
 [ -n "$wheel" ] || fail "there is no wheel in dist/" "make wheel"
 root=$PWD
 rm -rf target/python
