@@ -9,7 +9,7 @@ MINUTES ?= 10
 GRAINS ?= 10000
 LIMIT_MIB ?= $(if $(filter 10000,$(GRAINS)),1024,3072)
 LIMIT_MINUTES ?= 90
-# Builds that `make convergence` compares: double, single or both.
+# Builds that `make convergence` compares: double, single or 'double single'.
 PRECISIONS ?= double
 
 # Batches of `make joint`: eight points each, shaken four ways; and the folder of its tables.
