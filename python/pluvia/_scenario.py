@@ -13,7 +13,8 @@ from typing import Any
 from ._errors import FileError, ScenarioError
 
 Scenario = str | os.PathLike[str] | Mapping[str, Any]
-"""A scenario: the path of its file, or its content as a dict. Relative paths in a dict count from the working directory."""
+"""A scenario: the path of its file, or its content as a dict. Relative paths in a dict count from the working
+directory. Where that is read-only, a dict needs absolute paths: its file lies in the folder for temporary files."""
 
 _FOLDER = Path(__file__).parent / "scenarios"
 
@@ -55,8 +56,8 @@ def as_json(value: object) -> str:
 
 @contextmanager
 def as_file(scenario: Scenario) -> Iterator[str]:
-    """The file of a scenario. That of a dict lies in the working directory, where its relative paths count from, and is
-    there only meanwhile."""
+    """The file of a scenario. That of a dict lies in the working directory, where its relative paths count from, or, if
+    that is read-only, in the folder for temporary files, and is there only meanwhile."""
     if not isinstance(scenario, Mapping):
         yield os.fspath(scenario)
         return
