@@ -7,9 +7,9 @@
 #   scripts/package.sh install    prints what the archive says of its installation
 #
 # Both hold the stripped program, the manual pages and completions that it prints itself,
-# scenarios and documentation. Neither holds Bullet: the package depends on Debian's, the archive
-# says what to install. PLUVIA is the program, target/release/pluvia unless given; MAINTAINER who
-# answers for the package.
+# scenarios, documentation and the licences of Pluvia, not those of linked crates. Neither holds
+# Bullet: the package depends on Debian's, the archive says what to install. PLUVIA is the program,
+# target/release/pluvia unless given; MAINTAINER who answers for the package.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -72,7 +72,10 @@ deb() {
     completions "$root/usr/share"
     {
         printf 'Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/\n'
-        printf 'Upstream-Name: pluvia\n\nFiles: *\nCopyright: the Pluvia authors\n'
+        printf 'Upstream-Name: pluvia\n'
+        printf 'Comment: The program contains crates and the font DejaVu Sans (crate dejavu), which have\n'
+        printf ' licences of their own: see the sources of the crates that Cargo.lock of Pluvia names.\n'
+        printf '\nFiles: *\nCopyright: the Pluvia authors\n'
         printf 'License: Expat or Apache-2.0\n\nLicense: Expat\n'
         sed 's/^$/./; s/^/ /' LICENSE-MIT
         printf '\nLicense: Apache-2.0\n On Debian systems, see /usr/share/common-licenses/Apache-2.0.\n'

@@ -27,7 +27,9 @@ fi
 tools=$PWD/$venv/bin
 export PATH="$tools:$PATH"
 
-# What goes into the package beside its own files: scenarios, and licences of all that is inside.
+# What goes into the package beside its own files: scenarios, and the licences of Pluvia and of Bullet.
+# Those of the linked crates and of the font DejaVu Sans (crate dejavu) stay in the crates' sources,
+# which python/Cargo.lock names.
 rm -rf python/pluvia/scenarios python/licenses
 for folder in paper quick laboratory validation; do
     mkdir -p "python/pluvia/scenarios/$folder"
