@@ -7,11 +7,14 @@
 
 use std::collections::{BinaryHeap, HashMap};
 
-use super::{Point, Vector, convex::mean, used};
+use super::{ConvexPolyhedron, Point, Vector, convex::mean, joined_polyhedron, used};
 
-/// Points nearer to a face than this, as a fraction of the largest distance from the points' mean,
-/// are taken to lie on it. Meshes of single precision are no finer.
-const ROUNDING: f64 = 1e-7;
+/// Points nearer to a face than the first of these, as a fraction of the largest distance from the
+/// points' mean, are taken to lie on it. Meshes of single precision are no finer.
+///
+/// A facet about as narrow as that, whose plane is uncertain, may be left turned round. The others
+/// are for hulls to which that happened.
+pub(crate) const ROUNDINGS: [f64; 3] = [1e-7, 1e-8, 1e-9];
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Hull {
@@ -24,9 +27,22 @@ pub(crate) struct Hull {
     pub left_out: f64,
 }
 
-/// The hull of finite points, of `most_vertices` at most. `None` where the
-/// points lie in a plane within rounding.
-pub(crate) fn hull(points: &[Point], most_vertices: usize) -> Option<Hull> {
+/// The hull of finite points as a polyhedron, with the first rounding that makes one. `None` where
+/// the points lie in a plane within rounding, or no rounding does.
+pub(crate) fn convex_hull(points: &[Point]) -> Option<ConvexPolyhedron> {
+    for rounding in ROUNDINGS {
+        let Hull { vertices, triangles, .. } = hull(points, usize::MAX, rounding)?;
+        let shape = joined_polyhedron(&vertices, &triangles);
+        if shape.is_some() {
+            return shape;
+        }
+    }
+    None
+}
+
+/// The hull of finite points, of `most_vertices` at most, with one of the [`ROUNDINGS`]. `None`
+/// where the points lie in a plane within rounding.
+pub(crate) fn hull(points: &[Point], most_vertices: usize, rounding: f64) -> Option<Hull> {
     let mean = mean(points);
     let radius = points.iter().map(|p| (p.coords - mean).norm()).fold(0.0, f64::max);
     if !(radius > 0.0 && radius.is_finite()) {
@@ -34,7 +50,7 @@ pub(crate) fn hull(points: &[Point], most_vertices: usize) -> Option<Hull> {
     }
     // About the mean and of size one, where rounding is known.
     let scaled: Vec<Vector> = points.iter().map(|p| (p.coords - mean) / radius).collect();
-    let mut growth = Growth::begin(&scaled)?;
+    let mut growth = Growth::begin(&scaled, rounding)?;
     let mut vertices = 4;
     while vertices < most_vertices && growth.take_farthest() {
         vertices += 1;
@@ -83,6 +99,7 @@ impl Facet {
 
 struct Growth<'a> {
     points: &'a [Vector],
+    rounding: f64,
     /// Also those that are gone, which are no longer alive.
     facets: Vec<Facet>,
     /// Of each facet the farthest point outside: height (positive numbers are
@@ -93,10 +110,11 @@ struct Growth<'a> {
 }
 
 impl<'a> Growth<'a> {
-    fn begin(points: &'a [Vector]) -> Option<Self> {
+    fn begin(points: &'a [Vector], rounding: f64) -> Option<Self> {
         let mut growth = Self {
             points,
-            facets: tetrahedron(points)?,
+            rounding,
+            facets: tetrahedron(points, rounding)?,
             farthest: BinaryHeap::new(),
             dropped: Vec::new(),
         };
@@ -136,7 +154,7 @@ impl<'a> Growth<'a> {
                 let beyond = self.facets[at].beyond[edge];
                 // Facets in whose plane the point lies go as well: those left
                 // standing would have new ones of no area beside them.
-                if self.facets[beyond].height(place) > -ROUNDING && is_seen.insert(beyond) {
+                if self.facets[beyond].height(place) > -self.rounding && is_seen.insert(beyond) {
                     seen.push(beyond);
                 }
             }
@@ -193,7 +211,7 @@ impl<'a> Growth<'a> {
             let place = &self.points[candidate as usize];
             let heights = self.facets[first..].iter().map(|f| f.height(place)).enumerate();
             let highest = heights.max_by(|a, b| a.1.total_cmp(&b.1));
-            if let Some((facet, _)) = highest.filter(|h| h.1 > ROUNDING) {
+            if let Some((facet, _)) = highest.filter(|h| h.1 > self.rounding) {
                 self.facets[first + facet].outside.push(candidate);
             }
         }
@@ -210,11 +228,11 @@ impl<'a> Growth<'a> {
 }
 
 /// Four points far apart, as a tetrahedron with outward faces.
-fn tetrahedron(points: &[Vector]) -> Option<Vec<Facet>> {
+fn tetrahedron(points: &[Vector], rounding: f64) -> Option<Vec<Facet>> {
     let farthest = |distance: &dyn Fn(&Vector) -> f64| {
         let index = (0..points.len())
             .max_by(|&a, &b| distance(&points[a]).total_cmp(&distance(&points[b])))?;
-        (distance(&points[index]) > ROUNDING).then_some(index)
+        (distance(&points[index]) > rounding).then_some(index)
     };
     let a = farthest(&|p| p.norm())?;
     let b = farthest(&|p| (p - points[a]).norm())?;

@@ -18,7 +18,7 @@ mod sphere;
 pub(crate) mod testing;
 
 pub(crate) use convex::{cut, edges_of, enclosed_volume, loop_of, used, volume_of_loops};
-pub(crate) use hull::{Hull, hull};
+pub(crate) use hull::{Hull, ROUNDINGS, convex_hull, hull};
 pub(crate) use joined::{FLATNESS, joined_polyhedron};
 pub use mass::{MassProperties, PrincipalFrame};
 pub use polyhedron::{ConvexPolyhedron, PolyhedronError, Rounded};

@@ -1,7 +1,7 @@
 //! The mesh that stands for a rounded polyhedron where faces are needed.
 
 use super::{
-    ConvexPolyhedron, Point, PolyhedronError, Rounded, Vector, edges_of, hull, joined_polyhedron,
+    ConvexPolyhedron, Point, PolyhedronError, Rounded, Vector, convex_hull, edges_of,
     polyhedron::{angle, checked, faces_about, normals},
 };
 
@@ -49,9 +49,7 @@ pub(super) fn outline(rounded: &Rounded, step: f64) -> Result<ConvexPolyhedron, 
         }
         points.extend(kept.iter().map(|d| corner + d * rounded.radius));
     }
-    let none = PolyhedronError::NoVolume(0.0);
-    let hull = hull(&points, usize::MAX).ok_or(none.clone())?;
-    joined_polyhedron(&hull.vertices, &hull.triangles).ok_or(none)
+    convex_hull(&points).ok_or(PolyhedronError::NoVolume(0.0))
 }
 
 /// The sides of the spherical polygon between normals, in steps.

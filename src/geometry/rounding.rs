@@ -6,7 +6,7 @@ use nalgebra::{Matrix4, Vector4};
 use super::{
     ConvexPolyhedron, Point, Rounded, Vector,
     convex::{cut, mean},
-    hull, joined_polyhedron,
+    convex_hull,
 };
 
 /// Corners of an eroded polyhedron that are nearer to each other than this, as a fraction of its
@@ -85,8 +85,7 @@ pub fn eroded(body: &ConvexPolyhedron, by: f64) -> Option<ConvexPolyhedron> {
             corners.push(point.into());
         }
     }
-    let hull = hull(&corners, usize::MAX)?;
-    joined_polyhedron(&hull.vertices, &hull.triangles)
+    convex_hull(&corners)
 }
 
 /// A polyhedron whose corners and edges have a radius of `roundness` times that of its largest

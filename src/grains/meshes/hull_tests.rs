@@ -2,13 +2,17 @@
 //! little where they are made simpler.
 
 use crate::{
-    geometry::{ConvexPolyhedron, Hull, Point, Vector, enclosed_volume, hull},
+    geometry::{ConvexPolyhedron, Hull, Point, ROUNDINGS, Vector, enclosed_volume},
     grains::{
         generate,
         streams::{rotation, stream, uniform},
         tests::{few_grains, near},
     },
 };
+
+fn hull(points: &[Point], most_vertices: usize) -> Option<Hull> {
+    crate::geometry::hull(points, most_vertices, ROUNDINGS[0])
+}
 
 fn volume_of(hull: &Hull) -> f64 {
     enclosed_volume(&hull.vertices, &hull.triangles)

@@ -286,3 +286,24 @@ fn objects_and_solids_are_grains_and_surfaces_may_be() {
     assert_eq!(set.grains.len(), 2, "both surfaces are grains");
     assert_eq!(set.meshes[1].object, "object 1, surface 2");
 }
+
+/// Law: flat plates with finely rounded edges become grains of fewer vertices. With the first
+/// rounding alone the hulls of about a third keep a facet that is turned round.
+#[test]
+fn flat_plates_of_many_vertices_become_simpler() {
+    let most = 280;
+    let spec = MeshGrains { largest_vertex_count: most, ..spec(&[]) };
+    for n in 0..32 {
+        let plate = crate::geometry::testing::flat_plate(n);
+        let plate = ConvexPolyhedron::of_rounded(plate, 1e-5).unwrap();
+        let (vertices, faces) = (plate.vertices().to_vec(), plate.faces().to_vec());
+        assert!(vertices.len() > most as usize, "plate {n} has {} vertices", vertices.len());
+        let volume = crate::geometry::enclosed_volume(&vertices, &faces);
+        let surface = Surface { vertices, faces, volume };
+        let (shape, record) = super::super::shape::convex(&surface, &spec)
+            .unwrap_or_else(|e| panic!("law: plate {n}: expected a grain, got: {}", e.message));
+        let got = shape.vertices().len();
+        assert!(got <= most as usize, "law: expected {most} vertices at most, got {got}");
+        assert!(record.hull, "law: it is a hull, got {record:?}");
+    }
+}
