@@ -12,7 +12,8 @@ impl ConvexPolyhedron {
     /// A polyhedron swept by a ball with a radius in m.
     ///
     /// # Errors
-    /// When the radius is not positive, or the core is not a polyhedron of flat faces.
+    /// When the radius is not positive, the core is not a polyhedron of flat faces, or no mesh can
+    /// be made of it.
     pub fn of_rounded(core: Self, radius: f64) -> Result<Self, PolyhedronError> {
         let rounded = checked(core, radius)?;
         Ok(outline(&rounded, STEP)?.standing_for(rounded))
@@ -49,7 +50,7 @@ pub(super) fn outline(rounded: &Rounded, step: f64) -> Result<ConvexPolyhedron, 
         }
         points.extend(kept.iter().map(|d| corner + d * rounded.radius));
     }
-    convex_hull(&points).ok_or(PolyhedronError::NoVolume(0.0))
+    convex_hull(&points).ok_or(PolyhedronError::NoMesh)
 }
 
 /// The sides of the spherical polygon between normals, in steps.

@@ -87,6 +87,9 @@ pub enum PolyhedronError {
     /// The ball that rounds a polyhedron has no positive radius (m), or its core is rounded itself.
     #[error("the radius of the ball is {0} m: it must be positive, its core have corners")]
     BadRounding(f64),
+    /// No convex mesh of a rounded polyhedron's surface can be made in double precision.
+    #[error("no mesh can be made of it: rounding errors fold its surface, or it is too large")]
+    NoMesh,
     /// The enclosed signed volume (m³) is zero or negative.
     #[error("the enclosed volume is {0:e} m³, it must be positive")]
     NoVolume(f64),

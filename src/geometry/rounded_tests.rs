@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use nalgebra::Matrix3;
 
 use super::{
-    ConvexPolyhedron, MassProperties, Point, Pose, ROUNDINGS, Rounded, Vector, eroded, hull,
-    inner_radius, joined_polyhedron,
+    ConvexPolyhedron, MassProperties, Point, PolyhedronError, Pose, ROUNDINGS, Rounded, Vector,
+    eroded, hull, inner_radius, joined_polyhedron,
     outline::outline,
     rounded_within,
     testing::{flat_plate, near},
@@ -224,6 +224,9 @@ fn what_is_no_rounded_polyhedron_is_refused() {
         let said = ConvexPolyhedron::of_rounded(cube.clone(), radius).expect_err("bad").to_string();
         assert!(said.contains("radius of the ball"), "law: it says so, got {said}");
     }
+    // Squares of its coordinates are beyond all numbers.
+    let got = ConvexPolyhedron::of_rounded(cube.clone(), 1e200);
+    assert_eq!(got, Err(PolyhedronError::NoMesh), "law: no mesh, expected NoMesh, got {got:?}");
     assert!(ConvexPolyhedron::of_rounded(ConvexPolyhedron::ball(1.0), 0.1).is_err());
     assert!(ConvexPolyhedron::of_rounded(of(cube, 0.1), 0.1).is_err());
 }

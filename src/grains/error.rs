@@ -51,8 +51,8 @@ pub enum GrainsError {
     /// A cell that cannot be rounded.
     #[error(
         "cell {cell} of a block of {cells} cannot be rounded: moved inwards by {rounding} times the \
-         radius of its largest inner sphere, its planes leave no polyhedron; a smaller `rounding`, \
-         or another seed, leaves one"
+         radius of its largest inner sphere, its planes leave no polyhedron that can be meshed; a \
+         larger `rounding`, a smaller `flatness` or another seed may leave one"
     )]
     NoRoundedCell {
         /// Index of the cell.
@@ -154,4 +154,19 @@ pub enum GrainsError {
     /// A CSV table could not be written.
     #[error("writing a table of grains failed: {0}")]
     Csv(#[from] csv::Error),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Law: it is flat cells with little rounding that fail, so less rounding is no advice.
+    #[test]
+    fn a_cell_that_cannot_be_rounded_names_what_helps() {
+        let error = GrainsError::NoRoundedCell { cell: 3, cells: 20, rounding: 0.01 };
+        let got = error.to_string();
+        for expected in ["cell 3", "larger `rounding`", "smaller `flatness`", "another seed"] {
+            assert!(got.contains(expected), "law: expected `{expected}`, got `{got}`");
+        }
+    }
 }

@@ -120,3 +120,30 @@ fn flat_sets_and_too_few_points_have_no_hull() {
     let wild = [Point::origin(), Point::new(f64::NAN, 0.0, 0.0)];
     assert_eq!(hull(&wild, usize::MAX), None, "no numbers");
 }
+
+/// Law: where no hull can be made, the message says what to change of the mesh; how thick a grain
+/// must be is judged before.
+#[test]
+fn a_surface_without_a_hull_is_to_be_simplified() {
+    let flat: Vec<Point> = on_sphere(50, 2).iter().map(|p| Point::new(p.x, p.y, 0.003)).collect();
+    let surface = super::Surface { vertices: flat, faces: Vec::new(), volume: 1e-9 };
+    let spec = super::MeshGrains {
+        meshes: Vec::new(),
+        mesh_unit: super::MeshUnit::M,
+        density_kg_per_m3: 2650.0,
+        hull: true,
+        split_surfaces: false,
+        largest_vertex_count: 64,
+        total_mass_g: None,
+        sieve_table: Vec::new(),
+        count: None,
+    };
+    let fault = super::shape::convex(&surface, &spec).expect_err("law: points of one plane");
+    let got = (fault.message.as_str(), fault.found.as_str(), fault.allowed.as_str());
+    let expected = (
+        "no convex hull can be made of its vertices",
+        "50 vertices",
+        "fewer vertices that nearly share a plane; simplify the mesh",
+    );
+    assert_eq!(got, expected, "law: expected {expected:?}, got {got:?}");
+}

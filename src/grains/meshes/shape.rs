@@ -23,7 +23,7 @@ pub(super) fn convex(surface: &Surface, spec: &MeshGrains) -> Result<Made, Fault
         Err(Fault::new(
             "no convex hull can be made of its vertices",
             counted(surface.vertices.len(), "vertex"),
-            "a grain as thick as a hundredth of its length",
+            "fewer vertices that nearly share a plane; simplify the mesh",
         ))
     })
 }
