@@ -157,7 +157,7 @@ fn pieces(vertices: usize, faces: &[Vec<u32>]) -> Vec<Vec<&[u32]>> {
 }
 
 /// Least volume of a grain, as a fraction of the cube of its largest
-/// dimension: a sheet a thousandth as thick as it is wide is none.
+/// dimension: a square sheet a ten-thousandth as thick as it is wide is none.
 const LEAST_VOLUME: f64 = 1e-4;
 
 fn volume_fault(surface: &Surface, to_mm: f64) -> Option<Fault> {
