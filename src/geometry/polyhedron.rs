@@ -309,7 +309,7 @@ impl ConvexPolyhedron {
     }
 
     /// Undirected edges as pairs of vertex indices, lower index first, in the
-    /// order in which the faces first meet them.
+    /// order of the faces that run along them from the lower to the higher.
     pub fn edges(&self) -> Vec<(u32, u32)> {
         self.directed_edges().filter(|(_, a, b)| a < b).map(|(_, a, b)| (a, b)).collect()
     }

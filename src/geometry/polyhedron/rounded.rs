@@ -24,7 +24,7 @@ pub(in crate::geometry) fn angle(a: &Vector, b: &Vector) -> f64 {
 }
 
 /// An edge of the core: its ends and the outward normals of its faces, such that from `left` to
-/// `right` is a right-handed turn about the direction from `to` to `from`.
+/// `right` is a right-handed turn about the direction from `from` to `to`.
 pub(in crate::geometry) struct CoreEdge {
     pub(in crate::geometry) from: Vector,
     pub(in crate::geometry) to: Vector,
