@@ -335,9 +335,16 @@ impl SpecimenState {
         let vectors = moving.chain(touching).flat_map(|vector| vector.iter().copied());
         let loads = self.pieces.iter().flat_map(|p| [&p.force_n, &p.moment_n_m]);
         let vectors = vectors.chain(loads.flat_map(|vector| vector.iter().copied()));
-        let others = [self.table_x, self.time, self.funnel.map_or(0.0, |f| f.opening_height)];
-        if let Some(number) = vectors.chain(others).find(|number| !(number.abs() <= LARGEST)) {
+        let table = [self.table_x, self.table_y, self.table_z];
+        let others = [self.time, self.funnel.map_or(0.0, |f| f.opening_height)];
+        if let Some(number) =
+            vectors.chain(table).chain(others).find(|number| !(number.abs() <= LARGEST))
+        {
             return Err(format!("a velocity, contact, height or time is {number:e}"));
+        }
+        let mut shares = self.contacts.iter().map(|contact| contact.warm_start);
+        if let Some(share) = shares.find(|share| !(0.0..=LARGEST).contains(share)) {
+            return Err(format!("`warm_start` of a contact is {share:e}"));
         }
         let present = self.bodies.iter().filter(|g| g.fate == Fate::Present).map(|g| &g.body.pose);
         let plate = self.top_plate.iter().map(|plate| &plate.pose);
@@ -416,7 +423,7 @@ mod tests {
         assert_eq!(of(&|s| s.base = Some(fixed(2))), Ok(()), "law: the last grain is one");
         assert_eq!(of(&|s| s.contacts.push(contact(2))), Ok(()), "law: the last grain is one");
         type Change<'a> = &'a dyn Fn(&mut SpecimenState);
-        let cases: [(Change, &str); 10] = [
+        let cases: [(Change, &str); 14] = [
             (&|s| s.bodies.push(s.bodies[0]), "`bodies` has 4 entries, and there are 3 grains"),
             (&|s| s.base = Some(fixed(3)), "`fixed_grains[0].grain` is 3"),
             (&|s| s.base = Some(fixed(usize::MAX)), "`fixed_grains[0].grain` is 1844"),
@@ -432,6 +439,16 @@ mod tests {
             (&|s| s.base = Some(Base { radius: 0.0, ..fixed(2) }), "`base.radius` is 0e0"),
             (&|s| s.bodies[2].body.linear_velocity.x = 1e13, "is 1e13"),
             (&|s| s.time = f64::NAN, "is NaN"),
+            (&|s| s.table_y = f64::NAN, "is NaN"),
+            (&|s| s.table_z = 1e13, "is 1e13"),
+            (
+                &|s| s.contacts.push(SavedContact { warm_start: f64::NAN, ..contact(2) }),
+                "`warm_start` of a contact is NaN",
+            ),
+            (
+                &|s| s.contacts.push(SavedContact { warm_start: -0.5, ..contact(2) }),
+                "`warm_start` of a contact is -5e-1",
+            ),
             (&|s| s.bodies[1].body.pose.translation.vector.x = f64::NAN, "a body is at (NaN"),
             (
                 &|s| {
