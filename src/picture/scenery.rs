@@ -171,6 +171,8 @@ fn thinned(piece: &Piece, whole: Solid, axis: &Vector, thickness: f64) -> Solid 
 mod tests {
     use std::sync::Arc;
 
+    use serde_json::json;
+
     use super::super::solid::{Ray, stretch};
     use super::*;
     use crate::apparatus::{Cylinder, Funnel};
@@ -230,15 +232,13 @@ mod tests {
         assert!(first > 10.0, "law: nothing stands before the axis, met at {first} of 10 m");
     }
 
-    /// Law: a piece of a laboratory is shown as one, whatever its name: its part `base_00` is no
-    /// floor of a pile.
-    #[test]
-    fn a_piece_with_the_name_of_a_base_is_a_piece() {
-        let scenario: Scenario = serde_json::from_value(serde_json::json!({
-            "name": "base",
+    /// A laboratory of one piece without grains, from the front and 10° above.
+    fn of_a_piece(piece: &serde_json::Value, walls: Walls) -> Scene {
+        let scenario: Scenario = serde_json::from_value(json!({
+            "name": "piece",
             "grains": { "total_mass_g": 8, "density_kg_per_m3": 2650, "sieve_table":
                 [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }] },
-            "pieces": [{ "name": "base", "shape": { "plate": { "size_mm": [90, 90, 10] } } }],
+            "pieces": [piece],
             "stages": [{ "stage": "rest", "duration_s": 1 }],
         }))
         .expect("a scenario");
@@ -248,8 +248,16 @@ mod tests {
         let no_grains =
             GrainSet { grains: vec![], blocks: vec![], density: 2650.0, meshes: vec![] };
         let view = View { azimuth_deg: 0.0, elevation_deg: 10.0 };
+        scene_of(&setup, &no_grains, &frame, walls, &view, &[]).expect("a scene")
+    }
+
+    /// Law: a piece of a laboratory is shown as one, whatever its name: its part `base_00` is no
+    /// floor of a pile.
+    #[test]
+    fn a_piece_with_the_name_of_a_base_is_a_piece() {
+        let plate = json!({ "name": "base", "shape": { "plate": { "size_mm": [90, 90, 10] } } });
         for (walls, expected) in [(Walls::Hidden, None), (Walls::Transparent, Some(true))] {
-            let scene = scene_of(&setup, &no_grains, &frame, walls, &view, &[]).expect("a scene");
+            let scene = of_a_piece(&plate, walls);
             let glass = scene.bodies.first().map(|body| body.glass);
             assert_eq!(glass, expected, "law: whether it is glass, {walls:?}");
         }
@@ -259,23 +267,9 @@ mod tests {
     #[test]
     fn the_near_wall_of_a_laboratory_is_cut_away() {
         for y_mm in [-300.0, 0.0, 137.3] {
-            let scenario: Scenario = serde_json::from_value(serde_json::json!({
-                "name": "box",
-                "grains": { "total_mass_g": 8, "density_kg_per_m3": 2650, "sieve_table":
-                    [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }] },
-                "pieces": [{ "name": "box", "at_mm": [70, y_mm, 0],
-                    "shape": { "box": { "inner_mm": [90, 80, 70], "wall_mm": 10 } } }],
-                "stages": [{ "stage": "rest", "duration_s": 1 }],
-            }))
-            .expect("a scenario");
-            let setup = Setup::new(&scenario).expect("a laboratory");
-            let mut frame = Frame::of(&SpecimenState::before_everything(0));
-            (frame.cylinder, frame.pieces) = (false, vec![Some(setup.pieces[0].at)]);
-            let no_grains =
-                GrainSet { grains: vec![], blocks: vec![], density: 2650.0, meshes: vec![] };
-            let view = View { azimuth_deg: 0.0, elevation_deg: 10.0 };
-            let scene =
-                scene_of(&setup, &no_grains, &frame, Walls::Cut, &view, &[]).expect("a scene");
+            let piece = json!({ "name": "box", "at_mm": [70, y_mm, 0],
+                "shape": { "box": { "inner_mm": [90, 80, 70], "wall_mm": 10 } } });
+            let scene = of_a_piece(&piece, Walls::Cut);
             let got = scene.bodies.len();
             assert_eq!(got, 4, "law: floor, back and both sides, at y = {y_mm} mm, got {got}");
             let front = y_mm / 1000.0 - 0.04;
@@ -291,7 +285,7 @@ mod tests {
         let mut frame = Frame::of(&SpecimenState::before_everything(0));
         frame.cylinder = false;
         frame.base = Some(Arc::new(Base { radius: 0.1, friction: None, fixed_grains: vec![] }));
-        let scenario: Scenario = serde_json::from_value(serde_json::json!({
+        let scenario: Scenario = serde_json::from_value(json!({
             "name": "pile",
             "grains": { "total_mass_g": 8, "density_kg_per_m3": 2650, "sieve_table":
                 [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }] },
