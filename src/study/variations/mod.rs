@@ -147,7 +147,7 @@ pub fn write_variations(out: &Path, runs: &[RunRow]) -> Result<(), StudyError> {
 
 /// Runs every variation in configurations 1 to `configurations` of its scenario and gives one row a
 /// run. The first configuration of all comes first, then the second, so that what there is after an
-/// interruption is a whole table; where there are fewer variations than cores, several configurations
+/// interruption is a whole table; where variations are few for the cores, several configurations
 /// together. `so_far` is reported all rows whenever some are added.
 ///
 /// # Errors
@@ -163,10 +163,15 @@ pub fn carry_out_variations(
     carry_out_in(&crate::world::create, varied, &ranges, options, so_far)
 }
 
-/// Ranges of configurations that run together, large enough for every core to have a run of its own,
+/// Runs of a range for each core, at least: at its end cores wait for the longest run, which may be
+/// several times as long as the others.
+const RUNS_PER_CORE: usize = 4;
+
+/// Ranges of configurations that run together, large enough for every core to have several runs,
 /// which is faster than several threads of one.
 fn ranges(configurations: u32, variations: usize, cores: usize) -> Vec<Range<u32>> {
-    let together = cores.div_ceil(variations.max(1)).max(1);
+    let runs = cores.saturating_mul(RUNS_PER_CORE);
+    let together = runs.div_ceil(variations.max(1)).max(1);
     let together = u32::try_from(together).unwrap_or(u32::MAX);
     let begin = (0..configurations).step_by(together as usize);
     begin.map(|first| first..first.saturating_add(together).min(configurations)).collect()

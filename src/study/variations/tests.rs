@@ -154,15 +154,17 @@ fn programmes_are_told_apart_by_all_that_is_done() {
     assert_ne!(one, of(&[("a", &["seed=2"])], 3), "configurations count");
 }
 
-/// Law: every configuration stands in one range, and there are as many runs together as cores, or
+/// Law: every configuration stands in one range, and there are four runs together for each core, or
 /// more by less than the number of variations.
 #[test]
-fn every_core_has_a_run() {
+fn every_core_has_several_runs() {
     for (configurations, variations, cores, expected) in [
-        (4, 1, 2, &[(0, 2), (2, 4)][..]),
-        (3, 1, 2, &[(0, 2), (2, 3)]),
-        (2, 3, 2, &[(0, 1), (1, 2)]),
-        (3, 3, 4, &[(0, 2), (2, 3)]),
+        (16, 1, 2, &[(0, 8), (8, 16)][..]),
+        (9, 1, 2, &[(0, 8), (8, 9)]),
+        (4, 3, 2, &[(0, 3), (3, 4)]),
+        (2, 8, 2, &[(0, 1), (1, 2)]),
+        (2, 9, 2, &[(0, 1), (1, 2)]),
+        (8, 3, 4, &[(0, 6), (6, 8)]),
         (2, 1, 64, &[(0, 2)]),
         (2, 0, 0, &[(0, 1), (1, 2)]),
         (0, 1, 2, &[]),
