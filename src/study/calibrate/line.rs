@@ -60,7 +60,7 @@ impl Search<'_> {
     }
 
     /// Slope of the narrowest chord around a value that stands out of the
-    /// scatter of differences, or else of the widest.
+    /// scatter of differences; none where none does.
     fn chord_slope(&self, centre: f64, error: f64) -> Option<f64> {
         let values = self.kept.usable();
         let mut best: Option<(f64, f64)> = None;
@@ -107,6 +107,15 @@ impl Search<'_> {
         }
     }
 
+    /// How far the usable values beside a value are: the nearest below it, or it, and the nearest
+    /// above, the farther of them.
+    fn to_neighbours(&self, centre: f64) -> f64 {
+        let usable = self.kept.usable();
+        let below = usable.iter().rfind(|v| **v <= centre);
+        let above = usable.iter().find(|v| **v > centre);
+        below.into_iter().chain(above).map(|v| (v - centre).abs()).fold(0.0, f64::max)
+    }
+
     /// Finds a window in which a line fits.
     fn find_window(&mut self, centre: f64) -> Going<()> {
         self.settled = false;
@@ -119,10 +128,13 @@ impl Search<'_> {
             let whole = centre - reach <= low && centre + reach >= high;
             let fit = self.kept.fit(&self.window, q.wanted);
             let Some(fit) = fit.filter(|f| f.interval.is_some()) else {
-                if whole || !may_widen {
+                // One value tells nothing of a slope, however the response bends.
+                let is_short = self.window.len() < 2;
+                if whole || !(may_widen || is_short) {
                     break;
                 }
-                reach = (2.0 * reach).min(q.width());
+                let least = if is_short { self.to_neighbours(centre) } else { 0.0 };
+                reach = (2.0 * reach).max(least).min(q.width());
                 continue;
             };
             let next = fit.x.clamp(low, high);

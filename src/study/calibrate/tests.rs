@@ -346,6 +346,57 @@ fn whole_numbers_are_tried_where_only_they_are_allowed() {
     assert!((x - 16.5).abs() < 0.5, "law: 2 x is 33 at 16.5; got {x}, tolerance 0.5");
 }
 
+/// Law: a solution between two whole numbers is on the line that joins them, however bent or steep
+/// the response is: values beside it are tried where none is as near as the line asks for.
+#[test]
+fn a_line_joins_the_whole_numbers_on_either_side() {
+    type Joined = (&'static str, fn(f64) -> f64, (f64, f64), f64, [f64; 2], f64);
+    // 10 x² is 160 at 4 and 250 at 5.
+    let cases: [Joined; 4] = [
+        ("bent", |x| 10.0 * x * x, (1.0, 10.0), 202.0, [3.0, 4.0], 4.0 + 42.0 / 90.0),
+        (
+            "bent, little scatter",
+            |x| 10.0 * x * x,
+            (1.0, 10.0),
+            202.0,
+            [0.1, 0.2],
+            4.0 + 42.0 / 90.0,
+        ),
+        ("steep", |x| 30.0 * x, (1.0, 5.0), 105.0, [0.005, 0.01], 3.5),
+        ("two numbers", |x| 30.0 * x, (0.0, 1.0), 10.0, [0.005, 0.01], 1.0 / 3.0),
+    ];
+    for (name, mean, between, wanted, [own, single], root) in cases {
+        let asked = Question { between, whole: true, ..question(wanted) };
+        for seed in 0..20 {
+            let answer = found(&asked, Scattering { mean, own, single, seed });
+            assert_eq!(answer.ending, Ending::Found, "law: {name}, seed {seed}: {answer:?}");
+            let x = answer.fit.expect("a line").x;
+            assert!(
+                (x - root).abs() < 0.1,
+                "law: {name}, seed {seed}: expected {root}, got {x}, tolerance 0.1"
+            );
+        }
+    }
+}
+
+/// Law: where no run around the solution has a result, values on either side of the gap are
+/// compared, and a response that plainly rises is not called flat.
+#[test]
+fn a_gap_around_the_solution_is_not_flat() {
+    let mean = saturating;
+    let asked = question(36.0);
+    for seed in 0..30 {
+        let of = Scattering { mean, own: 0.4, single: 0.4, seed };
+        let mut experiment = |values: &[f64], configurations: Range<u32>| {
+            let is_in_gap = |v: f64| 0.6 < v && v < 0.8;
+            Ok(run_all(values, configurations, |v, c| (!is_in_gap(v)).then(|| of.at(v, c))))
+        };
+        let answer = search(&asked, &mut experiment).expect("nothing stops it");
+        let ended = matches!(answer.ending, Ending::Found | Ending::RunsUsedUp);
+        assert!(ended, "law: seed {seed}: found, or runs used up, got {answer:?}");
+    }
+}
+
 #[test]
 fn values_have_no_more_digits_than_they_can_use_and_ends_are_kept() {
     let asked = question(1.0);
