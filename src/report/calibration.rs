@@ -86,7 +86,8 @@ pub enum CalibrationEnding {
     RunsUsedUp,
     /// No value in the range gives the wanted result.
     OutOfReach,
-    /// The result does not depend on the unknown beyond its scatter.
+    /// The result does not depend on the unknown beyond its scatter, in the range or around the
+    /// wanted result.
     Flat,
     /// Too many runs failed.
     Failed,

@@ -123,10 +123,7 @@ fn statement(of: &Calibration) -> String {
         (Ending::OutOfReach, _) => {
             format!("no {unknown} in {range} gives {wanted}: {}", ends())
         }
-        (Ending::Flat, _) => format!(
-            "{target} does not depend on {unknown} in {range} beyond its scatter: {}",
-            ends()
-        ),
+        (Ending::Flat, _) => format!("{}: {}", flat(of, target, unknown, &range), ends()),
         (Ending::Failed, _) => {
             let count = |is: fn(&CalibrationRun) -> bool| of.runs.iter().filter(|r| is(r)).count();
             format!(
@@ -140,6 +137,27 @@ fn statement(of: &Calibration) -> String {
                     .unwrap_or("none")
             )
         }
+    }
+}
+
+/// Where a response is flat: in the whole range, or among the values of the line alone.
+fn flat(of: &Calibration, target: &str, unknown: &str, range: &str) -> String {
+    let wanted = with_unit(&compact(of.wanted), &of.unit);
+    let is_nowhere = Kept { runs: of.runs.clone() }.differences().is_empty();
+    let line: Vec<f64> = of.values.iter().filter(|v| v.in_fit).map(|v| v.value).collect();
+    match line.as_slice() {
+        _ if is_nowhere => {
+            format!("{target} does not depend on {unknown} in {range} beyond its scatter")
+        }
+        [first, .., last] => format!(
+            "{target} does not depend on {unknown} beyond its scatter from {} to {}, where {wanted} \
+             may be reached",
+            compact(*first),
+            compact(*last)
+        ),
+        _ => format!(
+            "too few values of {unknown} have results that count where {wanted} may be reached"
+        ),
     }
 }
 
@@ -349,6 +367,40 @@ mod tests {
         let of = concluded("settlement_mm.final=9", Ending::Found, &[(0.1, 8.0), (1.5, 10.0)], 0.1);
         assert!(of.statement.ends_with("gives settlement_mm.final = 9 mm"), "{}", of.statement);
         assert_eq!(of.identity, None, "only angles of repose have the identity");
+    }
+
+    /// Law: a response is said to be flat where it is: in the range, or among the values of the line,
+    /// as at a crest; of fewer than two of these it is not said.
+    #[test]
+    fn a_flat_response_is_said_to_be_so_where_it_is() {
+        let target = "angle_of_repose.degrees=30";
+        let means = [(0.1, 20.0), (0.5, 29.9), (0.7, 29.9), (1.5, 10.0)];
+        let of = concluded(target, Ending::Flat, &means, 0.5);
+        let said = |in_fit: &[f64]| {
+            let mut of = of.clone();
+            of.values.iter_mut().for_each(|v| v.in_fit = in_fit.contains(&v.value));
+            statement(&of)
+        };
+        let ends = "at 0.1 it is 20.0 ± 1.2°, at 0.5 it is 29.9 ± 1.2°, at 1.5 it is 10.0 ± 1.2°";
+        for (in_fit, words) in [
+            (
+                &[0.5, 0.7][..],
+                "angle of repose does not depend on friction between grains beyond its scatter \
+                 from 0.5 to 0.7, where 30° may be reached",
+            ),
+            (
+                &[0.5][..],
+                "too few values of friction between grains have results that count where 30° may \
+                 be reached",
+            ),
+        ] {
+            let expected = format!("{words}: {ends}");
+            assert_eq!(said(in_fit), expected, "law: the ends differ by 10°");
+        }
+        let level = means.map(|(value, _)| (value, 29.0));
+        let level = concluded(target, Ending::Flat, &level, 0.5).statement;
+        let words = "angle of repose does not depend on friction between grains in 0.1..1.5 beyond";
+        assert!(level.starts_with(words), "law: `{words}`, got `{level}`");
     }
 
     /// Law: the number of runs is that of those made.
