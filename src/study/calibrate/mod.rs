@@ -114,6 +114,12 @@ pub fn calibrate(options: CalibrationOptions) -> Result<Study<Calibration>, Stud
         "target": options.target.field,
         "wanted": options.target.wanted,
         "unknown": options.unknown,
+        (MEANWHILE): {
+            "between": [low, high],
+            "realisations": options.realisations,
+            "tolerance": options.tolerance,
+            "most_runs": most_runs,
+        },
     });
     let runs = Runs { options, question };
     // A value that the scenario does not allow is reported before anything runs.

@@ -12,7 +12,7 @@ use super::{
     under_way::Question,
 };
 use crate::report::{CalibrationEnding as Ending, CalibrationRun};
-use crate::study::StudyError;
+use crate::study::{CalibrationOptions, GRAIN_FRICTION, MEANWHILE, StudyError, calibrate};
 
 /// A result that scatters.
 #[derive(Clone, Copy)]
@@ -429,4 +429,42 @@ fn errors_of_the_experiment_end_the_search() {
     };
     let ended = search(&question(36.0), &mut experiment);
     assert!(matches!(ended, Err(StudyError::Cancelled)), "{ended:?}");
+}
+
+/// Law: what a search is asked beside its target may be another later, when the stored stages bring
+/// the first answer back, but not while one is at work: both would write the same files.
+#[test]
+fn another_search_for_the_same_target_is_another_question_meanwhile() {
+    type Change = (&'static str, fn(&mut CalibrationOptions));
+    let question = |change: &dyn Fn(&mut CalibrationOptions)| {
+        let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/quick/repose.json");
+        let mut options = CalibrationOptions {
+            scenario: scenario.into(),
+            changes: Vec::new(),
+            target: "angle_of_repose.degrees=38.4".parse().expect("a target"),
+            unknown: GRAIN_FRICTION.to_owned(),
+            between: "0.1..1.5".parse().expect("a range"),
+            realisations: 5,
+            tolerance: None,
+            most_runs: None,
+        };
+        change(&mut options);
+        let mut asked = calibrate(options).unwrap_or_else(|e| panic!("{e}")).question;
+        let fields = asked.as_object_mut().expect("fields");
+        (fields.remove(MEANWHILE).expect("a part that may be another later"), asked)
+    };
+    let (meanwhile, asked) = question(&|_| {});
+    let changes: [Change; 4] = [
+        ("range", |of| of.between = "0.1..0.9".parse().expect("a range")),
+        ("realisations", |of| of.realisations = 4),
+        ("tolerance", |of| of.tolerance = Some(1.0)),
+        ("most runs", |of| of.most_runs = Some(60)),
+    ];
+    for (what, change) in changes {
+        let (other, of) = question(&change);
+        assert_eq!(of, asked, "law: another {what} may be asked for later");
+        assert_ne!(other, meanwhile, "law: another {what} is another question meanwhile");
+    }
+    let (_, of) = question(&|of| of.target = "void_ratio=0.8".parse().expect("a target"));
+    assert_ne!(of, asked, "law: another target is another question");
 }
