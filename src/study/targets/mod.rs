@@ -22,6 +22,7 @@ use crate::measure::{
 use crate::plain::counted;
 use crate::record::{read_file, refuse_without};
 use crate::report::{ColumnTable, OUTCOMES, Target, TargetFound, TargetsFound};
+use points::agree;
 use spelling::Spellings;
 
 /// Runs of one experiment: finished sweeps over the same factors.
@@ -98,11 +99,19 @@ struct Runs {
 }
 
 impl Runs {
-    /// These runs, and those of another sweep.
+    /// These runs, and those of another sweep: of both a run counts once.
     fn and(mut self, other: Self) -> Self {
-        self.columns = each_once(self.columns.into_iter().chain(other.columns));
-        self.planned.extend(other.planned);
-        self.rows.extend(other.rows);
+        let Self { columns, mut planned, rows, .. } = other;
+        let (again, new): (Vec<Row>, Vec<Row>) =
+            rows.into_iter().partition(|row| self.rows.iter().any(|known| known.is_again(row)));
+        for row in again {
+            if let Some(n) = planned.iter().position(|run| *run == row.columns) {
+                planned.remove(n);
+            }
+        }
+        self.columns = each_once(self.columns.into_iter().chain(columns));
+        self.planned.extend(planned);
+        self.rows.extend(new);
         self
     }
 
@@ -158,6 +167,13 @@ struct Row {
     results: BTreeMap<String, f64>,
     /// Number of its specimen among those of the runs of its name.
     specimen: usize,
+}
+
+impl Row {
+    /// Whether another row is of the same run, which the program repeats to the last bit.
+    fn is_again(&self, other: &Self) -> bool {
+        self.results == other.results && agree(self, other)
+    }
 }
 
 /// A target and the model of its runs.

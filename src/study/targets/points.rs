@@ -77,7 +77,7 @@ fn meets(point: &[(&Row, f64)], targets: &[&Modelled]) -> bool {
 }
 
 /// Whether two runs are of the same configuration and agree in every factor that both have.
-fn agree(a: &Row, b: &Row) -> bool {
+pub(super) fn agree(a: &Row, b: &Row) -> bool {
     let same = |x: &String, y: &String| match (x.parse::<f64>(), y.parse::<f64>()) {
         (Ok(x), Ok(y)) => x == y,
         _ => x == y,

@@ -126,12 +126,49 @@ fn a_seed_is_scatter() {
 #[test]
 fn shares_are_in_percent_and_tables_of_a_name_go_together() {
     let folder = tempfile::tempdir().expect("a folder");
-    let tables = ["a.csv", "b.csv"].map(|name| runs("t", table(folder.path(), name, 0.5)));
+    let paths = ["a.csv", "b.csv"].map(|name| table(folder.path(), name, 0.5));
+    // The second of another configuration.
+    let mut csv = std::fs::read_to_string(&paths[1]).expect("a table");
+    for n in 0..25 {
+        csv = csv.replace(&format!(",p{n},1,"), &format!(",p{n},2,"));
+    }
+    std::fs::write(&paths[1], csv).expect("a table");
+    let tables = paths.map(|path| runs("t", path));
     let share = [target("t:settlement_mm.after_5_s/settlement_mm.final=75..85")];
     let found = meet_targets(&tables, &share, &[]).expect("an answer");
     assert_eq!(found.targets[0].runs_counted, 50, "law: two tables of 25 runs");
     assert!((found.targets[0].values[0] - 80.0).abs() < 1e-9, "law: 80 % in all runs");
     assert_eq!(found.targets[0].runs_meeting, 50, "law: all meet it");
+}
+
+/// Law: a run that stands in two sweeps of a name counts once, however its factors are written; one
+/// with another result is another run.
+#[test]
+fn a_run_of_two_sweeps_counts_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let sweep = |name: &str, decimals: usize, last: f64| {
+        let path = folder.path().join(name);
+        of_numbers(&path, "a,b,settlement_mm.final", |a, b| {
+            let settled = if (a, b) == (4.0, 4.0) { last } else { 10.0 * a + b };
+            format!("{a:.decimals$},{b},{settled}")
+        });
+        runs("t", path)
+    };
+    let wanted = [target("t:settlement_mm.final=20..22")];
+    let of = |sweeps: &[TargetRuns]| {
+        let found = meet_targets(sweeps, &wanted, &[]).expect("an answer").targets.remove(0);
+        (found.runs_counted, found.runs_left_out, found.runs_meeting, found.share_meeting)
+    };
+    let (first, again) = (sweep("first.csv", 0, 44.0), sweep("again.csv", 1, 44.0));
+    let once = of(std::slice::from_ref(&first));
+    assert_eq!(
+        (once.0, once.1, once.2),
+        (25, 0, 3),
+        "law: 25 runs, of which 20, 21 and 22 meet it"
+    );
+    assert_eq!(of(&[first.clone(), again]), once, "law: the same runs again say no more");
+    let (counted, left_out, ..) = of(&[first, sweep("other.csv", 1, 44.5)]);
+    assert_eq!((counted, left_out), (26, 0), "law: one run of the second is another");
 }
 
 /// Law: what a sweep of a laboratory has beside the fixed results can be a target, by the path of its
