@@ -114,7 +114,7 @@ use {
     execute::Shop,
     plan::{Node, RunNodes},
     presets::with_design,
-    realisations::{CONFIGURATIONS, refuse_repeats},
+    realisations::{CONFIGURATIONS, refuse_repeats, refuse_shared},
     run::write_grains,
     sensitivity::End,
     told::of_grains,

@@ -1,5 +1,6 @@
 //! Refuses studies that would count one specimen several times, as if it were independent
-//! realisations: of a scenario that begins with a specimen and draws nothing at random itself.
+//! realisations: of a scenario that begins with a specimen and draws nothing at random itself, or of
+//! variations that share runs.
 
 use super::*;
 
@@ -49,6 +50,33 @@ pub(super) fn refuse_repeats(
              random, so that every realisation is the same run; {instead}",
             scenario.name
         ));
+    }
+    Ok(())
+}
+
+/// Refuses variations that differ in their configuration alone, by less than the number of
+/// realisations, which count up from there: their pairs would share runs.
+///
+/// # Errors
+/// [`StudyError::Scenario`] with both variations, and what is allowed.
+pub(super) fn refuse_shared(varied: &Varied, count: u32) -> Result<(), StudyError> {
+    let otherwise = |of: &Scenario| Scenario { configuration: 1, ..of.clone() };
+    let is_moved = |variation: &Variation| {
+        variation.changes.iter().any(|change| change.path() == "configuration")
+    };
+    for (variation, scenario) in varied.all.iter().filter(|(variation, _)| is_moved(variation)) {
+        let shares = |of: &Scenario| {
+            (1..count).contains(&scenario.configuration.abs_diff(of.configuration))
+                && otherwise(scenario) == otherwise(of)
+        };
+        if let Some((other, of)) = varied.all.iter().find(|(_, of)| shares(of)) {
+            return refused(format!(
+                "--configurations {count} cannot be taken: `{}` begins with configuration {} and \
+                 `{}` with {}, so that some runs would belong to both (allowed: values of \
+                 `configuration` at least {count} apart)",
+                variation.name, scenario.configuration, other.name, of.configuration
+            ));
+        }
     }
     Ok(())
 }
@@ -111,5 +139,28 @@ mod tests {
                 assert_eq!(configurations(&draws, change, None, 3), "", "law: each is another");
             }
         }
+    }
+    /// Law: realisations of two variations share no run; those that are the same runs anyhow, or
+    /// differ in more than their configuration, are free.
+    #[test]
+    fn variations_share_no_realisation() {
+        let base = scenario(false, &json!({ "stage": "rest", "duration_s": 1 }));
+        let of = |name: &str, configuration: u32, seed: u64| {
+            let change = format!("configuration={configuration}").parse().expect("a change");
+            let scenario = Scenario { configuration, seed, ..base.clone() };
+            (Variation::new(name, "group", vec![change]), scenario)
+        };
+        let said = |all: &[(Variation, Scenario)], count| {
+            let varied = Varied { base: base.clone(), all: all.to_vec() };
+            refuse_shared(&varied, count).err().map_or(String::new(), |error| error.to_string())
+        };
+        let near = [of("default", 1, 1), of("order-high", 3, 1)];
+        let got = said(&near, 3);
+        for words in ["--configurations 3", "`order-high`", "`default`", "at least 3 apart"] {
+            assert!(got.contains(words), "law: `{words}` is said, got `{got}`");
+        }
+        assert_eq!(said(&near, 2), "", "law: 1 and 2, 3 and 4 share none");
+        let free = [of("default", 1, 1), of("again", 1, 1), of("seed-high", 2, 2)];
+        assert_eq!(said(&free, 3), "", "law: the same runs, and other grains");
     }
 }

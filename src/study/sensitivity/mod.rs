@@ -16,7 +16,7 @@ const BUILT_IN: &str = "studies/sensitivity.json";
 ///
 /// # Errors
 /// [`StudyError::Faults`] with all its faults; [`StudyError::Scenario`] of realisations that are
-/// all the same run.
+/// all the same run, or belong to two variations.
 pub fn sensitivity(options: &StudyOptions) -> Result<Study<Sensitivity>, StudyError> {
     let quick = options.quick;
     let read = |file: &Path| design::read(file, quick, &[]);
@@ -24,6 +24,7 @@ pub fn sensitivity(options: &StudyOptions) -> Result<Study<Sensitivity>, StudyEr
         with_design(options.design.as_deref(), BUILT_IN, read)?;
     let configurations = options.configurations.unwrap_or(chosen.configurations);
     refuse_repeats(&varied, CONFIGURATIONS, configurations)?;
+    refuse_shared(&varied, configurations)?;
     Ok(Study {
         command: "sensitivity",
         question: varied.question(configurations),
