@@ -42,7 +42,8 @@ pub struct CompareRun {
     pub backend: String,
     /// The engine that made the specimen it began with; null when it made its own.
     pub specimen_by: Option<String>,
-    /// Wall time over simulated time.
+    /// Wall time over simulated time of all its stages, those of the engine that made its specimen
+    /// among them.
     pub wall_s_per_simulated_s: f64,
     /// Its figures.
     pub summary: Summary,

@@ -90,13 +90,19 @@ const QUANTITIES: [Compared; 16] = [
     ("grains on the base", "", |r| grains_in(r, Site::Base), Judged::Not),
     ("grains in the laboratory", "", |r| grains_in(r, Site::Laboratory), Judged::Not),
     ("grains through a wall", "", |r| Some(r.summary.grains.escaped as f64), Judged::Not),
-    ("wall time per simulated second", "s", |r| Some(r.wall_s_per_simulated_s), Judged::Not),
+    ("wall time per simulated second", "s", wall_time, Judged::Not),
 ];
 
 /// The figures of a run whose grains lie in the cylinder: heights of a pile and of a laboratory are
 /// no standing heights.
 fn in_cylinder(of: &CompareRun) -> Option<&Summary> {
     Some(&of.summary).filter(|summary| summary.site() == Site::Cylinder)
+}
+
+/// Wall time over simulated time of an engine that carried the whole run out: with a specimen that
+/// was handed on it is that of two engines.
+fn wall_time(of: &CompareRun) -> Option<f64> {
+    of.specimen_by.is_none().then_some(of.wall_s_per_simulated_s)
 }
 
 /// How many grains lie where those of a run do, if this is it.
@@ -261,6 +267,16 @@ mod tests {
                 assert!(lacking.eq(expected), "law: {name} of run {lacks}: {:?}", of(name));
             }
         }
+    }
+
+    /// Law: no engine is charged with the time in which another made its specimen.
+    #[test]
+    fn wall_times_are_those_of_one_engine() {
+        let found = quantities(&three());
+        let row = found.iter().find(|q| q.quantity == "wall time per simulated second");
+        let got = &row.expect("a row").values;
+        let expected = [Some(1.0), Some(1.0), None];
+        assert_eq!(*got, expected, "law: expected {expected:?}, got {got:?}");
     }
 
     /// Law: piles are compared by their angles of repose.
