@@ -115,7 +115,6 @@ use {
     plan::{Node, RunNodes},
     presets::with_design,
     realisations::{CONFIGURATIONS, refuse_repeats, refuse_shared},
-    run::write_grains,
     sensitivity::End,
     told::of_grains,
     variations::conclude_so_far,
@@ -123,7 +122,7 @@ use {
 pub(crate) use {
     described::described,
     plan::{Plan, PlannedRun},
-    run::{carry_out, carry_out_each, folder_of},
+    run::{carry_out, carry_out_each, folder_of, write_grains},
 };
 
 /// Why a study did not finish.

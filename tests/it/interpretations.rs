@@ -112,6 +112,14 @@ fn interpretations_of_one_programme_accumulate() {
     for file in ["interpretations.md", "interpretations.html"] {
         assert_holds(&folder.text(file), &["blender_2014_cm"]);
     }
+    // Its runs are read as those of any study, also those of an earlier interpretation.
+    for name in ["converged", "per-body"] {
+        let of = folder.out(&format!("runs/pluviation-c1-fh000-interpretation-{name}"));
+        done(&["export", &of, "--format", "csv", "--out", &folder.out(&format!("csv-{name}"))]);
+        let grains = folder.text(&format!("csv-{name}/grains.csv"));
+        let rows = grains.lines().skip(1).count();
+        assert!(rows > 5, "law: {name}: all grains are exported, got {rows}: {grains}");
+    }
     // Its few grains went through the floor: it has no heights, and the page says so.
     let figure = folder.text("figures/interpretations-standing-height.svg");
     assert!(figure.contains("per_body"), "law: an interpretation with heights has a line");

@@ -8,7 +8,7 @@ use crate::paper;
 use crate::protocol::Work;
 use crate::record::{SeriesRow, StageStore, create_folder};
 use crate::scenario::warnings;
-use crate::study::carry_out_each;
+use crate::study::{carry_out_each, write_grains};
 
 /// Folder of the columns in the output folder.
 const FOLDER: &str = "interpretations";
@@ -35,8 +35,8 @@ pub struct InterpretationsOutcome {
 }
 
 /// Loads the programme under each interpretation, which leaves `interpretations.json`,
-/// `interpretations.md`, `interpretations.html` and `figures/`, anew after every interpretation;
-/// those run there before stay in the table. A run that fails is a line of it.
+/// `interpretations.md`, `interpretations.html` and `figures/`, anew after every interpretation,
+/// `grains.json`, `sieve.csv` and `runs/<name>/`; those run there before stay in the table. A run that fails is a line of it.
 ///
 /// # Errors
 /// [`StudyError`] where the changes do not fit.
@@ -82,6 +82,8 @@ fn carry_out_interpretation(
     let grains = Arc::new(make_grains(&scenarios.pluviation)?);
     let runs = programme(scenarios, &grains, options.configurations, 1);
     let plan = Plan::new(&runs)?;
+    // Beside `runs/`, where whoever reads one of these looks for the grains of all.
+    write_grains(&run.out, &scenarios.pluviation, &grains)?;
     let store = StageStore::open(&run.out.join("stages"))?;
     let _work = Work::begin(run.progress.as_ref(), plan.expected());
     let each = carry_out_each(&crate::world::create, &plan, &runs, &store, run)?;
