@@ -21,7 +21,8 @@ use serde_json::{Value, json};
 
 use super::program::{assert_holds, json as read, root};
 
-/// Every scenario under `scenarios/`; verification cases are no scenarios.
+/// Every scenario of built-in apparatus under `scenarios/` that needs no other files: those of pieces
+/// are in `laboratory.rs`, that of meshes in `stones.rs`, that of a begun run in `begin.rs`.
 fn files() -> Vec<PathBuf> {
     fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
         for entry in fs::read_dir(folder).expect("scenarios/ can be listed") {
@@ -30,7 +31,7 @@ fn files() -> Vec<PathBuf> {
         }
     }
     let mut found = Vec::new();
-    for folder in ["load", "paper", "quick", "scale", "rounded", "spheres"] {
+    for folder in ["load", "paper", "quick", "scale", "rounded", "spheres", "studies/joint"] {
         walk(&root().join("scenarios").join(folder), &mut found);
     }
     found.sort();
