@@ -190,3 +190,24 @@ impl Folder {
         json(&self.path(name))
     }
 }
+
+/// Lines at which a test ends after words that are captured, so that nobody learns of it.
+fn silent_ends(text: &str) -> Vec<usize> {
+    let lines: Vec<&str> = text.lines().map(str::trim).collect();
+    let is_silent = |end: &usize| {
+        let before = lines[..*end].iter().rev().take_while(|line| !line.ends_with(['{', '}']));
+        lines[*end].starts_with("return;") && before.take(6).any(|line| line.contains("println!("))
+    };
+    (0..lines.len()).filter(is_silent).map(|line| line + 1).collect()
+}
+
+/// Law: a test that ends before it has tested says so by [`skipped`].
+#[test]
+fn tests_are_skipped_aloud() {
+    let found = silent_ends("if there {\neprintln!(\n\"none\"\n);\nreturn;\n}\nreturn;");
+    assert_eq!(found, [5], "law: the check finds faults");
+    for (path, text) in super::architecture::files(&["tests/it"], &["rs"]) {
+        let found = silent_ends(&text);
+        assert!(found.is_empty(), "law: skipped by `skipped`, got lines {found:?} of {path}");
+    }
+}
