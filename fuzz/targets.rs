@@ -39,16 +39,24 @@ fn with_file(name: &str, data: &[u8], read: impl FnOnce(&Path)) {
     });
 }
 
-/// A scenario file; one that loads is written and read again as the same.
-pub fn scenario(data: &[u8]) {
+/// A scenario file; one that loads is written and read again as the same. Whether it loads.
+pub fn reads_scenario(data: &[u8]) -> bool {
+    let mut read = false;
     with_file("scenario.json", data, |path| {
         let Ok(loaded) = load_scenario(path, &[]) else { return };
+        read = true;
         if matches!(loaded.scenario.grains, GrainsSpec::Sieved(_)) {
             fs::write(path, serde_json::json!(loaded.scenario).to_string()).expect("written");
             let again = load_scenario(path, &[]).expect("law: what was loaded can be loaded again");
             assert_eq!(again.scenario, loaded.scenario, "law: nothing is lost by writing");
         }
     });
+    read
+}
+
+/// As [`reads_scenario`].
+pub fn scenario(data: &[u8]) {
+    reads_scenario(data);
 }
 
 /// Grains that can be simulated.
@@ -61,9 +69,10 @@ fn assert_sound(set: &GrainSet) {
     }
 }
 
-/// A mesh; its first byte says of which format.
-pub fn mesh(data: &[u8]) {
-    let Some((format, content)) = data.split_first() else { return };
+/// A mesh; its first byte says of which format. Whether grains are made of it.
+pub fn reads_mesh(data: &[u8]) -> bool {
+    let Some((format, content)) = data.split_first() else { return false };
+    let mut read = false;
     let name = ["mesh.obj", "mesh.stl", "mesh.ply"][usize::from(format % 3)];
     with_file(name, content, |path| {
         let spec = serde_json::json!({
@@ -73,19 +82,29 @@ pub fn mesh(data: &[u8]) {
         let spec: MeshGrains = serde_json::from_value(spec).expect("a specification");
         if let Ok(set) = grains::from_meshes(&spec, 1) {
             assert_sound(&set);
+            read = true;
         }
     });
+    read
 }
 
-/// What a run leaves and reads again: a specimen, grains or frames.
-pub fn specimen(data: &[u8]) {
+/// As [`reads_mesh`].
+pub fn mesh(data: &[u8]) {
+    reads_mesh(data);
+}
+
+/// What a run leaves and reads again: a specimen, grains or frames; whether it is one of these.
+pub fn reads_specimen(data: &[u8]) -> bool {
+    let mut read = false;
     if let Ok(state) = serde_json::from_slice::<SpecimenState>(data) {
         let text = serde_json::to_vec(&state).expect("law: a state that was read can be written");
         let again: SpecimenState = serde_json::from_slice(&text).expect("law: and read again");
         assert_eq!(again, state, "law: nothing is lost by writing");
+        read = true;
     }
     if let Ok(set) = grains::read_json(data) {
         assert_sound(&set);
+        read = true;
     }
     with_file("stages/key/frames.bin", data, |path| {
         let record = r#"{ "stage": "rest", "steps": 1, "simulated_s": 1, "wall_s": 1, "engine_s": 1,
@@ -95,8 +114,15 @@ pub fn specimen(data: &[u8]) {
         if let Ok(Some((frames, _))) = StageStore::frames_in(root, "key", FramesRead::All) {
             let of_one = frames.first().map_or(0, |f| f.grains.len());
             assert!(frames.iter().all(|f| f.grains.len() == of_one), "law: frames of one length");
+            read |= !frames.is_empty();
         }
     });
+    read
+}
+
+/// As [`reads_specimen`].
+pub fn specimen(data: &[u8]) {
+    reads_specimen(data);
 }
 
 /// More grains than these take too long.

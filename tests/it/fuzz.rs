@@ -163,11 +163,18 @@ pub fn round(ground: &mut Ground) {
     }
 }
 
-/// Law: what fuzzing begins with is sound, or mutations of it would all be refused at once.
+/// Law: what fuzzing begins with is sound, or mutations of it would all be refused at once. (Of
+/// `grains` any bytes are.)
 #[test]
 fn corpora_hold_inputs_that_are_read() {
     type Reads = fn(&[u8]) -> bool;
-    let readers: [(&str, Reads, usize); 6] = [
+    let readers: [(&str, Reads, usize); 9] = [
+        // Poured, shaken, a pile, grains from meshes, and two that were found.
+        ("scenario", targets::reads_scenario, 6),
+        // OBJ, STL as text and binary, PLY as text and binary.
+        ("mesh", targets::reads_mesh, 6),
+        // A state, grains and frames.
+        ("specimen", targets::reads_specimen, 3),
         ("stage", targets::reads_stage, 4),
         ("checkpoint", targets::reads_checkpoint, 3),
         ("manifest", targets::reads_manifest, 2),
