@@ -173,7 +173,7 @@ class Calibration(_Study):
 
     @property
     def ending(self) -> str:
-        """`found`, `runs_used_up`, `out_of_reach` or `flat`."""
+        """`found`, `runs_used_up`, `out_of_reach`, `flat` or, of a folder whose calibration failed, `failed`."""
         return str(self.record["ending"])
 
     @property
