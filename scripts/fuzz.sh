@@ -32,8 +32,8 @@ if ! cargo fuzz --version >/dev/null 2>&1; then
         fail "cargo-fuzz could not be compiled (the message is above)" \
             "cargo install --locked cargo-fuzz"
 fi
-# The same crates as are linked otherwise.
-[ -e fuzz/Cargo.lock ] || cp Cargo.lock fuzz/Cargo.lock
+# The same crates as are linked otherwise: cargo adds those of fuzzing alone.
+[ fuzz/Cargo.lock -nt Cargo.lock ] || cp Cargo.lock fuzz/Cargo.lock
 mkdir -p "$folder/tmp"
 export TMPDIR=$folder/tmp
 
