@@ -1,8 +1,10 @@
 //! What falls short, said from the data.
 
+use super::sections::paper_value;
 use super::*;
 use crate::paper::uncertainty::{MODES, settlements};
 use crate::record::left_out_with_reasons;
+use crate::report::with_unit;
 
 /// One sentence or two a shortfall; never empty, for the paper's figures are
 /// never available.
@@ -63,12 +65,15 @@ fn claims_missed(input: &ReportInput) -> Vec<String> {
         .iter()
         .filter(|c| c.verdict == Verdict::Outside)
         .filter_map(|c| {
-            let ours = compact(c.ours?);
-            let band = c.read_as?;
-            let is_one = band.low == band.high;
-            let expected = if is_one { compact(band.low) } else { from_to(band.low, band.high) };
+            let ours = with_unit(&compact(c.ours?), &c.unit);
+            let expected = match c.read_as {
+                Some(band) if band.low < band.high => from_to(band.low, band.high),
+                Some(band) => compact(band.low),
+                // The angle of repose has no band.
+                None => paper_value(c)?,
+            };
             let statement = c.statement.trim_end_matches('.');
-            Some(format!("{statement}: expected {expected}, found {ours} {}.", c.unit))
+            Some(format!("{statement}: expected {expected}, found {ours}."))
         })
         .collect()
 }

@@ -225,6 +225,20 @@ fn the_page_says_why_runs_do_not_count() {
     }
 }
 
+/// Law: every result that is outside falls short, the angle of repose, which has no band, among them.
+#[test]
+fn an_angle_that_is_missed_falls_short() {
+    let said = "Slow pluviation on a rough surface gives an angle of repose of 38.40°: expected 38.4, \
+                found 33°.";
+    for (angles, expected) in [([32.0, 33.0, 34.0], true), ([37.0, 38.0, 39.0], false)] {
+        let mut runs = canned::valid_runs();
+        runs.extend((1..).zip(angles).map(|(c, degrees)| canned::pile(c, Some(degrees))));
+        let found = with_input(canned::study(&runs), &[], shortfalls::list);
+        let got = found.iter().any(|one| one == said);
+        assert_eq!(got, expected, "law: `{said}` of {angles:?} (got left), in {found:?}");
+    }
+}
+
 /// Law: a run that lacks grains is marked in the table, named and left out of the mean.
 #[test]
 fn a_jammed_run_is_marked_and_left_out() {
