@@ -325,7 +325,8 @@ fn how_to_read(of: &Convergence) -> String {
          in means (docs/accuracy.md): heights, settlements and deviations are without \
          them; overlap, numerical creep, grains outside and times are of all runs; otherwise a setting \
          could pass because its bad runs are left out. A setting with a run in which a run-time check \
-         found something misses the standard, as one with a run that failed. Grains outside are \
+         found something or grains had not settled misses the standard, as one with a run that failed. \
+         Grains outside are \
          those that do not lie in the cylinder at the end, in the mean over runs: a jam in the \
          funnel lowers the specimen by what is stuck there. Numerical creep is without its sign. \
          \"standard\" takes everything together, with the deviations from both references: \

@@ -91,11 +91,12 @@ fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
     let left_out = of.left_out().count();
     let [do_not, that_do] = [below, found].map(|count| in_number(count, "does", "do"));
     const STANDARD: &str = "meet the accuracy standard for overlap and numerical creep";
+    const FOUND: &str = "a run-time check found something or grains had not settled";
     let against = [
         (failed, format!(", {failed} failed")),
         (to_be_run, format!(", {to_be_run} not run so far")),
         (below, format!("; {below} {do_not} not {STANDARD}")),
-        (found, format!("; in {found} that {that_do} a run-time check found something")),
+        (found, format!("; in {found} that {that_do} {FOUND}")),
         (not_valid, format!("; not valid: {not_valid} of {done}")),
     ];
     let against = against.into_iter().filter(|(count, _)| *count > 0).map(|(_, said)| said);
@@ -252,7 +253,7 @@ mod tests {
     use crate::{record::LaboratoryNames, report::SweepFactor};
 
     /// A sweep of one point in four configurations: valid, below the standard,
-    /// with a check that found something, and failed.
+    /// not valid for another reason, and failed.
     fn sweep() -> Sweep {
         let states = [Some((true, true)), Some((false, false)), Some((true, false)), None];
         let run = |(n, state): (u32, Option<(bool, bool)>)| SweepRun {
@@ -339,13 +340,14 @@ mod tests {
     }
 
     #[test]
-    fn the_page_counts_runs_below_the_standard_and_those_whose_checks_found_something() {
+    fn the_page_counts_runs_below_the_standard_and_others_that_are_not_valid() {
         let of = sweep();
         let page = page(&of, vec![]);
         let text = page.markdown();
         for said in [
             "; 1 does not meet the accuracy standard for overlap and numerical creep; in 1 that does a \
-             run-time check found something; not valid: 2 of 3; 2 of 3 runs with a result are left out of means.",
+             run-time check found something or grains had not settled; not valid: 2 of 3; 2 of 3 runs with a \
+             result are left out of means.",
             "| point | seed | runs | valid | left out |",
             "| point-0001 | 1 | 3, 1 without result | 1 | 2 |",
             "| point-0001-c2 | seed=1 | not valid |",

@@ -222,7 +222,8 @@ fn cost(of: &Convergence) -> Result<Figure, ReportError> {
     }
     plot.mark_level("What is allowed", 1.0);
     let caption = "The largest of overlap, numerical creep and deviations, each over what the standard \
-                   allows, against wall time; below the dotted line the whole standard is met. Lines join the \
+                   allows, against wall time; below the dotted line a setting meets the whole standard, unless a \
+                   run failed, a run-time check found something or grains had not settled. Lines join the \
                    rungs of a ladder in order. The setting that the study is compared with is left \
                    out: it cannot deviate from itself.";
     Figure::new("convergence-cost", "Cost against error", caption, &[plot], &table)
@@ -262,9 +263,8 @@ mod tests {
         }
     }
 
-    /// The texts of each figure by its stem.
-    fn texts() -> Vec<(String, Vec<String>)> {
-        let of = Convergence {
+    fn study() -> Convergence {
+        Convergence {
             scenario: "s".to_owned(),
             quick: false,
             grains: Some(100),
@@ -283,13 +283,17 @@ mod tests {
                 row("Stock", 480.0, None),
             ],
             cheapest: Cheapest::default(),
-        };
+        }
+    }
+
+    /// The texts of each figure by its stem.
+    fn texts() -> Vec<(String, Vec<String>)> {
         let texts = |figure: Figure| {
             let svg = Document::parse(&figure.svg).expect("XML");
             let found = svg.descendants().filter_map(|node| node.text());
             (figure.stem.clone(), found.map(|text| text.trim().to_owned()).collect())
         };
-        of_convergence(&of).expect("figures").into_iter().map(texts).collect()
+        of_convergence(&study()).expect("figures").into_iter().map(texts).collect()
     }
 
     fn says(stem: &str, text: &str) -> bool {
@@ -309,6 +313,16 @@ mod tests {
         ] {
             assert_eq!(says(stem, ladder), expected, "law: `{ladder}` in {stem} (got left)");
         }
+    }
+
+    /// Law: the caption promises the standard below the line of no setting whose runs are spoilt, of
+    /// which the error says nothing.
+    #[test]
+    fn the_caption_says_what_the_error_leaves_out() {
+        let said =
+            "unless a run failed, a run-time check found something or grains had not settled";
+        let got = cost(&study()).expect("a figure").caption;
+        assert!(got.contains(said), "law: expected `{said}`, got `{got}`");
     }
 
     /// Law: the line of what is allowed stands clear of the frame where every error is larger.

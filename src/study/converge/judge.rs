@@ -152,7 +152,8 @@ fn judged(row: ConvergenceRow, is_poured: bool, standard: &Standard) -> Converge
     let good = quality.iter().map(|(value, limit)| value.map(|e| e.mean < *limit));
     let passed = all(good.chain(deviations.iter().map(|d| d.within)));
     // A setting does not pass by what is left out of its means: overlap and numerical creep are of
-    // all its runs, and one in which a run-time check found something counts as one that failed.
+    // all its runs, and one in which a run-time check found something, or grains had not settled,
+    // counts as one that failed.
     let meets = if is_spoilt(v) { Some(false) } else { passed };
     let quality_open = quality.iter().map(|(value, limit)| value.and_then(|e| is_open(e, *limit)));
     let open = any(quality_open.chain(deviations.iter().map(|d| d.open)));
@@ -174,7 +175,7 @@ fn is_open(mean: Estimate, limit: f64) -> Option<bool> {
     Some(mean.mean - half < limit && limit <= mean.mean + half)
 }
 
-/// Whether a run failed, or a run-time check found something in one.
+/// Whether a run failed, or a run-time check found something in one, or its grains had not settled.
 fn is_spoilt(of: &VariationRow) -> bool {
     of.failed > 0 || of.meeting_standard > of.valid
 }
