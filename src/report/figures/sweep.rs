@@ -94,9 +94,17 @@ fn of_means(of: &Sweep, effects: &[&SweepEffect]) -> String {
     if effects.iter().all(|effect| effect.means.is_empty()) {
         return "No means: no configuration has runs that count at every value.".to_owned();
     }
-    let over = match of.runs.len() < of.planned {
-        true => "the configurations run so far".to_owned(),
-        false => counted(of.configurations as usize, "configuration"),
+    let all = counted(of.configurations as usize, "configuration");
+    // Of a configuration that lacks a value, or has one that is left out, none is in a mean.
+    let counts = || effects.iter().flat_map(|effect| &effect.means).map(|(_, e)| e.count);
+    let over = match (counts().min(), counts().max()) {
+        _ if of.runs.len() < of.planned => "the configurations run so far".to_owned(),
+        (Some(least), Some(most)) if least < of.configurations as usize => {
+            let whole =
+                if least == most { least.to_string() } else { format!("{least} to {most}") };
+            format!("{whole} of {all} (the others lack runs that count)")
+        }
+        _ => all,
     };
     let others = match of.design == "grid" && of.factors.len() > 1 {
         true => " and over all values of the other factors",
@@ -256,6 +264,12 @@ mod tests {
         empty.effects[0].means.clear();
         let got = figure(&empty).caption;
         assert!(got.contains("No means") && !got.contains("Discs"), "law: none is drawn: {got}");
+        let mut fewer = sweep(2);
+        fewer.effects[0].means = sweep(1).effects[0].means.clone();
+        let got = figure(&fewer).caption;
+        let said =
+            "Discs: means over 1 of 2 configurations (the others lack runs that count). No bars";
+        assert!(got.contains(said), "law: expected `{said}`, got `{got}`");
         let mut drawn = sweep(2);
         drawn.factors[0].sampled = true;
         assert!(!figure(&drawn).caption.contains("Crosses"), "law: no run is left out");
