@@ -366,11 +366,15 @@ fn in_words(
     };
     match needed {
         Some(n) => {
-            let more = n > slopes.len();
+            let would = match (n > slopes.len(), slope.mean_mm_per_cm > 0.0) {
+                (true, false) => "show it with",
+                (false, false) => "be enough for",
+                (true, true) => "show that it rises with",
+                (false, true) => "be enough to show that it rises with",
+            };
             text += &format!(
-                " Were the measured slope and scatter the true ones, {n} configurations would {} a \
-                 probability of 80 %.",
-                if more { "show it with" } else { "be enough for" }
+                " Were the measured slope and scatter the true ones, {n} configurations would {would} \
+                 a probability of 80 %."
             );
         }
         None if slopes.len() < 3 => {

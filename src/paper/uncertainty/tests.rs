@@ -59,9 +59,17 @@ fn no_trend_is_found_where_there_is_none_or_the_other() {
     let trend = uncertainty(&canned::study(&flat)).trend;
     assert!(trend.verdict.contains("not shown"), "{}", trend.verdict);
     assert!(trend.configurations_needed.is_some_and(|n| n > 3), "{trend:?}");
+    assert!(trend.verdict.contains(" configurations would show it with"), "{}", trend.verdict);
+    // Slopes that scatter about a rise: more of them would show no fall.
+    let unclear = scattered(0.0, |c, fh| if c == 2 { 0.1 * fh } else { -0.04 * fh });
+    let trend = uncertainty(&canned::study(&unclear)).trend;
+    let said = " configurations would show that it rises with a probability of 80 %.";
+    assert!(trend.verdict.ends_with(said), "law: expected `{said}`, got `{}`", trend.verdict);
     let rising = scattered(0.4, |c, fh| 0.01 * f64::from(c) * fh);
     let trend = uncertainty(&canned::study(&rising)).trend;
     assert!(trend.verdict.contains("rises, against the paper"), "{}", trend.verdict);
+    let said = " configurations would be enough to show that it rises with";
+    assert!(trend.verdict.contains(said), "law: expected `{said}`, got `{}`", trend.verdict);
     near("p of L, rising", 1.0, trend.page.expect("a test").p, 1e-9);
 }
 
