@@ -3,10 +3,21 @@
 //! same specimens sinks in the rest test, unshaken and without a plate.
 
 use super::*;
-use crate::report::{plot::Envelope, style::Dash};
+use crate::report::{plot::Envelope, style::Dash, text::capital};
 
 /// Half the length of the strokes at the ends of the laboratory's bracket, in s.
 const STROKE_S: f64 = 0.35;
+
+/// What stock Bullet made of the programme, and what it is called.
+type Stock<'a> = (String, &'a MeanSettlement);
+
+/// What a column of stock Bullet is called: with its settings, where they are not the default, or
+/// the name of its interpretation.
+fn name(of: &Column) -> String {
+    let mine = ["stock", "interpretation "].iter().find_map(|start| of.label.strip_prefix(start));
+    let label = mine.unwrap_or(&of.label).trim_start_matches(", ");
+    if label.is_empty() { "stock Bullet".to_owned() } else { format!("stock Bullet ({label})") }
+}
 
 /// The figure of a study, beside what other engines made of the same programme.
 pub(in crate::paper::report) fn figure(
@@ -14,8 +25,8 @@ pub(in crate::paper::report) fn figure(
     beside: &[Column],
 ) -> Result<Figure, ReportError> {
     let ours = MeanSettlement::of(study);
-    let stock: Vec<&MeanSettlement> =
-        beside.iter().filter(|c| c.stock_bullet).filter_map(|c| c.settlement.as_ref()).collect();
+    let stock = beside.iter().filter(|c| c.stock_bullet);
+    let stock: Vec<Stock> = stock.filter_map(|c| Some((name(c), c.settlement.as_ref()?))).collect();
     let laboratory = bands::FINAL_SETTLEMENT_MM;
     // The quick study shakes a smaller specimen for less time: nothing of it stands at 20 s.
     let bracket = !study.quick;
@@ -32,9 +43,9 @@ pub(in crate::paper::report) fn figure(
         add(&mut plot, "Ours", m, 0, style::SOLID);
         rows_of(&mut table, "ours", m);
     }
-    for (n, m) in stock.iter().enumerate() {
-        add(&mut plot, "Stock Bullet", m, n + 1, style::DASHED);
-        rows_of(&mut table, "stock Bullet", m);
+    for (n, (name, m)) in stock.iter().enumerate() {
+        add(&mut plot, &capital(name), m, n + 1, style::DASHED);
+        rows_of(&mut table, name, m);
     }
     if bracket {
         let (at, low, high) = (CONTINUOUS_S, laboratory.low, laboratory.high);
@@ -43,7 +54,7 @@ pub(in crate::paper::report) fn figure(
         plot.add_interval(&label, look, [(at, low), (at, high)], (STROKE_S, 0.0));
     }
     let caption = caption(study, ours.as_ref(), &stock);
-    let rests = ours.iter().chain(stock.iter().copied()).any(|m| !m.unshaken.is_empty());
+    let rests = ours.iter().chain(stock.iter().map(|of| of.1)).any(|m| !m.unshaken.is_empty());
     let title = if rests {
         "Settlement of the top plate (dotted: of the surface at rest, without a plate)"
     } else {
@@ -60,7 +71,10 @@ fn add(plot: &mut Plot, name: &str, m: &MeanSettlement, n: usize, dash: Dash) {
     let label = format!("{name}, {of}{mark}");
     plot.add(label, Look::line(n).dash(dash), m.shaken.iter().map(|r| (r[0], r[1])).collect());
     let end = m.unshaken.last().map_or(0.0, |p| p.0);
-    let label = format!("{name}: surface, no plate; rest test ends at {end:.1} s");
+    let label = format!("{name}: surface, no plate");
+    // Beside settings there is no room for more.
+    let is_long = name.contains('(');
+    let label = if is_long { label } else { format!("{label}; rest test ends at {end:.1} s") };
     plot.add_some(label, Look::line(n).dash(style::DOTTED), m.unshaken.iter().copied());
 }
 
@@ -73,7 +87,7 @@ fn rows_of(table: &mut Table, name: &str, m: &MeanSettlement) {
     }
 }
 
-fn caption(study: &StudyView, ours: Option<&MeanSettlement>, stock: &[&MeanSettlement]) -> String {
+fn caption(study: &StudyView, ours: Option<&MeanSettlement>, stock: &[Stock]) -> String {
     let Some(m) = ours else { return "No run was vibrated continuously.".to_owned() };
     let mut said = vec!["Settlement under continuous vibration, downwards.".to_owned()];
     said.push(if study.quick {
@@ -95,19 +109,20 @@ fn caption(study: &StudyView, ours: Option<&MeanSettlement>, stock: &[&MeanSettl
     if let Some(rest) = rest(m) {
         said.push(format!(
             "Dotted: not the plate, but the mean surface of the same specimens as poured, unshaken and \
-             without a plate. The curve ends with their rest tests ({rest}); --set rest_test_s=20 makes \
-             these as long as the vibration."
+             without a plate. The curve ends with their rest tests ({rest}); --set rest_test_s={} makes \
+             these as long as the vibration.",
+            without_zeros(&number(shaken_s(study), 2))
         ));
     }
-    if stock.is_empty() {
+    if stock.is_empty() && !is_another_engine(study) {
         said.push(
             "Not drawn, as it was not run: stock Bullet. Into the same folder (--out), run this report's \
              command with --set engine.contact_solver=stock added, then once more without it."
                 .to_owned(),
         );
     }
-    for rest in stock.iter().filter_map(|m| rest(m)) {
-        said.push(format!("With stock Bullet contacts that surface sinks by {rest}."));
+    for (name, rest) in stock.iter().filter_map(|(name, m)| Some((name, rest(m)?))) {
+        said.push(format!("With {name} that surface sinks by {rest}."));
     }
     if m.left_out > 0 && m.valid {
         let are = if m.left_out == 1 { "is" } else { "are" };
@@ -115,6 +130,18 @@ fn caption(study: &StudyView, ours: Option<&MeanSettlement>, stock: &[&MeanSettl
         said.push(format!("{runs} {are} left out, not counting in means."));
     }
     said.join(" ")
+}
+
+/// How long the specimens were shaken, in s.
+fn shaken_s(study: &StudyView) -> f64 {
+    let mut continuous = study.of_kind(RunKind::VibrationContinuous);
+    let shaken = continuous.find_map(|r| r.summary.shaken_s());
+    shaken.map_or(CONTINUOUS_S, |(first, last)| last - first)
+}
+
+/// Whether the study is of stock Bullet itself, or of an engine without its contacts.
+fn is_another_engine(study: &StudyView) -> bool {
+    study.runs.iter().any(|r| matches!(r.summary.contact_solver.as_str(), "stock" | "rapier"))
 }
 
 #[cfg(test)]
@@ -146,6 +173,8 @@ mod tests {
         let with = figure(&study, &[column(true)]).expect("a figure");
         assert!(with.svg.contains("Stock Bullet, mean of 3 runs"), "law: it was run");
         assert!(with.svg.contains("Stock Bullet: surface, no plate"), "law: so was its rest test");
+        let command = "--set rest_test_s=20 makes";
+        assert!(with.caption.contains(command), "law: as long as here: {}", with.caption);
         let rapier = figure(&study, &[column(false)]).expect("a figure");
         assert!(!rapier.svg.contains("Stock Bullet"), "law: another engine is not stock Bullet");
         let quick = StudyView { quick: true, ..study.clone() };
@@ -161,5 +190,52 @@ mod tests {
         let spoilt: Vec<_> = canned::runs().into_iter().filter(|r| r.configuration == 3).collect();
         let spoilt = figure(&canned::study(&spoilt), &[]).expect("a figure");
         assert!(spoilt.svg.contains("(not valid)"), "law: what does not count is marked");
+    }
+
+    /// Law: curves of stock Bullet under other settings have names of their own, in the legend and
+    /// in the file.
+    #[test]
+    fn every_curve_of_stock_bullet_has_its_name() {
+        let runs = canned::valid_runs();
+        let study = canned::study(&runs);
+        let column = |label: &str| Column {
+            label: label.to_owned(),
+            programme: "p".to_owned(),
+            claims: Vec::new(),
+            stock_bullet: true,
+            settlement: MeanSettlement::of(&study),
+        };
+        let labels = ["interpretation bullet_stock", "stock", "stock, rate_hz 960.0"];
+        let got = figure(&study, &labels.map(column)).expect("a figure");
+        let csv = String::from_utf8(got.csv).expect("text");
+        for name in ["", " (bullet_stock)", " (rate_hz 960.0)"] {
+            let legend = format!("Stock Bullet{name}, mean of 3 runs");
+            assert!(got.svg.contains(&legend), "law: `{legend}` in the legend");
+            let row = format!("stock Bullet{name},");
+            assert!(csv.lines().any(|line| line.starts_with(&row)), "law: `{row}` in the file");
+            let said = format!("With stock Bullet{name} that surface sinks by");
+            assert!(got.caption.contains(&said), "law: `{said}` in {}", got.caption);
+        }
+    }
+
+    /// Law: stock Bullet is not called missing where the study is its own, and the rest test that is
+    /// advised is as long as the study's vibration.
+    #[test]
+    fn what_the_caption_advises_fits_the_study() {
+        for (solver, expected) in [("native", true), ("stock", false), ("rapier", false)] {
+            let mut runs = canned::valid_runs();
+            for run in &mut runs {
+                run.summary.contact_solver = solver.to_owned();
+                for [begin, end] in run.summary.vibrations.iter_mut().flat_map(|v| &mut v.periods_s)
+                {
+                    *end = *begin + 0.1 * (*end - *begin);
+                }
+            }
+            let caption = figure(&canned::study(&runs), &[]).expect("a figure").caption;
+            let got = caption.contains("Not drawn, as it was not run: stock Bullet");
+            assert_eq!(got, expected, "law: of {solver} (got left): {caption}");
+            let said = "--set rest_test_s=2 makes";
+            assert!(caption.contains(said), "law: `{said}` in {caption}");
+        }
     }
 }
