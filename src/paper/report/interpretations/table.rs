@@ -65,10 +65,21 @@ impl InterpretationCell {
         Self {
             value: own.ours.or(own.not_valid.map(|n| n.value)),
             spread: spread.filter(|s| s.high > s.low),
-            words: if own.left_out.is_empty() { "not run" } else { NO_VALID_RUN }.to_owned(),
+            words: Self::without_value(own).to_owned(),
             verdict: Some(own.verdict),
             left_out: own.left_out.len(),
             not_valid: own.not_valid.is_some(),
+        }
+    }
+
+    /// Why a claim has no value.
+    fn without_value(own: &Claim) -> &str {
+        match own.verdict {
+            // It says whether it was run and did not tell, or was too short to.
+            Verdict::NotRun if !own.reason.is_empty() => &own.reason,
+            _ if !own.runs.is_empty() => "not measured",
+            _ if own.left_out.is_empty() => "not run",
+            _ => NO_VALID_RUN,
         }
     }
 

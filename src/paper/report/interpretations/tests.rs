@@ -211,6 +211,28 @@ fn what_is_not_valid_is_marked_and_never_mixed() {
     assert!((depth - 17.0).abs() < 1.0, "law: the mean of 16 and 18 mm, got {end}");
 }
 
+/// Law: a claim without a value says why: runs that do not tell are not called missing, and those
+/// that are too short are called so.
+#[test]
+fn a_claim_without_a_value_says_why() {
+    let mut quick = column("quick", |runs| {
+        for settled in runs.iter_mut().filter_map(|run| run.summary.settlement_mm.as_mut()) {
+            settled.share_after_5_s = None;
+        }
+    });
+    let longer = quick.claims.clone();
+    let study = canned::study(&quick.runs);
+    quick.claims = claims(&StudyView { quick: true, grain_count: 364, ..study });
+    let longer = InterpretationColumn { claims: longer, ..quick.clone() };
+    let columns = [quick, longer, column("failed", |runs| runs.clear())];
+    let rows = table::rows(&columns);
+    let share = "About 80 % of the settlement occurs in the first five seconds of vibration \
+                 (configuration 1)";
+    let got: Vec<String> = row(&rows, share).cells.iter().map(|cell| cell.text(None)).collect();
+    let expected = ["shaken for less time", "not measured", "not run"];
+    assert_eq!(got, expected, "law: got left, expected right");
+}
+
 /// Law: no figure of the quick study has the laboratory's settlement beside its own, which is of a
 /// smaller specimen and of less time.
 #[test]
