@@ -53,7 +53,7 @@ fn how_read(columns: &[InterpretationColumn]) -> String {
         "Every column is the same programme with the same grains under another interpretation of the paper, \
          in {}. A cell is the mean over the runs that have it, with the smallest \
          and the largest in brackets. Runs that do not count in means (docs/accuracy.md) are left out of it, and counted; where \
-         no run is valid, the mean is of those that are not, and marked “not valid”: the two never stand in one mean. ✓ and ✗: the paper's statement is met, or it is not.",
+         no run is valid, the mean is of those that are not, and marked “not valid”: the two never stand in one mean. Under “Credibility” all numbers but the void ratio are of all runs, which are judged by them. “All” stands for the number of what a statement is of, where columns differ in it. ✓ and ✗: the paper's statement is met, or it is not.",
         counted(configurations as usize, "configuration")
     )
 }

@@ -1,6 +1,7 @@
 //! The table of interpretations: its rows, from which every form of it is made.
 
 use super::*;
+use crate::in_order::each_once;
 use crate::paper::report::sections::paper_value;
 use crate::report::settlement::SETTLEMENTS;
 
@@ -13,7 +14,8 @@ pub struct InterpretationRow {
     pub quantity: String,
     /// Unit of its numbers; empty for pure numbers and words.
     pub unit: String,
-    /// What the paper's text has for it; empty where it has nothing.
+    /// What the paper's text has for it; empty where it has nothing, `all` where another number is
+    /// expected of each interpretation.
     pub paper: String,
     /// One cell an interpretation, in the order of the interpretations.
     pub cells: Vec<InterpretationCell>,
@@ -236,7 +238,13 @@ impl Rows<'_> {
             }
             known.push(&claim.id);
             let unit = if claim.unit == "–" { "" } else { &claim.unit };
-            let paper = paper_value(claim).unwrap_or_default();
+            // What is left out of a column is not expected of it.
+            let same = self.columns.iter().flat_map(|c| &c.claims).filter(|c| c.id == claim.id);
+            let paper = match each_once(same.filter_map(paper_value)).as_slice() {
+                [] => String::new(),
+                [paper] => paper.clone(),
+                _ => "all".to_owned(),
+            };
             self.add(claim.statement.trim_end_matches('.'), unit, &paper, |c| {
                 let own = c.claims.iter().find(|other| other.id == claim.id);
                 own.map(InterpretationCell::of_claim).unwrap_or_default()

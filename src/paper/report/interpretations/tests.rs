@@ -183,6 +183,13 @@ fn what_is_not_valid_is_marked_and_never_mixed() {
     let left_out = row("runs left out of means");
     let words: Vec<&str> = left_out.cells.iter().map(|c| c.words.as_str()).collect();
     assert_eq!(words, ["0 of 18", "6 of 18", "18 of 18"]);
+    let falls = "As the falling height increases, the standing height decreases: lower at 20 cm than \
+                 at 0 in every configuration";
+    // Three are expected of the first column, two of the second, and none of the third.
+    assert_eq!(row(falls).paper, "all", "law: no column's number stands for the others'");
+    let alone = table::rows(&columns[..1]);
+    let paper = alone.iter().find(|of| of.quantity == falls).map(|of| of.paper.as_str());
+    assert_eq!(paper, Some("3"), "law: the number where columns agree");
     // Overlap and numerical creep, by which runs are judged, are of all.
     assert_eq!(row("numerical creep at rest").cells[1].left_out, 0);
 
@@ -195,6 +202,8 @@ fn what_is_not_valid_is_marked_and_never_mixed() {
     assert!(!cells[3].contains('('), "law: nothing to mind: {line}");
     assert!(cells[4].ends_with("(1 left out)"), "law: counted: {line}");
     assert!(cells[5].ends_with("(not valid)"), "law: marked: {line}");
+    let said = "Under “Credibility” all numbers but the void ratio are of all runs";
+    assert!(read("interpretations.md").contains(said), "law: the page says `{said}`");
     assert!(read("interpretations.html").contains("not valid"), "law: the page, too");
     let figure = read("figures/interpretations-standing-height.csv");
     let of = |name: &str| {
