@@ -23,7 +23,7 @@ pub struct MeanSettlement {
     /// Runs left out.
     pub left_out: usize,
     /// The specimens as poured, left alone: time in s and mean drop of their surface in mm, as
-    /// long as their rest tests took.
+    /// long as their rest tests took. Where no shaken run counts it may be of poured ones that do.
     pub unshaken: Curve,
     /// Specimens in it.
     pub unshaken_runs: usize,
@@ -43,11 +43,12 @@ impl MeanSettlement {
             curves.filter(|c| !c.is_empty()).collect()
         };
         let (own, all) = (curves(|r| r.kind == RunKind::VibrationContinuous), curves(|_| true));
-        // Runs that were poured count as those that were shaken do.
+        // Beside shaken runs that count stand no poured ones that do not.
         let poured = |r: &&RunRecord| is_poured_from(r, VIBRATED_FALLING_HEIGHT_MM);
-        let poured = study.runs.iter().filter(poured);
+        let (poured, poured_left_out) = never_mixed(study.runs.iter().filter(poured));
         let rests: Vec<Curve> = poured
-            .filter(|r| r.counts_in_means() || !valid)
+            .into_iter()
+            .filter(|_| !(valid && poured_left_out.all))
             .map(|r| sinking(&r.rest_test))
             .filter(|c| c.len() > 1)
             .collect();
@@ -149,6 +150,13 @@ mod tests {
         // Its surface sinks by 1.5 · 45 µm/s for 2 s.
         let last = of.unshaken.last().copied().expect("a rest test");
         assert!((last.0 - 2.0).abs() < 1e-9 && (last.1 - 0.135).abs() < 1e-9, "got {last:?}");
+        // No shaken run counts, and the poured ones of two configurations do.
+        let mut shaken = runs.clone();
+        for run in shaken.iter_mut().filter(|r| r.kind.is_vibration()) {
+            (run.summary.meets_standard, run.summary.valid) = (false, false);
+        }
+        let of = MeanSettlement::of(&canned::study(&shaken)).expect("vibrated");
+        assert_eq!((of.valid, of.runs, of.unshaken_runs), (false, 3, 2), "law: never in one mean");
         let poured = &runs[..4];
         assert_eq!(MeanSettlement::of(&canned::study(poured)), None, "law: nothing was vibrated");
     }
