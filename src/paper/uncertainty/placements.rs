@@ -49,7 +49,7 @@ pub struct SpecimenPlacements {
     pub values: Vec<f64>,
     /// The runs they are from.
     pub runs: Vec<String>,
-    /// Runs that are left out.
+    /// Runs that are left out, as they do not count in means.
     pub left_out: Vec<String>,
 }
 
@@ -84,7 +84,8 @@ fn one(
         let (runs, values): (Vec<String>, _) = placed.unzip();
         let left_out = all
             .of_kind(RunKind::VibrationPlacement)
-            .filter(|r| r.configuration == configuration && !runs.contains(&r.name))
+            .filter(|r| r.configuration == configuration && !r.counts_in_means())
+            .filter(|r| !runs.contains(&r.name))
             .map(|r| r.name.clone())
             .collect();
         SpecimenPlacements { configuration, values, runs, left_out }
@@ -183,6 +184,22 @@ mod tests {
         assert!(plate.note.contains("Only 1 placement on"), "{}", plate.note);
         let interval = plate.interval.expect("an interval");
         assert!(interval.low < 0.0 && interval.high > 13.0, "law: 5.33 ± 4.30 · 3.51/√3");
+    }
+
+    /// Law: a placement that counts and does not tell is not left out; one that does not count is.
+    #[test]
+    fn what_does_not_tell_is_not_left_out() {
+        let mut runs = scattered(&[&[2.0, 3.0], &[4.0, 6.0]]);
+        let from = runs.len() - 2;
+        let [silent, spoilt] = &mut runs[from..] else { panic!("two placements") };
+        silent.summary.settlement_mm.as_mut().expect("shaken").share_after_5_s = None;
+        (spoilt.summary.meets_standard, spoilt.summary.valid) = (false, false);
+        let (spoilt, all) = (spoilt.name.clone(), canned::study(&runs));
+        let (counting, others) = all.split();
+        let found = scatter(&all, &all.of_runs(&counting, &others));
+        let share = found.iter().find(|q| q.name == SHARE_AFTER_5_S).expect("shares");
+        let got = &share.specimens[1];
+        assert_eq!((got.values.len(), &got.left_out), (0, &vec![spoilt]), "law: one of two");
     }
 
     #[test]
