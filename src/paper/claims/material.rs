@@ -65,7 +65,16 @@ fn no_crushing(study: &StudyView) -> Claim {
     let largest = each.as_ref().and_then(|each| each.iter().max());
     let change = study.runs.iter().filter_map(secondary);
     let change = change.map(|s| s.largest_change_percent.unwrap_or(f64::NAN));
-    let change = change.fold(0.0_f64, |most, c| if most.is_nan() || c <= most { most } else { c });
+    let change = change.reduce(|most, c| if most.is_nan() || c <= most { most } else { c });
+    // Of grains that were not sieved anew nothing is shown.
+    let change = change.map_or_else(String::new, |c| format!(" The largest change is {c:.1e} %."));
+    let kept = match largest {
+        Some(0) => {
+            " Grains are rigid and cannot break: this shows that the engine kept every one as it was \
+             made."
+        }
+        _ => "",
+    };
     Draft::of("no-crushing")
     .ours(largest.map(|n| *n as f64))
     .spread(each.iter().flatten().map(|n| *n as f64))
@@ -74,9 +83,7 @@ fn no_crushing(study: &StudyView) -> Claim {
         "After each run the grains are sieved anew with the shapes that the engine held at its \
          end, and compared one by one with the grains as generated. Ours is the largest number in \
          any run of grains whose sieve size changed by more than {:.0e} of it, or that are nowhere; \
-         those that spilled over the rim or hung in the funnel are accounted for. The largest \
-         change is {change:.1e} %. Grains are rigid and cannot break: this shows that the engine \
-         kept every one as it was made.",
+         those that spilled over the rim or hung in the funnel are accounted for.{change}{kept}",
         UNCHANGED
     ))
     .judge()

@@ -69,6 +69,7 @@ fn grains_that_changed_or_are_lost_are_no_proof_that_none_was_crushed() {
     assert_eq!((c.verdict, c.ours), (Verdict::Outside, Some(2.0)), "two changed: {c:?}");
     let c = claim_of(&|s| s.lost = 1);
     assert_eq!((c.verdict, c.ours), (Verdict::Outside, Some(1.0)), "one is lost: {c:?}");
+    assert!(!c.note.contains("kept every one"), "law: one was not kept: {}", c.note);
     let c = claim_of(&|s| s.spilled = 1);
     assert_eq!(c.verdict, Verdict::Within, "what spilled is accounted for: {c:?}");
     let mut runs = canned::valid_runs();
@@ -76,6 +77,10 @@ fn grains_that_changed_or_are_lost_are_no_proof_that_none_was_crushed() {
     let c = claim(&canned::study(&runs), "no-crushing");
     assert_eq!((c.verdict, c.ours), (Verdict::NotRun, None), "one was not sieved anew: {c:?}");
     assert_eq!(c.reason, "not measured", "law: why: {c:?}");
+    let none = claim(&canned::study(&[]), "no-crushing").note;
+    for found in ["The largest change is", "every one as it was made"] {
+        assert!(!none.contains(found), "law: nothing is found of no run: {none}");
+    }
     assert!(c.note.contains("Not measured"), "{}", c.note);
 }
 
