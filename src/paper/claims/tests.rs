@@ -225,6 +225,26 @@ fn what_was_run_and_does_not_tell_is_not_measured() {
     assert_eq!((c.verdict, c.reason.as_str()), (Verdict::NotRun, "not run"), "{c:?}");
 }
 
+/// Law: a run that is left out is not called missing where it does not tell, as one whose void
+/// ratio is withheld because most of its grains hang in the funnel; it is named.
+#[test]
+fn a_jam_that_does_not_tell_is_left_out_and_not_missing() {
+    let mut runs = canned::valid_runs();
+    let name = "vibration-intermittent-c2";
+    let jammed = runs.iter_mut().find(|r| r.name == name).expect("a run");
+    jammed.summary.grains.missing = Some(900);
+    (jammed.summary.void_ratio, jammed.summary.poured_void_ratio) = (None, None);
+    jammed.series.clear();
+    for (id, expected) in
+        [("denser-after-vibration", 5.0), ("intermittent-fluctuation-at-ends", 2.0)]
+    {
+        let c = claim(&canned::study(&runs), id);
+        assert_eq!(c.read_as.map(|of| of.high), Some(expected), "law: of the others: {c:?}");
+        assert!(!c.note.contains("Not run") && c.reason.is_empty(), "law: it was run: {c:?}");
+        assert_eq!(c.left_out, [name], "law: named: {c:?}");
+    }
+}
+
 /// Law: what was chosen is an input, what could have come out otherwise a result.
 #[test]
 fn inputs_are_no_results() {
