@@ -113,6 +113,7 @@ impl Scenarios {
                 preset("paper/vibration-intermittent.json")?,
             ]
         };
+        own_values(&pluviation, changes)?;
         let repose = match interpretation {
             None if quick => Some(preset("quick/repose.json")?),
             None => Some(preset("paper/repose.json")?),
@@ -146,6 +147,25 @@ impl Scenarios {
     fn engine(&self) -> &EngineSettings {
         &self.pluviation.engine
     }
+}
+
+/// Refuses changes of what the programme gives its runs itself, and which would change nothing.
+fn own_values(pluviation: &Scenario, changes: &[Override]) -> Result<(), StudyError> {
+    let stages = pluviation.stages.iter().enumerate();
+    let pours = stages.filter(|(_, stage)| matches!(stage, StageSpec::Pour { .. }));
+    let heights = pours.map(|(n, _)| format!("stages.{n}.falling_height_mm="));
+    for path in heights.chain(["configuration=".to_owned()]) {
+        let is_it =
+            |change: &&Override| path.parse::<Override>().is_ok_and(|at| at.is_where(change));
+        if let Some(change) = changes.iter().find(is_it) {
+            return refused(format!(
+                "--set {} would change nothing: the programme counts configurations from 1 and \
+                 pours from the paper's heights (--configurations and --seed give other specimens)",
+                change.text()
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// The same vibration cut into the paper's four periods of whole cycles, with
@@ -372,6 +392,25 @@ pub(super) fn study_view<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Law: a change that the programme would overwrite is refused.
+    #[test]
+    fn what_the_programme_sets_itself_is_no_change() {
+        let converged = Interpretation::named("converged").expect("an interpretation");
+        for (typed, refused) in [
+            ("configuration=5", true),
+            ("stages.1.falling_height_mm=20", true),
+            ("stages[1].falling_height_mm=20", true),
+            ("seed=5", false),
+        ] {
+            let change: Override = typed.parse().expect("a change");
+            let loaded = Scenarios::load(true, Some(&converged), &[change]);
+            let got = loaded.err().map(|e| e.to_string());
+            let said = format!("--set {typed} would change nothing");
+            let is_refused = got.as_ref().is_some_and(|got| got.contains(&said));
+            assert_eq!(is_refused, refused, "law: of {typed} (got left): {got:?}");
+        }
+    }
 
     /// Law: the command that is shown gives the same programme again, with every change.
     #[test]
