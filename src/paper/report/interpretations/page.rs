@@ -26,15 +26,15 @@ fn belief(c: &InterpretationColumn, standard: Standard) -> String {
     format!(
         "{met} of {} {} the accuracy standard: grains overlap by up to {} % of their \
          diameter on average ({} % allowed) and {} % at the 99th percentile ({} %), and a specimen \
-         left alone sinks by up to {} µm/s ({}). Where it agrees with the paper, grains that sink \
+         left alone sinks or rises by up to {} µm/s ({}). Where it agrees with the paper, grains that sink \
          into each other may be what agrees.",
         counted(c.runs.len(), "run"),
         in_number(met, "meets", "meet"),
         number(worst(&|r| r.summary.overlap.mean_percent), 2),
         standard.overlap_mean_percent,
-        number(worst(&|r| r.summary.overlap.p99_percent), 1),
+        number(worst(&|r| r.summary.overlap.p99_percent), 2),
         standard.overlap_p99_percent,
-        number(worst(&|r| r.summary.creep_um_per_s.unwrap_or(0.0).abs()), 0),
+        compact(worst(&|r| r.summary.creep_um_per_s.unwrap_or(0.0).abs())),
         standard.creep_um_per_s,
     )
 }
@@ -52,8 +52,12 @@ fn how_read(columns: &[InterpretationColumn]) -> String {
     format!(
         "Every column is the same programme with the same grains under another interpretation of the paper, \
          in {}. A cell is the mean over the runs that have it, with the smallest \
-         and the largest in brackets. Runs that do not count in means (docs/accuracy.md) are left out of it, and counted; where \
-         no run is valid, the mean is of those that are not, and marked “not valid”: the two never stand in one mean. Under “Credibility” all numbers but the void ratio are of all runs, which are judged by them. “All” stands for the number of what a statement is of, where columns differ in it. ✓ and ✗: the paper's statement is met, or it is not.",
+         and the largest in brackets. Runs that do not count in means (docs/accuracy.md) are left \
+         out of it, and counted; where no run is valid, the mean is of those that are not, and \
+         marked “not valid”: the two never stand in one mean. Under “Credibility” all numbers but \
+         the void ratio are of all runs, which are judged by them. “All” stands for the number of \
+         what a statement is of, where columns differ in it. ✓ and ✗: the paper's statement is \
+         met, or it is not.",
         counted(configurations as usize, "configuration")
     )
 }
