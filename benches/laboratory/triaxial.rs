@@ -26,11 +26,41 @@ struct Kind {
     friction: f64,
     /// Mass in g in the small design.
     mass_g: f64,
+    /// Height of fall in mm above the grains that lie there, and g/s in the small design; where
+    /// there is none grains fall as in the scenario.
+    rain: Option<[f64; 2]>,
+    /// Iterations while it is made, where the scenario's are too few for such friction.
+    iterations: Option<u32>,
 }
+/// Poured with their own friction grains lie closer than the critical state: a specimen that
+/// contracts needs more.
 const KINDS: [Kind; 2] = [
-    Kind { name: "loose", friction: FRICTION, mass_g: 430.0 },
-    Kind { name: "dense", friction: 0.05, mass_g: 490.0 },
+    Kind {
+        name: "loose",
+        friction: 2.0,
+        mass_g: 340.0,
+        rain: Some([3.0, 100.0]),
+        iterations: Some(160),
+    },
+    Kind { name: "dense", friction: 0.05, mass_g: 490.0, rain: None, iterations: None },
 ];
+impl Kind {
+    /// What it changes in the making of a specimen as wide as this (mm).
+    fn making(&self, side: f64) -> Vec<String> {
+        let rain = self.rain.map(|[above, rate]| {
+            // In the same time.
+            let rate = (rate * (side / SIDE_MM).powi(3)).round();
+            [
+                "stages.0.at_mm=[0,0,10]".to_owned(),
+                format!("stages.0.above_surface_mm={above}"),
+                format!("stages.0.rate_g_per_s={rate}"),
+            ]
+        });
+        let iterations = self.iterations.map(|n| format!("engine.native.iterations={n}"));
+        rain.into_iter().flatten().chain(iterations).collect()
+    }
+}
+
 /// Time in s that a specimen has at rest with its new friction, before it is sheared.
 const REST: f64 = 0.2;
 /// Time in s over which the mean stress is smoothed and restored: see the scenario's notes.
@@ -90,6 +120,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
             if !bench.is_small() {
                 changes.extend(wide_stages());
             }
+            changes.extend(kind.making(side));
             Point { name: kind.name.to_owned(), changes, most: None }
         })
         .collect();
@@ -269,6 +300,7 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
     let ratio: Read = |test| test.end.ratio;
     let whole_void_ratio: Read = |test| test.whole.void_ratio;
     let whole_ratio: Read = |test| test.whole.ratio;
+    let change: Read = |test| test.whole.void_ratio - test.between[0].void_ratio;
     let peak: Read = |test| angle_of_ratio(test.peak).to_degrees();
     let angle: Read = |test| angle_of_ratio(test.end.ratio).to_degrees();
     let still = |kind: usize| {
@@ -307,6 +339,8 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
     rows.extend(each("end", "void ratio", "at the end", void_ratio, at_end, 3));
     let all = "void ratio between the plates";
     rows.push(less("end-plates", all, "at the end", whole_void_ratio, plates, 3));
+    let changes = "change of the void ratio between the plates";
+    rows.extend(each("change", changes, "from the beginning to the end", change, [plates; 2], 3));
     rows.push(less("ratio-difference", "q/p", "at the end", ratio, how, 2));
     rows.extend(each("ratio", "q/p", "at the end", ratio, [how; 2], 2));
     rows.push(less("ratio-plates", "q/p by the plates", "at the end", whole_ratio, plates, 2));
@@ -321,10 +355,11 @@ fn made(tests: &[Test], kind: usize) -> String {
         let values: Vec<f64> = tests.iter().filter(|t| t.kind == kind).map(read).collect();
         pluvia::measure::statistics::mean(&values).unwrap_or(f64::NAN)
     };
-    let Kind { name, friction, .. } = KINDS[kind];
+    let Kind { name, friction, rain, .. } = KINDS[kind];
+    let rain = rain.map_or_else(String::new, |[above, _]| format!(" from {above} mm"));
     format!(
-        "{name}: poured and compressed by 10 kPa from all sides with friction between grains of \
-         {friction}, sheared with {FRICTION}; {:.0} by {:.0} mm wide and {:.0} mm high, q/p {:.2}, \
+        "{name}: poured{rain} and compressed by 10 kPa from all sides with friction between grains \
+         of {friction}, sheared with {FRICTION}; {:.0} by {:.0} mm wide and {:.0} mm high, q/p {:.2}, \
          means",
         to_mm(of(&|t| t.size[0])),
         to_mm(of(&|t| t.size[1])),
