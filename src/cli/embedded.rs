@@ -189,6 +189,10 @@ impl<F: Fn(News) + Send + Sync> Progress for Listener<F> {
         });
     }
 
+    fn resume_stage(&self, id: u64, simulated: f64) {
+        lock(&self.state).overall.resume_stage(id, simulated);
+    }
+
     fn begin_pieces(&self, id: u64, name: &str, pieces: usize) {
         self.with(|state| {
             state.running.insert(id, (name.to_owned(), pieces as f64));

@@ -22,6 +22,8 @@ struct LinesState<W> {
 struct Running {
     name: String,
     expected: f64,
+    /// Simulated time in s from which this run went on with it.
+    from: f64,
     began: Instant,
     last_line: Instant,
 }
@@ -75,7 +77,16 @@ impl<W: Write + Send> Progress for Lines<W> {
         state.overall.begin_stage(id, expected);
         let now = Instant::now();
         let name = name.to_owned();
-        state.running.insert(id, Running { name, expected, began: now, last_line: now });
+        let stage = Running { name, expected, from: 0.0, began: now, last_line: now };
+        state.running.insert(id, stage);
+    }
+
+    fn resume_stage(&self, id: u64, simulated: f64) {
+        let mut state = lock(&self.state);
+        state.overall.resume_stage(id, simulated);
+        if let Some(stage) = state.running.get_mut(&id) {
+            stage.from = simulated;
+        }
     }
 
     fn update(&self, id: u64, simulated: f64, note: &str) {
@@ -91,11 +102,12 @@ impl<W: Write + Send> Progress for Lines<W> {
             stage.name,
             stage.expected.max(simulated)
         );
-        if simulated > 0.0 && simulated < stage.expected {
-            let left = stage.began.elapsed().as_secs_f64() * (stage.expected / simulated - 1.0);
+        let done = simulated - stage.from;
+        if done > 0.0 && simulated < stage.expected {
+            let left = stage.began.elapsed().as_secs_f64() * (stage.expected - simulated) / done;
             line += &format!(", ETA {}", table::duration(left));
         }
-        line += &format!(", {}", speed(simulated, stage.began));
+        line += &format!(", {}", speed(done, stage.began));
         if !note.is_empty() {
             line += &format!(", {note}");
         }
@@ -171,6 +183,27 @@ mod tests {
         assert_eq!(got.len(), 6, "begin, three updates, message, end: {got:?}");
         assert!(got[1].contains("1.00 of about 4.0 s, ETA"), "{got:?}");
         assert!(got[1].ends_with("surface 100 mm"), "{got:?}");
+    }
+
+    /// Law: speed and ETA of a stage that goes on are those of this run: what an earlier one had
+    /// simulated took no time of it.
+    #[test]
+    fn a_stage_that_goes_on_is_as_fast_as_it_is_now() {
+        let progress = Lines::every(Duration::ZERO, Vec::new());
+        progress.begin_work(30.0);
+        progress.begin_stage(1, "vibrate", 20.0);
+        progress.resume_stage(1, 19.0);
+        let pause = Duration::from_millis(50);
+        thread::sleep(pause);
+        progress.update(1, 19.5, "");
+        progress.end_stage(1);
+        let text = String::from_utf8(lock(&progress.state).out.clone()).expect("text");
+        let line = text.lines().find(|l| l.contains("19.50 of about 20.0 s")).expect("a line");
+        let told = line.strip_suffix(" × real time").and_then(|l| l.rsplit(", ").next());
+        let got: f64 = told.and_then(|number| number.parse().ok()).expect("a speed");
+        let most = 0.5 / pause.as_secs_f64();
+        assert!(got <= most + 0.005, "law: 0.5 s in {pause:?} or more, at most {most}, got {got}");
+        assert!(text.contains("; in all 1.0 of about 11.0 s done, ETA"), "law: got {text}");
     }
 
     #[test]

@@ -12,9 +12,19 @@ use super::*;
 pub(super) struct Overall {
     total: f64,
     finished: f64,
-    /// Of each stage that runs: what is expected and what is simulated, in s.
-    running: HashMap<u64, (f64, f64)>,
+    running: HashMap<u64, Stage>,
     began: Instant,
+}
+
+/// A stage that runs, in s of simulated time.
+#[derive(Debug)]
+struct Stage {
+    /// What is expected of it in this run.
+    expected: f64,
+    /// Where this run went on with it.
+    from: f64,
+    /// What it has reached.
+    at: f64,
 }
 
 impl Default for Overall {
@@ -35,19 +45,28 @@ impl Overall {
     }
 
     pub(super) fn begin_stage(&mut self, id: u64, expected: f64) {
-        self.running.insert(id, (expected, 0.0));
+        self.running.insert(id, Stage { expected, from: 0.0, at: 0.0 });
+    }
+
+    /// A stage goes on from a simulated time that was reached before: that is no work any more.
+    pub(super) fn resume_stage(&mut self, id: u64, simulated: f64) {
+        let Some(stage) = self.running.get_mut(&id) else { return };
+        let before = simulated.min(stage.expected);
+        (stage.from, stage.at) = (simulated, simulated);
+        stage.expected -= before;
+        self.leave_out(before);
     }
 
     /// A stage has reached a simulated time in s.
     pub(super) fn update(&mut self, id: u64, simulated: f64) {
-        if let Some((_, at)) = self.running.get_mut(&id) {
-            *at = simulated;
+        if let Some(stage) = self.running.get_mut(&id) {
+            stage.at = simulated;
         }
     }
 
     pub(super) fn end_stage(&mut self, id: u64) {
-        if let Some((expected, _)) = self.running.remove(&id) {
-            self.finished += expected;
+        if let Some(stage) = self.running.remove(&id) {
+            self.finished += stage.expected;
         }
     }
 
@@ -58,7 +77,8 @@ impl Overall {
 
     /// What is done of it, in s.
     pub(super) fn done(&self) -> f64 {
-        let running = self.running.values().map(|(expected, at)| at.min(*expected));
+        let running =
+            self.running.values().map(|stage| (stage.at - stage.from).min(stage.expected));
         (self.finished + running.sum::<f64>()).min(self.total)
     }
 
@@ -101,5 +121,25 @@ mod tests {
         all.begin_stage(2, 4.0);
         all.end_stage(2);
         assert_eq!((all.done(), all.left()), (10.0, None), "law: nothing is left");
+    }
+
+    /// Law: what a stage had reached in an earlier run is no work of this one.
+    #[test]
+    fn what_was_simulated_before_a_stage_goes_on_is_no_work() {
+        let mut all = Overall::of(30.0);
+        all.begin_stage(1, 20.0);
+        all.resume_stage(1, 19.0);
+        assert_eq!((all.done(), all.total()), (0.0, 11.0), "law: 1 s of it and 10 s are left");
+        all.update(1, 19.5);
+        assert_eq!(all.done(), 0.5, "law: since it went on");
+        all.update(1, 21.0);
+        all.end_stage(1);
+        assert_eq!((all.done(), all.total()), (1.0, 11.0), "law: as long as was expected");
+        all.begin_stage(2, 10.0);
+        all.resume_stage(2, 12.0);
+        all.update(2, 12.5);
+        assert_eq!((all.done(), all.total()), (1.0, 1.0), "law: longer than expected is no more");
+        all.resume_stage(3, 1.0);
+        assert_eq!(all.total(), 1.0, "law: who has not begun does not go on");
     }
 }

@@ -30,6 +30,8 @@ struct Running {
     bar: ProgressBar,
     name: String,
     expected: f64,
+    /// Simulated time in s from which this run went on with a stage.
+    from: f64,
     /// When a stage began; none where pieces are counted.
     began: Option<Instant>,
 }
@@ -83,7 +85,7 @@ impl Bars {
         };
         let name = plain(name).into_owned();
         bar.set_message(name.clone());
-        running.insert(id, Running { bar, name, expected, began });
+        running.insert(id, Running { bar, name, expected, from: 0.0, began });
         state.show_overall();
     }
 }
@@ -125,11 +127,25 @@ impl Progress for Bars {
         self.begin(id, name, expected, Some(Instant::now()));
     }
 
+    fn resume_stage(&self, id: u64, simulated: f64) {
+        let mut state = lock(&self.state);
+        state.overall.resume_stage(id, simulated);
+        state.show_overall();
+        if let Some(stage) = state.running.get_mut(&id) {
+            stage.from = simulated;
+            stage.bar.set_position(ticks(simulated));
+            // It took no time.
+            stage.bar.reset_eta();
+        }
+    }
+
     fn update(&self, id: u64, simulated: f64, note: &str) {
         let mut state = lock(&self.state);
         state.overall.update(id, simulated);
         state.show_overall();
-        let Some(Running { bar, name, expected, began }) = state.running.get(&id) else { return };
+        let Some(Running { bar, name, expected, from, began }) = state.running.get(&id) else {
+            return;
+        };
         let position = ticks(simulated);
         // Stages that end when the grains have settled may take longer than expected.
         if bar.length().is_some_and(|length| length < position) {
@@ -140,8 +156,8 @@ impl Progress for Bars {
             Some(began) => {
                 let whole = expected.max(simulated);
                 let mut line = format!("{name}: {simulated:.2} of {whole:.1} s");
-                if simulated > 0.0 {
-                    line += &format!(", {}", speed(simulated, *began));
+                if simulated > *from {
+                    line += &format!(", {}", speed(simulated - from, *began));
                 }
                 line
             }
@@ -201,6 +217,23 @@ mod tests {
         bars.end_stage(7);
         assert!(lock(&bars.state).running.is_empty(), "the bar is gone");
         bars.update(7, 3.0, "");
+    }
+
+    /// Law: the ETA of a stage that goes on follows from this run: what an earlier one had simulated
+    /// took no time of it.
+    #[test]
+    fn the_bar_of_a_stage_that_goes_on_has_an_eta_of_this_run() {
+        let bars = Bars::default();
+        bars.begin_stage(7, "vibrate", 20.0);
+        bars.resume_stage(7, 19.0);
+        let pause = Duration::from_millis(50);
+        thread::sleep(pause);
+        bars.update(7, 19.1, "");
+        let bar = lock(&bars.state).running[&7].bar.clone();
+        assert_eq!(bar.position(), 19_100, "law: of the whole stage");
+        // 0.1 s took that long or longer, and 0.9 s are left.
+        let (got, least) = (bar.eta(), 8 * pause);
+        assert!(got >= least, "law: nine times {pause:?}, expected {least:?} or more, got {got:?}");
     }
 
     /// What a terminal of 120 columns shows.

@@ -15,6 +15,9 @@ pub trait Progress: Send + Sync {
     fn begin_pieces(&self, id: u64, name: &str, pieces: usize) {
         self.begin_stage(id, name, pieces as f64);
     }
+    /// A stage that has begun goes on from a simulated time in s, reached in an earlier run: what lies
+    /// before that is no work any more.
+    fn resume_stage(&self, _id: u64, _simulated: f64) {}
     /// A stage has reached a simulated time in s; the note says what matters most just now.
     fn update(&self, _id: u64, _simulated: f64, _note: &str) {}
     /// A stage has ended, and its result is kept.

@@ -258,6 +258,7 @@ impl<'a> Shop<'a> {
         if let (Some(midway), Some(observed)) = (&midway, observed) {
             let done = midway.steps as f64 / node.setup.engine.rate_hz;
             progress.message(&format!("{}: resumes at {done:.2} s", node.label));
+            progress.resume_stage(id, done);
             let specimen = Specimen { grains: node.grains.clone(), state: midway.state.clone() };
             recorder.go_on(observed, &specimen);
         }
@@ -432,6 +433,50 @@ mod tests {
                 && text.contains("had not settled")
         };
         assert_eq!(told.iter().filter(of_filling).count(), 1, "law: said once, got {told:?}");
+    }
+
+    /// Keeps what is said, and from where stages go on.
+    #[derive(Default)]
+    struct GoesOn(Heard, Mutex<Vec<f64>>);
+
+    impl Progress for GoesOn {
+        fn resume_stage(&self, _: u64, simulated: f64) {
+            self.1.lock().expect("nobody panicked").push(simulated);
+        }
+        fn message(&self, text: &str) {
+            self.0.message(text);
+        }
+    }
+
+    /// Law: of a stage that goes on from a checkpoint the progress knows from where.
+    #[test]
+    fn a_stage_that_goes_on_says_from_where() {
+        let mut scenario = scenario(0.0);
+        scenario.stages.truncate(1);
+        scenario.engine.native.checkpoint_every_s = Some(0.1);
+        let plan = Plan::new(&[planned(scenario)]).expect("a plan");
+        let folder = tempfile::tempdir().expect("a folder");
+        let store = StageStore::open(folder.path()).expect("a store");
+        let (cancel, worlds) = (AtomicBool::new(false), AtomicU32::new(0));
+        // Each segment has a world of its own: the first run is stopped in the third.
+        let make_world = |settings: &EngineSettings, _, _: &_| {
+            cancel.fetch_or(worlds.fetch_add(1, Ordering::Relaxed) == 2, Ordering::Relaxed);
+            let script = |_, state: &BodyState, _, _| BodyState {
+                linear_velocity: Vector::new(0.5, 0.0, 0.0),
+                ..*state
+            };
+            let world = ScriptedWorld::new(1.0 / settings.rate_hz, Box::new(script));
+            Ok::<_, WorldError>(Box::new(world) as Box<dyn World + Send>)
+        };
+        let heard = Heard::default();
+        let stopped = Shop { cancel: &cancel, ..shop(&store, 1, &make_world, &heard) };
+        assert!(stopped.execute_each(&plan).cancelled, "law: stopped on its way");
+        let told = GoesOn::default();
+        shop(&store, 1, &make_world, &told).execute(&plan).expect("it goes on");
+        let (said, from) = (told.0.told(), told.1.into_inner().expect("nobody panicked"));
+        let words = from.first().map(|time| format!("resumes at {time:.2} s"));
+        let is_said = words.is_some_and(|words| said.iter().any(|text| text.ends_with(&words)));
+        assert!(is_said && from.len() == 1 && from[0] > 0.0, "law: once, got {from:?}, {said:?}");
     }
 
     #[test]
