@@ -3,6 +3,7 @@
 use super::*;
 use crate::apparatus::RigidPiece;
 use crate::grains::Grain;
+use crate::scenario::LoadSpec;
 
 /// Reports what is typed in scenarios and does not suit their grains: each distinct warning once,
 /// in the order of the scenarios, however many of them share it.
@@ -22,9 +23,15 @@ pub(super) fn of_grains(scenario: &Scenario, grains: &GrainSet) -> Vec<String> {
 }
 
 /// Openings of a laboratory that lie where grains that fall have been taken away, while no stage
-/// moves its pieces or lets them go.
+/// moves its pieces, lets them go, or presses them up, down or about an axis.
 fn low_openings(scenario: &Scenario, grains: &GrainSet) -> Vec<String> {
-    let moves = |stage: &StageSpec| matches!(stage, StageSpec::Move(_) | StageSpec::Release(_));
+    // Grains are followed below a pressed piece that sinks, too.
+    let may_sink = |load: &LoadSpec| load.moment_n_m.is_some() || load.direction[2] != 0.0;
+    let moves = |stage: &StageSpec| match stage {
+        StageSpec::Move(_) | StageSpec::Release(_) => true,
+        StageSpec::Press(press) => press.loads.iter().any(may_sink),
+        _ => false,
+    };
     if scenario.begin.is_some() || scenario.stages.iter().any(moves) {
         return Vec::new();
     }
@@ -148,10 +155,26 @@ mod tests {
             && told[0].starts_with("measures.openings[1].at_mm: ")
             && told[0].contains("above -50 mm");
         assert!(sound, "law: the one below −50 mm, got {told:?}");
-        hopper.stages = serde_json::from_value(serde_json::json!([
-            { "stage": "move", "velocity_mm_per_s": [0, 0, -10], "travel_mm": 90 }
-        ]))
-        .expect("stages");
-        assert!(of_grains(&hopper, &grains).is_empty(), "law: the plate goes down");
+        let load = |direction: [f64; 3]| {
+            let load =
+                serde_json::json!({ "piece": "plate", "force_n": 5, "direction": direction });
+            serde_json::json!({ "stage": "press", "loads": [load] })
+        };
+        let down = serde_json::json!({ "stage": "move", "velocity_mm_per_s": [0, 0, -10],
+            "travel_mm": 90 });
+        for (stage, expected) in [
+            (down, 0),
+            (load([0.0, 0.0, -1.0]), 0),
+            (load([0.0, 0.0, 1.0]), 0),
+            (load([1.0, 0.0, 0.0]), 1),
+        ] {
+            hopper.stages = serde_json::from_value(serde_json::json!([stage])).expect("stages");
+            let told = of_grains(&hopper, &grains);
+            assert_eq!(
+                told.len(),
+                expected,
+                "law: none where the plate may sink, {stage}: {told:?}"
+            );
+        }
     }
 }
