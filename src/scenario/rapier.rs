@@ -54,7 +54,8 @@ pub struct RapierSettings {
     /// and 2 nothing measured differs.
     pub contact_damping_ratio: f64 = 1.0, from 0.0 to 1000.0;
     /// The natural frequency where one of the bodies is fixed for ever, in Hz:
-    /// the funnel. (Cylinder and floor are kinematic, also where they rest.)
+    /// the funnel, and the base of a pile. (Cylinder and floor are kinematic, also
+    /// where they rest, as are pieces of a laboratory.)
     pub wall_contact_frequency_hz: f64 = 500.0,
         schemars(extend("exclusiveMinimum" = 0.0), range(max = 1e6));
     /// The damping ratio there.
