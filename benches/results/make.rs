@@ -179,19 +179,28 @@ impl Maker<'_> {
                 ));
             }
         }
-        let mut is_whole = true;
-        for (file, from) in kept.files {
-            let to = self.root.join(FOLDER).join(file);
-            match (from.is_empty(), &kept.made) {
-                (false, made) => copy(&self.place(made, from, &out), &to)?,
-                (true, Made::Make(_)) => {}
-                (true, _) => {
-                    println!("{name}: {} is edited by hand from {}", to.display(), out.display());
-                    is_whole = false;
-                }
-            }
+        let place = |file: &str| self.root.join(FOLDER).join(file);
+        let copies: Vec<(PathBuf, PathBuf)> = kept
+            .files
+            .iter()
+            .filter(|(_, from)| !from.is_empty())
+            .map(|(file, from)| (self.place(&kept.made, from, &out), place(file)))
+            .collect();
+        // All or none: a result is of one build.
+        if let Some((from, _)) = copies.iter().find(|(from, _)| !from.is_file()) {
+            return Err(format!(
+                "{name}: {} is not there; none of its files is kept",
+                from.display()
+            ));
         }
-        if !is_whole {
+        for (from, to) in &copies {
+            copy(from, to)?;
+        }
+        let is_by_hand = copies.len() < kept.files.len() && !matches!(kept.made, Made::Make(_));
+        for (file, _) in kept.files.iter().filter(|(_, from)| is_by_hand && from.is_empty()) {
+            println!("{name}: {} is edited by hand from {}", place(file).display(), out.display());
+        }
+        if is_by_hand {
             println!("{name}: once it is, record its build by --built {name}");
             return Ok(());
         }

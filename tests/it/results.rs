@@ -15,6 +15,7 @@ mod joint;
 mod laboratory;
 #[path = "../../benches/results/list.rs"]
 mod list;
+mod made;
 #[allow(dead_code)]
 #[path = "../../benches/results/make.rs"]
 mod make;
@@ -304,20 +305,6 @@ fn what_is_made_is_kept_with_its_build() {
         assert_ne!(build.day, "2000-01-01", "law: {name} was made today");
     }
     assert_eq!(builds::faults(root), Ok(Vec::new()), "law: in order, each once");
-}
-
-/// Law: a result whose files are not there is of no build.
-#[test]
-fn a_missing_file_has_no_build() {
-    let folder = kept(&[("bench", "13")]);
-    let file = folder.path().join(list::FOLDER).join("bench.json");
-    fs::remove_file(file).expect("removed");
-    let refused = make::built(folder.path(), &["bench".to_owned()]);
-    let why = refused.expect_err("law: nothing is recorded of a file that is missing");
-    assert!(why.contains("bench.json"), "law: `bench.json` is named, got: {why}");
-    let builds = builds::read(folder.path()).expect("builds");
-    let build = builds::of(&builds, "bench").expect("it has a row");
-    assert_eq!(build.format, "13", "law: its row stays");
 }
 
 /// Law: days are those of the calendar; a result of parts is as old as its oldest one.
