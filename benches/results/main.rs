@@ -10,6 +10,7 @@ mod list;
 mod make;
 mod marks;
 mod missed;
+mod options;
 mod pages;
 mod pictures;
 mod referee;
@@ -21,51 +22,11 @@ mod tables;
 mod tree;
 mod value;
 
-use std::{
-    path::{Path, PathBuf},
-    process::ExitCode,
-};
+use std::{path::Path, process::ExitCode};
 
 use clap::Parser;
 
-/// Results that pages quote, from the files of docs/results/.
-#[derive(Debug, Parser)]
-#[command(name = "make results ARGS=...")]
-struct Options {
-    /// List results, with the command, the build and whether the files are there
-    #[arg(long)]
-    list: bool,
-    /// Compare pages and files; compute and write nothing
-    #[arg(long, conflicts_with_all = ["list", "only", "older", "targets", "built", "pictures"])]
-    check: bool,
-    /// Fill the pages; compute nothing
-    #[arg(long)]
-    fill: bool,
-    /// Compute these anew, with commas between, also where their files are there; make targets are
-    /// called
-    #[arg(long, value_delimiter = ',', value_name = "NAME,NAME")]
-    only: Vec<String>,
-    /// Compute also what is of an older build
-    #[arg(long, conflicts_with = "only")]
-    older: bool,
-    /// Call also make targets, which take long
-    #[arg(long, conflicts_with = "only")]
-    targets: bool,
-    /// Record that these are of this build, with commas between, and fill the pages; compute
-    /// nothing
-    #[arg(long, value_delimiter = ',', value_name = "NAME,NAME",
-          conflicts_with_all = ["list", "only", "older", "targets", "pictures"])]
-    built: Vec<String>,
-    /// Draw the pictures of docs/pictures/ anew that a command of the tree makes
-    #[arg(long)]
-    pictures: bool,
-    /// Where runs are kept; the same command resumes them
-    #[arg(long, default_value = "out/results", value_name = "DIR")]
-    out: PathBuf,
-    /// The program that computes
-    #[arg(long, default_value = "target/release/pluvia", value_name = "FILE")]
-    program: PathBuf,
-}
+use options::Options;
 
 fn main() -> ExitCode {
     match run(&Options::parse(), tree::root()) {

@@ -1,10 +1,16 @@
 //! Results are kept as they were made, whole and with their build.
 
-use std::{fs, path::Path};
+use std::{fs, iter::once, path::Path};
 
+use clap::Parser;
 use pluvia::study::STAGE_FORMAT;
 
 use super::{Maker, builds, kept, list, make};
+use options::Options;
+
+#[allow(dead_code)] // only whether they go together is asked
+#[path = "../../../benches/results/options.rs"]
+mod options;
 
 /// Law: a result whose files are not there is of no build.
 #[test]
@@ -41,4 +47,31 @@ fn a_result_is_kept_whole_or_not_at_all() {
     let builds = builds::read(root).expect("builds");
     let build = builds::of(&builds, "calibration").expect("it has a row");
     assert_eq!(build.format, "13", "law: its row stays");
+}
+
+/// Law: options of which one would leave another without effect are refused together.
+#[test]
+fn options_without_effect_are_refused() {
+    for (text, expected) in [
+        ("--check --fill", false),
+        ("--fill --only grains", false),
+        ("--fill --older", false),
+        ("--fill --targets", false),
+        ("--fill --pictures", false),
+        ("--list --fill", false),
+        ("--list --only grains", false),
+        ("--list --older", false),
+        ("--list --targets", false),
+        ("--list --pictures", false),
+        ("--check", true),
+        ("--fill", true),
+        ("--fill --built grains", true),
+        ("--list", true),
+        ("--only grains --pictures", true),
+        ("--older --targets --pictures", true),
+    ] {
+        let words = once("results").chain(text.split_whitespace());
+        let got = Options::try_parse_from(words).is_ok();
+        assert_eq!(got, expected, "law: whether `{text}` is taken");
+    }
 }
