@@ -72,6 +72,11 @@ fn jammed(row: &Map<String, Value>) -> bool {
     GRAINS - out < LEAST
 }
 
+/// Whether a row has something in a cell, as why it failed or does not count.
+fn says(row: &Map<String, Value>, field: &str) -> bool {
+    row.get(field).is_some_and(|cell| !cell.is_null())
+}
+
 /// Rows by realisation.
 fn by_realisation(rows: &Rows) -> BTreeMap<u64, &Map<String, Value>> {
     rows.iter().filter_map(|r| Some((number(r, "configuration")? as u64, r))).collect()
@@ -114,8 +119,9 @@ fn percent_of_mean(pairs: &[(f64, f64)]) -> Vec<f64> {
     pairs.iter().map(|(a, b)| 100.0 * (a - b) / mean).collect()
 }
 
-/// The rows that did not jam, and how many did.
-fn whole(rows: Rows) -> (Rows, usize) {
+/// The rows with a result that did not jam, and how many did.
+fn whole(mut rows: Rows) -> (Rows, usize) {
+    rows.retain(|row| !says(row, "failure"));
     let (jam, whole): (Rows, Rows) = rows.into_iter().partition(jammed);
     (whole, jam.len())
 }
@@ -426,10 +432,11 @@ fn tally(results: &Results) -> Result<Value, String> {
 }
 
 /// `docs/studies.md`: how far settlements scatter between placements on one specimen, and between
-/// specimens.
+/// specimens, of the runs that count.
 fn placements(results: &Results) -> Result<Value, String> {
     let mut specimens: BTreeMap<u64, Rows> = BTreeMap::new();
-    for row in rows(results, "placements")? {
+    let counts = |row: &Map<String, Value>| !says(row, "left_out_of_means");
+    for row in rows(results, "placements")?.into_iter().filter(counts) {
         let number = number(&row, "configuration").ok_or("a run without a configuration")?;
         specimens.entry(number as u64).or_default().push(row);
     }

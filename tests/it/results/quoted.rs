@@ -58,6 +58,36 @@ fn deviations_are_of_the_mean_settlement() {
     }
 }
 
+/// Law: a run that failed is no realisation.
+#[test]
+fn runs_that_failed_are_not_counted() {
+    let text = "point,configuration,engine.rate_hz,void_ratio,settlement_mm.final,failure\n\
+                a,1,480,1.0,5,\na,2,480,1.1,6,\na,3,480,,,grains flew away\n\
+                b,1,240,1.0,5,\nb,2,240,,,grains flew away\nb,3,240,,,grains flew away\n";
+    let (_folder, results) = with("engines/native-settlement.csv", text);
+    let found = results.source("settlement").expect("a table");
+    for (point, expected) in [(0_usize, 2), (1, 1)] {
+        let got = &found[point]["count"];
+        assert_eq!(got, &json!(expected), "law: {expected} of 3 runs have a result, got {got}");
+    }
+}
+
+/// Law: runs that are left out of means are left out of how settlements scatter.
+#[test]
+fn scatter_between_placements_is_of_runs_that_count() {
+    let text = "configuration,settlement_mm.final,surface_settlement_mm.final,left_out_of_means\n\
+                1,10,5,\n1,12,6,\n1,90,70,checks NOT passed\n2,14,7,\n2,16,8,\n";
+    let (_folder, results) = with("placements.csv", text);
+    let found = results.source("placements-scatter").expect("a table");
+    for (n, expected) in [(0_usize, 13.0), (1, 6.5)] {
+        let of = &found[n];
+        assert_eq!(of["values"], json!(4), "law: four runs count, got {}", of["values"]);
+        let mean = of["mean"].as_f64().expect("a mean");
+        let off = (mean - expected).abs();
+        assert!(off < 1e-9, "law: {expected} mm on average, got {mean} mm, tolerance 1e-9");
+    }
+}
+
 /// Law: the interval of a coefficient's angle is of the piles that have one and count.
 #[test]
 fn a_calibration_counts_the_piles_of_its_means() {
