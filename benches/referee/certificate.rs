@@ -7,7 +7,7 @@ use pluvia::{
     grains::load_scenario,
     protocol::{Setup, run},
     record::write_json,
-    scenario::StageSpec,
+    scenario::{Scenario, StageSpec},
     world,
 };
 use serde::{Deserialize, Serialize};
@@ -15,7 +15,7 @@ use serde_json::Value;
 
 use super::{
     fields::stands,
-    kept::{self, Kept, fingerprint, identity},
+    kept::{self, Kept, identity},
     pours::Engine,
     program::{self, Program, number},
     steps::specimen,
@@ -75,9 +75,11 @@ pub fn certify(
     scenario: &str,
     engines: &[Engine],
 ) -> Result<Vec<Certificate>, String> {
+    let path = root().join(scenario);
+    let scenario = load_scenario(&path, &[]).map_err(|e| format!("{e:?}"))?.scenario;
     let us = kept::own_identity()?;
     let judges = [identity(&program::referee())?, identity(&program::certificate())?];
-    let by = fingerprint(&[us.as_bytes(), judges[0].as_bytes(), judges[1].as_bytes()]);
+    let by = kept::computed_by(&[&us, &judges[0], &judges[1]], &scenario)?;
     let (mut file, known) = Kept::open(&folder.join("static.jsonl"), |c: &Certificate| c.by == by)?;
     let mut certificates = Vec::new();
     for &engine in engines {
@@ -87,7 +89,7 @@ pub fn certify(
             None => {
                 eprintln!("{name} specimen, {} ...", engine.name());
                 let begun = Instant::now();
-                let scene = poured(scenario, engine)?;
+                let scene = poured(&scenario, &path, engine)?;
                 let [gap, doubt] = [GAP, DOUBT].map(|x| x.to_string());
                 let contacts = Program::referee(&["contacts", &gap, &doubt])?.ask(&scene)?;
                 let question = folder.join(format!("static-{name}-{}.json", engine.name()));
@@ -107,11 +109,9 @@ pub fn certify(
 }
 
 /// A poured specimen at rest, in the exchange format (docs/exchange.md).
-fn poured(scenario: &str, engine: Engine) -> Result<Value, String> {
-    let path = root().join(scenario);
-    let scenario = load_scenario(&path, &[]).map_err(|e| format!("{e:?}"))?.scenario;
-    let mut specimen = specimen(&scenario, &path)?;
-    let mut setup = Setup::new(&scenario).map_err(|e| e.to_string())?;
+fn poured(scenario: &Scenario, path: &Path, engine: Engine) -> Result<Value, String> {
+    let mut specimen = specimen(scenario, path)?;
+    let mut setup = Setup::new(scenario).map_err(|e| e.to_string())?;
     setup.engine = engine.settings().ok_or("the referee pours no specimens")?;
     for stage in [
         StageSpec::FillFunnel { time_limit_s: 4.0 },

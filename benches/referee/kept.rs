@@ -69,6 +69,14 @@ pub fn fingerprint(parts: &[&[u8]]) -> String {
     hash_bytes(&all)[..16].to_owned()
 }
 
+/// The fingerprint of what computes parts of a scenario: programs, by their own, and the scenario,
+/// which is a file that changes without them.
+pub fn computed_by(programs: &[&str], scenario: &impl Serialize) -> Result<String, String> {
+    let scenario = serde_json::to_string(scenario).map_err(|e| e.to_string())?;
+    let all = programs.iter().copied().chain([scenario.as_str()]);
+    Ok(fingerprint(&all.map(str::as_bytes).collect::<Vec<_>>()))
+}
+
 /// The fingerprint of this program, as it was when this was first asked: a build may
 /// replace its file.
 pub fn own_identity() -> Result<String, String> {

@@ -20,7 +20,7 @@ use serde_json::{Value, json};
 
 use super::{
     crew,
-    kept::{self, Kept, fingerprint, identity, last_of_each},
+    kept::{self, Kept, identity, last_of_each},
     nearness::{Instant, Nearness, summary},
     program::{self, Program},
     tap::{Tap, Tapped, locked},
@@ -72,8 +72,8 @@ pub fn look(how: &Looking, name: &str, scenario: &str) -> Result<Vec<Nearness>, 
     }
     let mut parts = parts(how.instants, name, scenario.seed, setup.engine.rate_hz);
 
-    let us = kept::own_identity()?;
-    let by = fingerprint(&[us.as_bytes(), identity(&program::referee())?.as_bytes()]);
+    let [us, referee] = [kept::own_identity()?, identity(&program::referee())?];
+    let by = kept::computed_by(&[&us, &referee], &scenario)?;
     let (mut file, mut instants) = Kept::open(&how.folder.join("steps.jsonl"), |i: &Instant| {
         i.by == by && i.engine == engine && (i.other_solution_p99.is_some() || !how.twice)
     })?;

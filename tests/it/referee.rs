@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use pluvia::{grains::load_scenario, scenario::Override};
 use serde_json::{Value, json};
 
 #[path = "../../benches/referee/fields.rs"]
@@ -121,4 +122,27 @@ fn what_was_computed_again_counts_once() {
     let got = kept::last_of_each(all, |(scene, step, _)| (*step, *scene));
     let expected = [("rest", 2, "once"), ("pour", 3, "once"), ("pour", 7, "twice")];
     assert_eq!(got, expected, "law: the last of each instant, by steps");
+}
+
+/// Law: what was computed of a scenario is not taken for another's, nor for another program's.
+#[test]
+fn parts_of_another_scenario_or_program_are_computed_anew() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/quick/pluviation.json");
+    let by = |programs: &[&str], changes: &[&str]| {
+        let change = |text: &&str| text.parse::<Override>().expect("a change");
+        let changes: Vec<Override> = changes.iter().map(change).collect();
+        let scenario = load_scenario(&path, &changes).expect("it loads").scenario;
+        kept::computed_by(programs, &scenario).expect("a fingerprint")
+    };
+    let own = by(&["engines", "referee"], &[]);
+    assert_eq!(own, by(&["engines", "referee"], &[]), "law: the same of the same");
+    for (programs, changes) in [
+        (["engines", "referee"], ["seed=2"]),
+        (["engines", "referee"], ["contact.grain_grain_friction=0.5"]),
+        (["engines", "other"], ["seed=1"]),
+        (["other", "referee"], ["seed=1"]),
+    ] {
+        let got = by(&programs, &changes);
+        assert_ne!(got, own, "law: of {programs:?} with {changes:?} it is another");
+    }
 }
