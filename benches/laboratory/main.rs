@@ -6,6 +6,8 @@
 
 mod beads;
 mod bench;
+#[path = "../programs/beside.rs"]
+mod beside;
 mod column;
 mod density;
 mod hopper;
@@ -112,7 +114,7 @@ fn run(options: &Options) -> Result<(), String> {
         _ => (Design::Full, 5),
     };
     let bench = Bench {
-        out: options.out.with_extension(""),
+        out: beside::folder_of(&options.out)?,
         design,
         configurations: options.configurations.unwrap_or(configurations),
         jobs: options.jobs.map_or_else(pluvia::study::available_cores, |jobs| jobs as usize),

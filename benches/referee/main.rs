@@ -5,6 +5,8 @@
 //! solutions come from a program of its own (`main.cpp` and its like in this
 //! folder), which knows problems and scenes in files and nothing of Pluvia.
 
+#[path = "../programs/beside.rs"]
+mod beside;
 mod cells;
 mod certificate;
 mod crew;
@@ -69,7 +71,7 @@ struct Options {
     /// Only pours with this friction coefficient
     #[arg(long)]
     friction: Option<f64>,
-    /// File for the results
+    /// File for the results; what a later run goes on with lies in a folder of its name
     #[arg(long, default_value = "out/referee.json")]
     out: PathBuf,
 }
@@ -108,7 +110,7 @@ fn main() -> ExitCode {
 }
 
 fn compare(options: &Options) -> Result<(), String> {
-    let folder = options.out.with_extension("");
+    let folder = beside::folder_of(&options.out)?;
     create_folder(&folder).map_err(|e| e.to_string())?;
     kept::own_identity()?;
     let mut results = earlier(&options.out)?;

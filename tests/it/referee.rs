@@ -1,11 +1,13 @@
 //! The fields of the referee's results (`benches/referee/fields.rs`), and what earlier runs kept
-//! (`benches/referee/kept.rs`).
+//! (`benches/referee/kept.rs`) beside them (`benches/programs/beside.rs`).
 
 use std::path::Path;
 
 use pluvia::{grains::load_scenario, scenario::Override};
 use serde_json::{Value, json};
 
+#[path = "../../benches/programs/beside.rs"]
+mod beside;
 #[path = "../../benches/referee/fields.rs"]
 mod fields;
 #[allow(dead_code)] // nothing is kept here
@@ -144,5 +146,21 @@ fn parts_of_another_scenario_or_program_are_computed_anew() {
     ] {
         let got = by(&programs, &changes);
         assert_ne!(got, own, "law: of {programs:?} with {changes:?} it is another");
+    }
+}
+
+/// Law: results and what a later run goes on with have two names.
+#[test]
+fn a_folder_beside_results_has_another_name() {
+    for (file, expected) in [
+        ("out/referee.json", Some("out/referee")),
+        ("first.try.json", Some("first.try")),
+        ("out.d/referee", None),
+        ("referee", None),
+    ] {
+        let got = beside::folder_of(Path::new(file));
+        assert_eq!(got.as_deref().ok(), expected.map(Path::new), "law: beside {file}");
+        let names = got.err().is_none_or(|why| why.contains(&format!("as {file}.json")));
+        assert!(names, "law: `{file}` is refused with a name that is taken");
     }
 }
