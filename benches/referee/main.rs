@@ -13,6 +13,7 @@ mod crew;
 mod fields;
 mod kept;
 mod nearness;
+mod options;
 mod packing;
 mod pours;
 mod program;
@@ -22,82 +23,17 @@ mod tap;
 #[path = "../programs/tree.rs"]
 mod tree;
 
-use std::{
-    path::{Path, PathBuf},
-    process::ExitCode,
-};
+use std::{path::Path, process::ExitCode};
 
 use clap::{Parser, ValueEnum};
 use pluvia::record::{create_folder, write_json};
 use serde_json::{Map, Value, json};
 
+use options::{Options, Part};
 use pours::Engine;
-
-/// Compare the native contact solver with an exact solution.
-#[derive(Debug, Parser)]
-#[command(name = "make referee ARGS=...")]
-struct Options {
-    /// A few instants, pours and specimens of each kind: some minutes
-    #[arg(long)]
-    quick: bool,
-    /// Only these parts, with commas between; results of the others stay in the file
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = Part::value_variants())]
-    only: Vec<Part>,
-    /// Instants of each scene [default: 10, quick 1]
-    #[arg(long)]
-    instants: Option<usize>,
-    /// Solver tolerances of the native solver, one after the other, beside its default
-    #[arg(long, value_delimiter = ',')]
-    tolerances: Vec<f64>,
-    /// Also solve each instant from nothing, to see whether velocities are unique
-    #[arg(long)]
-    twice: bool,
-    /// Keep the contact problems that are solved, some megabytes each
-    #[arg(long)]
-    keep: bool,
-    /// Realisations of each kind of pour [default: 400, quick 2]
-    #[arg(long, value_parser = clap::value_parser!(u64).range(2..))]
-    pours: Option<u64>,
-    /// Only specimens with these names: quick (364 grains), paper (1456)
-    /// [default: both, with --quick only quick]
-    #[arg(long, value_delimiter = ',', value_parser = SPECIMENS)]
-    specimens: Vec<String>,
-    /// Instants or pours that are computed at a time [default: processors]
-    #[arg(long)]
-    jobs: Option<usize>,
-    /// Only pours with this coefficient of restitution
-    #[arg(long)]
-    restitution: Option<f64>,
-    /// Only pours with this friction coefficient
-    #[arg(long)]
-    friction: Option<f64>,
-    /// File for the results; what a later run goes on with lies in a folder of its name
-    #[arg(long, default_value = "out/referee.json")]
-    out: PathBuf,
-}
-
-/// Names of the specimens that are looked at: of `SCENARIOS` in `steps` and `certificate`.
-const SPECIMENS: [&str; 2] = ["quick", "paper"];
 
 /// Entries of the parts, by their names.
 type Results = Map<String, Value>;
-
-/// What is compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Part {
-    /// One sub-step at random instants
-    OneStep,
-    /// The least friction with which specimens stand
-    Static,
-    /// Small pours
-    Pours,
-}
-
-impl std::fmt::Display for Part {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.to_possible_value().expect("none is skipped").get_name())
-    }
-}
 
 fn main() -> ExitCode {
     match compare(&Options::parse()) {
@@ -128,19 +64,6 @@ fn compare(options: &Options) -> Result<(), String> {
 }
 
 impl Options {
-    fn jobs(&self) -> usize {
-        let processors = || std::thread::available_parallelism().map_or(1, usize::from);
-        self.jobs.unwrap_or_else(processors).max(1)
-    }
-
-    /// Whether a specimen is looked at.
-    fn takes(&self, specimen: &str) -> bool {
-        if self.specimens.is_empty() {
-            return !self.quick || specimen == "quick";
-        }
-        self.specimens.iter().any(|s| s == specimen)
-    }
-
     /// Puts a part's results beside those that are there, whether or not the part is
     /// finished: the rest may take hours.
     fn write(&self, results: &mut Results, field: &str, value: Value) -> Result<(), String> {
@@ -182,7 +105,7 @@ fn earlier(path: &Path) -> Result<Results, String> {
 }
 
 fn one_step(options: &Options, folder: &Path, results: &mut Results) -> Result<String, String> {
-    let instants = options.instants.unwrap_or(if options.quick { 1 } else { 10 });
+    let instants = usize::from(options.instants.unwrap_or(if options.quick { 1 } else { 10 }));
     let mut found = Vec::new();
     for (name, scenario) in steps::SCENARIOS.into_iter().filter(|(name, _)| options.takes(name)) {
         let others = options.tolerances.iter().copied().map(Some);

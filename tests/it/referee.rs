@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use clap::Parser;
 use pluvia::{grains::load_scenario, scenario::Override};
 use serde_json::{Value, json};
 
@@ -13,6 +14,9 @@ mod fields;
 #[allow(dead_code)] // nothing is kept here
 #[path = "../../benches/referee/kept.rs"]
 mod kept;
+#[allow(dead_code)] // only what is refused is asked
+#[path = "../../benches/referee/options.rs"]
+mod options;
 
 /// A result with one entry of each kind, as `make referee` writes it.
 fn result() -> Value {
@@ -162,5 +166,21 @@ fn a_folder_beside_results_has_another_name() {
         assert_eq!(got.as_deref().ok(), expected.map(Path::new), "law: beside {file}");
         let names = got.err().is_none_or(|why| why.contains(&format!("as {file}.json")));
         assert!(names, "law: `{file}` is refused with a name that is taken");
+    }
+}
+
+/// Law: options that ask for nothing are refused: their empty list would take the place of results.
+#[test]
+fn the_referee_refuses_what_asks_for_nothing() {
+    for (text, expected) in [
+        ("--instants 0", false),
+        ("--pours 1", false),
+        ("--specimens large", false),
+        ("--only nothing", false),
+        ("--instants 1 --pours 2 --specimens quick,paper --only one-step,pours", true),
+    ] {
+        let words = std::iter::once("referee").chain(text.split_whitespace());
+        let got = options::Options::try_parse_from(words).is_ok();
+        assert_eq!(got, expected, "law: whether `{text}` is taken");
     }
 }
