@@ -5,6 +5,7 @@
 //! why. Each engine runs in a process of its own, one after the other, and
 //! writes its poses; all are measured here by the same exact check.
 
+mod asked;
 #[allow(dead_code)] // each benchmark uses a part of it
 #[path = "../common/mod.rs"]
 mod common;
@@ -26,6 +27,7 @@ use std::{
 use clap::{Parser, ValueEnum};
 use pluvia::record::{create_folder, read_json, write_json};
 
+use asked::positive;
 use engines::{Engine, Job};
 use measured::{Row, measure};
 use specimens::Size;
@@ -49,14 +51,14 @@ struct Options {
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = SceneName::value_variants())]
     scenes: Vec<SceneName>,
     /// Simulated time of every scene in s; else 2 s of rest, 1 s of the others
-    #[arg(long)]
+    #[arg(long, value_parser = positive)]
     simulated_s: Option<f64>,
     /// Wall time in s after which an engine stops stepping and is judged by
     /// what it managed; of one that never gets through, a minute
-    #[arg(long, default_value_t = 600.0)]
+    #[arg(long, default_value_t = 600.0, value_parser = positive)]
     limit_s: f64,
     /// Another rate than each engine's own, for trying out
-    #[arg(long)]
+    #[arg(long, value_parser = positive)]
     rate_hz: Option<f64>,
     /// Other iterations than each engine's own, for trying out
     #[arg(long)]
@@ -111,6 +113,7 @@ fn main() -> ExitCode {
 
 fn compare(options: &Options) -> Result<(), String> {
     let engines = chosen(options)?;
+    asked::prepare(&options.out)?;
     let workshop = workshop();
     create_folder(&workshop).map_err(|e| e.to_string())?;
     let (ready, unready) = prepare(engines);
@@ -138,9 +141,6 @@ fn compare(options: &Options) -> Result<(), String> {
             notes.extend(told.map(|note| format!("{}, {name}: {note}", engine.name)));
             rows.push(measured.row);
         }
-    }
-    if let Some(folder) = options.out.parent().filter(|f| !f.as_os_str().is_empty()) {
-        create_folder(folder).map_err(|e| e.to_string())?;
     }
     write_json(&options.out, &rows).map_err(|e| e.to_string())?;
     print!("{}", table::of(&rows));

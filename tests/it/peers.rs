@@ -1,5 +1,7 @@
-//! What `make bench-peers` hands from one process to another (`benches/peers/handed.rs`), and what it
-//! says of the accuracy standard (`benches/peers/verdict.rs`).
+//! What `make bench-peers` refuses (`benches/peers/asked.rs`), hands from one process to another
+//! (`benches/peers/handed.rs`), and says of the accuracy standard (`benches/peers/verdict.rs`).
+
+use std::fs;
 
 use pluvia::{
     scenario::{EngineSettings, NativeSettings},
@@ -7,6 +9,8 @@ use pluvia::{
 };
 use serde_json::json;
 
+#[path = "../../benches/peers/asked.rs"]
+mod asked;
 #[path = "../../benches/peers/handed.rs"]
 mod handed;
 #[path = "../../benches/peers/verdict.rs"]
@@ -49,4 +53,29 @@ fn an_engine_that_loses_grains_misses_the_standard() {
         let got = verdict::meets_standard(lost, overlap, overlap, creep);
         assert_eq!(got, expected, "law: {lost} lost, overlap {overlap} %, creep {creep:?} µm/s");
     }
+}
+
+/// Law: what nothing comes of is refused before it takes the place of results: times and rates that
+/// are not above zero, and a place for results that no file can have.
+#[test]
+fn what_gives_no_results_is_refused_beforehand() {
+    for (text, expected) in [
+        ("0.5", Some(0.5)),
+        ("60", Some(60.0)),
+        ("0", None),
+        ("-1", None),
+        ("nan", None),
+        ("inf", None),
+        ("a minute", None),
+    ] {
+        let got = asked::positive(text).ok();
+        assert_eq!(got, expected, "law: `{text}` as a time or rate");
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("file"), "").expect("written");
+    for (out, expected) in [("new/peers.json", true), ("file/peers.json", false), ("", false)] {
+        let got = asked::prepare(&folder.path().join(out)).is_ok();
+        assert_eq!(got, expected, "law: whether results can stand at `{out}`");
+    }
+    assert!(folder.path().join("new").is_dir(), "law: the folder of results is made");
 }
