@@ -8,6 +8,7 @@ use pluvia::{
 
 use super::{
     bench::{Bench, Run},
+    legend::names,
     references::{BASALT_STATES, GRAVEL_STATES, VOID_RATIO},
     row::{Found, Row},
     tree::root,
@@ -363,7 +364,9 @@ fn settling(bench: &Bench) -> Result<Chart, String> {
         .map(|material| (format!("validation/density-{}", material.name), material.title))
         .collect();
     let published = published.iter().map(|(path, title)| (&path[..], *title, &STRONG));
+    let (mut kinds, mut lines) = (Vec::new(), Vec::new());
     for (kind, (scenario, title, vibration)) in own.into_iter().chain(published).enumerate() {
+        kinds.push(title.to_owned());
         let out = bench.options(&folder(scenario, vibration)).out;
         for configuration in 1..=bench.configurations.min(vibration.most) {
             let folder = out.join(format!("runs/densest-c{configuration}"));
@@ -381,9 +384,12 @@ fn settling(bench: &Bench) -> Result<Chart, String> {
             };
             let points = shaken.iter().map(|row| (row[0] - shaken[0][0], row[2] / last[2]));
             let points = points.filter(|(time, _)| off(*time) < SAME_MOMENT);
-            let name = if configuration == 1 { title } else { "" };
-            plot.add(name, Look::marked(kind), points.collect());
+            lines.push((kind, points.collect::<Vec<_>>()));
         }
+    }
+    let of: Vec<usize> = lines.iter().map(|line| line.0).collect();
+    for ((kind, points), name) in lines.into_iter().zip(names(&kinds, &of)) {
+        plot.add(name, Look::marked(kind), points);
     }
     Ok(Chart::new(
         "density-vibration",

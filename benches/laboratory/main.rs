@@ -11,6 +11,7 @@ mod beside;
 mod column;
 mod density;
 mod hopper;
+mod legend;
 mod oedometer;
 mod references;
 mod relative;

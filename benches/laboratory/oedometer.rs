@@ -9,6 +9,7 @@ use pluvia::{
 
 use super::{
     bench::{Bench, Point, Run},
+    legend::names,
     row::{Found, Row},
     standard_tests::{Compressed, Rebound, compression_index, rebound, void_ratio_of_height},
 };
@@ -30,7 +31,6 @@ const HALF_LID_MM: f64 = 5.0;
 
 /// A test of a realisation.
 struct Test {
-    configuration: u32,
     states: Vec<Compressed>,
     /// Void ratio of each.
     void_ratios: Vec<f64>,
@@ -105,7 +105,7 @@ fn test(run: &Run, area: f64) -> Result<Test, String> {
     }
     let void_ratios =
         states.iter().map(|state| void_ratio_of_height(state.height, area, solids)).collect();
-    Ok(Test { configuration: run.configuration, states, void_ratios })
+    Ok(Test { states, void_ratios })
 }
 
 fn rows(tests: &[Test], stiff: &[Test], stiffness: f64, diameter_mm: f64) -> Vec<Row> {
@@ -206,11 +206,14 @@ fn rows(tests: &[Test], stiff: &[Test], stiffness: f64, diameter_mm: f64) -> Vec
 
 fn chart(tests: &[Test]) -> Chart {
     let mut plot = Plot::new(Axis::logarithmic("Stress (kPa)"), Axis::linear("Void ratio"));
+    let kinds = ["Loaded", "Unloaded", "Loaded again"].map(str::to_owned);
+    let ends = [(START, TOP), (TOP, END), (END, AGAIN)];
+    let lines: Vec<usize> = tests.iter().flat_map(|_| 0..ends.len()).collect();
+    let mut names = names(&kinds, &lines).into_iter();
     for test in tests {
-        let parts = [("Loaded", START, TOP), ("Unloaded", TOP, END), ("Loaded again", END, AGAIN)];
-        for (kind, (name, from, to)) in parts.into_iter().enumerate() {
-            let point = |n: usize| (test.states[n].stress * 1e-3, test.void_ratios[n]);
-            let name = if test.configuration == 1 { name } else { "" };
+        let point = |n: usize| (test.states[n].stress * 1e-3, test.void_ratios[n]);
+        for (kind, (from, to)) in ends.into_iter().enumerate() {
+            let name = names.next().unwrap_or_default();
             plot.add(name, Look::marked(kind), (from..=to).map(point).collect());
         }
     }

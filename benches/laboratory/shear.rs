@@ -11,8 +11,9 @@ use pluvia::{
 
 use super::{
     bench::{Bench, Point, Run},
+    legend::names,
     row::{Found, Row},
-    shear_lines::{NOISE, SHEARING, called, leave_out, moments, names, panels},
+    shear_lines::{NOISE, SHEARING, called, leave_out, moments, panels},
     standard_tests::{
         ShearStrength, Sheared, friction_angle, inertial_number, shear_strength,
         void_ratio_of_height,

@@ -7,6 +7,7 @@ use pluvia::{
 
 use super::{
     bench::{Bench, Run},
+    legend::names,
     standard_tests::{Sheared, between_samples},
 };
 
@@ -52,16 +53,6 @@ pub fn leave_out(bench: &Bench, run: &Run) {
 /// What stresses in kPa are called in a figure.
 pub fn called(stresses: &[f64]) -> Vec<String> {
     stresses.iter().map(|stress| format!("{stress} kPa")).collect()
-}
-
-/// Names of lines in a figure, each of a kind by its number: the first of a kind has its name, the
-/// others have none.
-pub fn names(kinds: &[String], lines: &[usize]) -> Vec<String> {
-    let name = |(n, kind): (usize, &usize)| {
-        let is_first = !lines[..n].contains(kind);
-        if is_first { kinds[*kind].clone() } else { String::new() }
-    };
-    lines.iter().enumerate().map(name).collect()
 }
 
 /// Stress ratio and rise of the lid against displacement: of each test the number of its kind, by

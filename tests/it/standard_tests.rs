@@ -6,6 +6,8 @@ use std::path::Path;
 #[allow(dead_code, unused_imports)] // the laboratory reads more than the tests ask
 #[path = "../../benches/laboratory/standard_tests/mod.rs"]
 mod laws;
+#[path = "../../benches/laboratory/legend.rs"]
+mod legend;
 #[path = "../../benches/laboratory/references.rs"]
 mod references;
 #[path = "../../benches/laboratory/relative.rs"]
@@ -324,4 +326,26 @@ fn rows_of_a_test_are_written_when_it_ends() {
     let found = all.iter().find(|row| row.id == relative).and_then(|row| row.ours);
     let got = found.expect("a relative density");
     assert!((got - 0.5).abs() < 1e-12, "law: (1 - 0.8)/(1 - 0.6) = 0.5, got {got}");
+}
+
+/// Law: the first line of a kind in a figure has its name, whichever realisation it is of: the first
+/// one may be left out.
+#[test]
+fn the_first_line_of_each_kind_has_its_name() {
+    let kinds = ["Loaded", "Unloaded"].map(str::to_owned);
+    for (lines, expected) in [
+        (vec![0, 1, 0, 1], vec!["Loaded", "Unloaded", "", ""]),
+        (vec![1, 1, 0], vec!["Unloaded", "", "Loaded"]),
+        (Vec::new(), Vec::new()),
+    ] {
+        let got = legend::names(&kinds, &lines);
+        assert_eq!(got, expected, "law: names of lines of the kinds {lines:?}");
+    }
+    for file in ["oedometer", "density"] {
+        let path = format!("benches/laboratory/{file}.rs");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+        let text = std::fs::read_to_string(path).expect("it can be read");
+        let by_number = text.contains("configuration == 1");
+        assert!(!by_number, "law: {file}.rs names no line by the number of its realisation");
+    }
 }
