@@ -190,7 +190,8 @@ impl Format {
 
     fn write(&self, value: &Value) -> Option<String> {
         let several = || -> Option<Vec<f64>> {
-            value.as_array()?.iter().map(Value::as_f64).collect::<Option<Vec<_>>>()
+            let all = value.as_array()?.iter().map(Value::as_f64).collect::<Option<Vec<_>>>()?;
+            (!all.is_empty()).then_some(all)
         };
         let test = || MeanTest::of(&several()?, 0.95);
         let of = |field: &str| value.get(field).and_then(Value::as_f64);

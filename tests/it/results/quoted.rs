@@ -58,6 +58,22 @@ fn deviations_are_of_the_mean_settlement() {
     }
 }
 
+/// Law: of no run a page quotes no number, but how many they are.
+#[test]
+fn nothing_is_quoted_of_no_run() {
+    let text = "configuration,void_ratio,left_out_of_means\n1,0.9,jammed\n2,1.0,\n";
+    let (_folder, results) = with("quick/vibration.csv", text);
+    let quote = |runs: &str, format: &str| {
+        results.quote(&format!("quick:left_out_of_means={runs}/*void_ratio:{format}"))
+    };
+    for format in ["mean.1", "list.1", "slashes.1", "max.1", "range.1"] {
+        assert_eq!(quote("", format), Ok("1.0".to_owned()), "law: {format} of a run");
+        let got = quote("unknown", format);
+        assert!(got.is_err(), "law: {format} of no run is a fault, got {got:?}");
+    }
+    assert_eq!(quote("unknown", "count"), Ok("0".to_owned()), "law: there are none");
+}
+
 /// Law: a run that failed is no realisation.
 #[test]
 fn runs_that_failed_are_not_counted() {
