@@ -18,11 +18,12 @@ mod specimens;
 
 use std::{
     path::{Path, PathBuf},
+    process::ExitCode,
     time::Instant,
 };
 
 use clap::{Parser, ValueEnum};
-use pluvia::record::{create_folder, write_json};
+use pluvia::record::create_folder;
 
 use measured::State;
 use process::MEASURE;
@@ -82,11 +83,11 @@ struct Case {
     row: Option<Row>,
 }
 
-fn main() {
+fn main() -> ExitCode {
     let mut args = std::env::args().skip(1);
     if args.next().as_deref() == Some(MEASURE) {
         laboratory::measure(&args.collect::<Vec<_>>());
-        return;
+        return ExitCode::SUCCESS;
     }
     let options = Options::parse();
     let mut cases = cases(&options);
@@ -102,12 +103,12 @@ fn main() {
     let mut rows: Vec<Row> = cases.into_iter().filter_map(|case| case.row).collect();
     rows::compare(&mut rows);
     print!("{}", rows::table(&rows));
-    if let Some(folder) = options.out.parent().filter(|f| !f.as_os_str().is_empty()) {
-        create_folder(folder).expect("a folder for results");
+    if let Err(why) = rows::write(&rows, &options.out) {
+        eprintln!("error: {why}");
+        return ExitCode::FAILURE;
     }
-    let json: Vec<_> = rows.iter().map(Row::json).collect();
-    write_json(&options.out, &json).expect("results");
     println!("results in {}", options.out.display());
+    ExitCode::SUCCESS
 }
 
 /// Makes the specimens, and says what of each is measured.

@@ -1,7 +1,8 @@
 //! What was measured, as rows of `out/bench.json` and as tables.
 
-use std::fmt;
+use std::{fmt, path::Path};
 
+use pluvia::record::{create_folder, write_json};
 use serde_json::{Value, json};
 
 use super::measured::{Measured, State, Step, sum};
@@ -188,4 +189,18 @@ pub fn table(rows: &[Row]) -> String {
         );
     }
     text
+}
+
+/// Writes rows, with the folder of their file. Where none was measured, earlier ones stay.
+pub fn write(rows: &[Row], out: &Path) -> Result<(), String> {
+    if rows.is_empty() {
+        let why = "nothing was measured: there are 364, 1456, 10000 and 100000 grains, and busy \
+                   states of 1456 alone";
+        return Err(format!("{why}; {} is not written", out.display()));
+    }
+    if let Some(folder) = out.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        create_folder(folder).map_err(|e| e.to_string())?;
+    }
+    let json: Vec<Value> = rows.iter().map(Row::json).collect();
+    write_json(out, &json).map_err(|e| e.to_string())
 }

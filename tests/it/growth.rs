@@ -172,3 +172,18 @@ fn a_process_works_on_until_its_input_ends() {
     let refused = Beside::begin(BufReader::new(std::io::empty()), Vec::<u8>::new());
     assert!(refused.is_err(), "law: none measures where nobody says that all are ready");
 }
+
+/// Law: where nothing was measured, earlier results stay, and it is an error.
+#[test]
+fn no_measurement_replaces_no_results() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("new/bench.json");
+    let kind = Kind { state: State::Shaken, specimens: 1, threads: 1 };
+    let rows = [Row::new(kind, measurement(&[1.0]))];
+    rows::write(&rows, &out).expect("law: rows are written");
+    let read = || std::fs::read_to_string(&out).expect("it is there");
+    let before = read();
+    let why = rows::write(&[], &out).expect_err("law: nothing is no result");
+    assert!(why.contains("nothing was measured"), "law: it says so, got: {why}");
+    assert_eq!(read(), before, "law: earlier results stay");
+}
