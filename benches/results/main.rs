@@ -70,8 +70,11 @@ fn run(options: &Options, root: &Path) -> Result<ExitCode, String> {
                 failed.push(kept.name);
             }
         }
-        if options.pictures {
-            maker.pictures()?;
+        if options.pictures
+            && let Err(why) = maker.pictures()
+        {
+            eprintln!("error: {why}");
+            failed.push("pictures");
         }
     }
     for page in pages::fill(root)? {

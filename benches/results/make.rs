@@ -230,17 +230,30 @@ impl Maker<'_> {
         if status.success() { Ok(()) } else { Err(format!("`make {target}`: {status}")) }
     }
 
-    /// Draws the pictures anew, of runs that resume.
+    /// Draws the pictures anew, of runs that resume. One that fails does not keep the others from
+    /// being drawn.
     pub fn pictures(&self) -> Result<(), String> {
+        let mut failed = Vec::new();
         for (picture, scenario, command) in PICTURES {
-            let name = Path::new(scenario).file_stem().unwrap_or_default();
-            let run = self.root.join(self.out).join("pictures").join(name);
-            self.run(&format!("run {scenario} --out RUN"), &[("RUN", &run)])?;
-            let to = self.root.join("docs/pictures").join(picture);
-            self.run(&format!("{command} --force"), &[("RUN", &run), ("PICTURE", &to)])?;
-            println!("{}: drawn", to.display());
+            match self.picture(picture, scenario, command) {
+                Ok(to) => println!("{}: drawn", to.display()),
+                Err(why) => {
+                    eprintln!("error: {why}");
+                    failed.push(*picture);
+                }
+            }
         }
-        Ok(())
+        if failed.is_empty() { Ok(()) } else { Err(format!("not drawn: {}", failed.join(", "))) }
+    }
+
+    /// Draws a picture of a scenario's run; where it is.
+    fn picture(&self, picture: &str, scenario: &str, command: &str) -> Result<PathBuf, String> {
+        let name = Path::new(scenario).file_stem().unwrap_or_default();
+        let run = self.root.join(self.out).join("pictures").join(name);
+        self.run(&format!("run {scenario} --out RUN"), &[("RUN", &run)])?;
+        let to = self.root.join("docs/pictures").join(picture);
+        self.run(&format!("{command} --force"), &[("RUN", &run), ("PICTURE", &to)])?;
+        Ok(to)
     }
 
     /// Runs a command; what it prints.

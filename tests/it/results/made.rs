@@ -5,7 +5,7 @@ use std::{fs, iter::once, path::Path};
 use clap::Parser;
 use pluvia::study::STAGE_FORMAT;
 
-use super::{Maker, builds, kept, list, make};
+use super::{super::program::script, Maker, builds, kept, list, make, pictures::PICTURES};
 use options::Options;
 
 #[allow(dead_code)] // only whether they go together is asked
@@ -47,6 +47,24 @@ fn a_result_is_kept_whole_or_not_at_all() {
     let builds = builds::read(root).expect("builds");
     let build = builds::of(&builds, "calibration").expect("it has a row");
     assert_eq!(build.format, "13", "law: its row stays");
+}
+
+/// Law: a picture that fails keeps none of the others from being drawn, and is named.
+#[cfg(unix)]
+#[test]
+fn a_picture_that_fails_keeps_no_other_from_being_drawn() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let root = folder.path();
+    // A program that draws all but the first, and says what.
+    let text =
+        "#!/bin/sh\ncase \"$*\" in *grains.png*) exit 3;; *.png*) echo \"$*\" >>drawn;; esac\n";
+    script(&root.join("program"), text);
+    let maker = Maker { root, out: Path::new("out"), program: Path::new("program") };
+    let why = maker.pictures().expect_err("law: one is not drawn");
+    assert_eq!(why, "not drawn: grains.png", "law: that one is named");
+    let drawn = fs::read_to_string(root.join("drawn")).expect("law: the others are drawn");
+    let (got, expected) = (drawn.lines().count(), PICTURES.len() - 1);
+    assert_eq!(got, expected, "law: all others are drawn, got {drawn}");
 }
 
 /// Law: options of which one would leave another without effect are refused together.
