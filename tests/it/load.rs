@@ -72,11 +72,12 @@ fn an_interrupted_load_asks_its_run_once_and_ends_with_it() {
         let folder = tempfile::tempdir().expect("a folder");
         let at = |name: &str| folder.path().join(name);
         let [asked, begun] = [at("asked"), at("begun")];
-        // What a shell runs in the background ignores SIGINT unless it has its own answer to it.
+        // What a shell runs in the background ignores SIGINT unless it has its own answer to it. The
+        // shell of a substitution has none: nothing is substituted once the signal may come.
         let text = format!(
             "#!/bin/sh\nexec env --default-signal=INT sh -c '\n\
-             trap \"echo asked >> {asked}\" INT TERM\ntouch {begun}\n\
-             for _ in $(seq 100); do\n[ -e {asked} ] && sleep 1 && exit 7\nsleep 0.1\ndone'\n",
+             tenths=$(seq 100)\ntrap \"echo asked >> {asked}\" INT TERM\ntouch {begun}\n\
+             for _ in $tenths; do\n[ -e {asked} ] && sleep 1 && exit 7\nsleep 0.1\ndone'\n",
             asked = asked.display(),
             begun = begun.display(),
         );
