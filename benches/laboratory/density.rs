@@ -3,7 +3,7 @@
 use pluvia::{
     report::{Axis, Chart, Look, Plot},
     scenario::Override,
-    study::{self, DensityOptions, IndexDensities, IndexState},
+    study::{self, DensityOptions, IndexDensities, IndexState, OfStates},
 };
 
 use super::{
@@ -456,7 +456,13 @@ struct Compared {
 fn chart(compared: &[Compared]) -> Chart {
     type Value = fn(&Compared) -> Vec<f64>;
     let roundness = Axis::linear("Roundness").holding(compared.iter().map(|of| of.roundness));
-    let mut plot = Plot::new(roundness.clear_of_frame(), Axis::linear("Void ratio"));
+    let all = compared.iter().flat_map(|of| {
+        let OfStates { e_max, e_min, frictionless } = &of.found.states;
+        let ours = [e_max, e_min, frictionless].into_iter().flat_map(|state| &state.values);
+        ours.copied().chain(<[f64; 2]>::from(of.published)).collect::<Vec<f64>>()
+    });
+    let void_ratio = Axis::linear("Void ratio").holding(all).clear_of_frame();
+    let mut plot = Plot::new(roundness.clear_of_frame(), void_ratio);
     let mut add = |name: &str, look, values: Value| {
         let points =
             compared.iter().flat_map(|of| values(of).into_iter().map(|e| (of.roundness, e)));

@@ -29,20 +29,12 @@ struct Kind {
     /// Height of fall in mm above the grains that lie there, and g/s in the small design; where
     /// there is none grains fall as in the scenario.
     rain: Option<[f64; 2]>,
-    /// Iterations while it is made, where the scenario's are too few for such friction.
-    iterations: Option<u32>,
 }
 /// Poured with their own friction grains lie closer than the critical state: a specimen that
-/// contracts needs more.
+/// contracts needs more. With a friction of 1.5 and 2 most specimens miss the check of the solver.
 const KINDS: [Kind; 2] = [
-    Kind {
-        name: "loose",
-        friction: 2.0,
-        mass_g: 340.0,
-        rain: Some([3.0, 100.0]),
-        iterations: Some(160),
-    },
-    Kind { name: "dense", friction: 0.05, mass_g: 490.0, rain: None, iterations: None },
+    Kind { name: "loose", friction: 1.0, mass_g: 355.0, rain: Some([3.0, 100.0]) },
+    Kind { name: "dense", friction: 0.05, mass_g: 490.0, rain: None },
 ];
 impl Kind {
     /// What it changes in the making of a specimen as wide as this (mm).
@@ -56,8 +48,7 @@ impl Kind {
                 format!("stages.0.rate_g_per_s={rate}"),
             ]
         });
-        let iterations = self.iterations.map(|n| format!("engine.native.iterations={n}"));
-        rain.into_iter().flatten().chain(iterations).collect()
+        rain.into_iter().flatten().collect()
     }
 }
 

@@ -165,7 +165,7 @@ fn all_together(all: &Value, begin: &str, name: &str) -> String {
         let apart = of["ours"].as_f64()? - stated(of)?;
         let is = if apart.abs() <= AS_PUBLISHED { "within" } else { "not within" };
         let sinks = typed(of, "quantity").contains("still sinking");
-        let sinks = if sinks { ", still sinking" } else { "" };
+        let sinks = if sinks { " (still sinking)" } else { "" };
         Some(format!("its {what} state{sinks} is {is} {AS_PUBLISHED} of the published one"))
     };
     let states = [state("e-max", "loosest"), state("e-min", "densest")];
