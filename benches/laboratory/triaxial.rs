@@ -108,10 +108,14 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         .iter()
         .map(|kind| {
             let mut changes = changes(kind, kind.friction);
+            let own = kind.making(side);
             if !bench.is_small() {
-                changes.extend(wide_stages());
+                // A value is changed once.
+                let path = |change: &str| change.split('=').next().map(str::to_owned);
+                let is_own = |change: &String| own.iter().any(|own| path(own) == path(change));
+                changes.extend(wide_stages().into_iter().filter(|change| !is_own(change)));
             }
-            changes.extend(kind.making(side));
+            changes.extend(own);
             Point { name: kind.name.to_owned(), changes, most: None }
         })
         .collect();
