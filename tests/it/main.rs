@@ -33,6 +33,7 @@ mod limits;
 mod load;
 mod measures;
 mod memory;
+mod meshes;
 mod motions;
 #[path = "../../src/geometry/testing/near.rs"]
 mod near;
@@ -57,7 +58,6 @@ mod signals;
 mod small;
 mod soak;
 mod standard_tests;
-mod stones;
 mod store;
 mod studies;
 mod sweep;

@@ -22,7 +22,7 @@ use serde_json::{Value, json};
 use super::program::{assert_holds, json as read, root};
 
 /// Every scenario of built-in apparatus under `scenarios/` that needs no other files: those of pieces
-/// are in `laboratory.rs`, that of meshes in `stones.rs`, that of a begun run in `begin.rs`.
+/// are in `laboratory.rs`, that of meshes in `meshes.rs`, that of a begun run in `begin.rs`.
 fn files() -> Vec<PathBuf> {
     fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
         for entry in fs::read_dir(folder).expect("scenarios/ can be listed") {

@@ -36,7 +36,8 @@ pub struct InterpretationsOutcome {
 
 /// Loads the programme under each interpretation, which leaves `interpretations.json`,
 /// `interpretations.md`, `interpretations.html` and `figures/`, anew after every interpretation,
-/// `grains.json`, `sieve.csv` and `runs/<name>/`; those run there before stay in the table. A run that fails is a line of it.
+/// `grains.json`, `sieve.csv` and `runs/<name>/`; those run there before stay in the table. A run
+/// that fails is a line of it.
 ///
 /// # Errors
 /// [`StudyError`] where the changes do not fit.
