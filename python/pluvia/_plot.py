@@ -21,6 +21,9 @@ def plot(run: Run, what: str, ax: Axes | None) -> Figure:
         return _overview(run)
     if what not in _DRAWN:
         raise ValueError(f"`{what}` cannot be drawn; there are overview, {', '.join(_DRAWN)}")
+    if what == "void_profile":
+        # A drawing that is refused leaves no empty figure.
+        run.specimen._need_cylinder()
     if ax is None:
         ax = _figure(layout="constrained").add_subplot()
     _DRAWN[what](run, ax)
@@ -44,7 +47,9 @@ def _overview(run: Run) -> Figure:
     shaken = run.series[["settlement_mm", "surface_settlement_mm"]].notna().any(axis=None)
     figure = _figure(figsize=(9.0, 6.0), layout="constrained")
     axes = figure.subplots(2, 2)
-    drawn = ["heights", "settlement" if shaken else "energy", "void_profile", "forces"]
+    # Only the cylinder is a container that layers are parts of.
+    inside = "void_profile" if run.specimen.has_cylinder else "normals"
+    drawn = ["heights", "settlement" if shaken else "energy", inside, "forces"]
     for name, ax in zip(drawn, axes.flat):
         _DRAWN[name](run, ax)
     void_ratio = run.record.get("void_ratio")

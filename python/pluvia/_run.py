@@ -179,11 +179,12 @@ class Run:
         low_mm: float = 0.0,
         high_mm: float | None = None,
     ) -> pd.DataFrame:
-        """Void ratio of layers from the floor up, or of rings from the axis; see `Specimen.void_profile`."""
+        """Void ratio of layers of the cylinder from the floor up, or of rings from its axis; see
+        `Specimen.void_profile`."""
         return self.specimen.void_profile(count, by=by, low_mm=low_mm, high_mm=high_mm)
 
     def stress(self, *, low_mm: float = 0.0, high_mm: float | None = None) -> Array:
-        """Mean stress tensor in Pa, compression positive; see `Specimen.stress`."""
+        """Mean stress tensor in Pa in the cylinder, compression positive; see `Specimen.stress`."""
         return self.specimen.stress(low_mm=low_mm, high_mm=high_mm)
 
     def fabric(self, *, low_mm: float | None = None, high_mm: float | None = None) -> Array:
@@ -196,7 +197,8 @@ class Run:
 
     def plot(self, what: str = "overview", *, ax: Axes | None = None) -> Figure:
         """Draws the run with matplotlib: `overview`, or one of `heights`, `settlement`, `energy`, `void_profile`,
-        `forces`, `normals`, into `ax` if given."""
+        `forces`, `normals`, into `ax` if given. Without a cylinder the overview shows `normals` in place of the void
+        profile."""
         from . import _plot
 
         return _plot.plot(self, what, ax)

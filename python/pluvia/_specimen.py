@@ -112,8 +112,18 @@ class Specimen:
         return self._native.faces(grain)
 
     @property
+    def has_cylinder(self) -> bool:
+        """Whether the grains lie in the built-in cylinder: neither on a pile's base nor among pieces of a laboratory."""
+        return self._native.no_cylinder is None
+
+    def _need_cylinder(self) -> None:
+        if (why := self._native.no_cylinder) is not None:
+            raise ValueError(why)
+
+    @property
     def area_m2(self) -> float:
-        """Cross-section of the container in m²: of the cylinder or, without one, of the space around the grains."""
+        """Cross-section of the cylinder in m². Without one it is that of a pile's base, or of the circle around all grains
+        of a laboratory, which is not their container."""
         return self._native.area_m2
 
     @cached_property
@@ -138,7 +148,11 @@ class Specimen:
     ) -> pd.DataFrame:
         """Void ratio and porosity of `count` layers of equal thickness, or by `"radius"` of rings of equal width about the
         container's axis, between two heights above the floor (up to the mean surface unless given). Grains count in
-        each with the part that lies there, exactly; without grains the void ratio is NaN."""
+        each with the part that lies there, exactly; without grains the void ratio is NaN.
+
+        Refused (`ValueError`) without a cylinder (`has_cylinder`): of a laboratory `series` has the void ratios of
+        regions."""
+        self._need_cylinder()
         if not 1 <= count <= 100_000:
             raise ValueError(f"count is {count}, it must be from 1 to 100000")
         if by not in ("height", "radius"):
@@ -162,7 +176,11 @@ class Specimen:
         compression positive.
 
         By Love and Weber's sum of contact forces over the lines between centroids and contact points, of which the
-        parts count that lie between the heights. NaN where the engine gives no contacts."""
+        parts count that lie between the heights. NaN where the engine gives no contacts.
+
+        Refused (`ValueError`) without a cylinder (`has_cylinder`): of a laboratory `series` has the stresses of
+        regions."""
+        self._need_cylinder()
         return _tensor(self._native.stress(*self._between(low_mm, high_mm)))
 
     def fabric(self, *, low_mm: float | None = None, high_mm: float | None = None) -> Array:

@@ -104,7 +104,43 @@ impl Specimen {
         self.run.made_by.time_s
     }
 
-    /// Cross-section of the container in m².
+    /// Why layers and rings have no volume to divide by, in a sentence: a pile has no walls, and the
+    /// circle around all grains of a laboratory is not their container. None in the built-in cylinder.
+    #[getter]
+    fn no_cylinder(&self) -> Option<String> {
+        let setup = &self.run.setup;
+        if self.run.specimen.state.base.is_some() {
+            return Some(
+                "a pile has no walls between which its void ratio and mean stress could be measured; \
+                 `contacts`, `loaded` and `fabric` are of a pile, too"
+                    .to_owned(),
+            );
+        }
+        if setup.pieces.is_empty() {
+            return None;
+        }
+        let instead = setup.measures.regions.first().map_or_else(
+            || {
+                "name regions in `measures` of the scenario, and `series` has their void ratios and \
+                 stresses"
+                    .to_owned()
+            },
+            |region| {
+                let name = &region.name;
+                format!(
+                    "`series` has those of its regions, as in `{name}_void_ratio` and \
+                     `{name}_stress_zz_kpa`"
+                )
+            },
+        );
+        Some(format!(
+            "a laboratory of pieces has no built-in cylinder, and the circle around all grains is not \
+             their container: layers of it have no void ratio or mean stress; {instead}"
+        ))
+    }
+
+    /// Cross-section in m² of the cylinder, of a pile's base, or of the circle around all grains of a
+    /// laboratory.
     #[getter]
     fn area_m2(&self) -> f64 {
         self.container.area()

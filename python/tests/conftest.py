@@ -50,6 +50,32 @@ def shaken() -> dict[str, Any]:
     return scenario
 
 
+def box(floor_mm: float = 0.0) -> dict[str, Any]:
+    """A laboratory: grains that rain into a box on a floor of a height."""
+    return {
+        "name": "box",
+        "grains": layer(100.0)["grains"],
+        "pieces": [{"name": "box", "shape": {"box": {"inner_mm": [70, 70, 80]}}, "at_mm": [0, 0, floor_mm]}],
+        "engine": {"rate_hz": 240},
+        "stages": [
+            {"stage": "deposit", "at_mm": [0, 0, floor_mm + 60], "area_mm": [56, 56], "rate_g_per_s": 300},
+        ],
+        "rest_test_s": 0.4,
+    }
+
+
+def pile() -> dict[str, Any]:
+    """Grains that fall one by one on a base."""
+    stage = {"stage": "slow_pluviation", "feed_rate_grains_per_s": 20, "drop_height_mm": 5, "base_diameter_mm": 60}
+    return {
+        "name": "pile",
+        "grains": layer(25.0)["grains"],
+        "engine": {"rate_hz": 240},
+        "stages": [{**stage, "time_limit_s": 1.5}],
+        "rest_test_s": 0.4,
+    }
+
+
 @pytest.fixture(scope="session", autouse=True)
 def installed() -> None:
     """From an installed wheel nothing of the sources is imported."""
@@ -67,6 +93,20 @@ def poured(tmp_path_factory: pytest.TempPathFactory) -> pluvia.Run:
 def vibrated(tmp_path_factory: pytest.TempPathFactory) -> pluvia.Run:
     """A run that was shaken."""
     return pluvia.run(shaken(), tmp_path_factory.mktemp("vibrated") / "run", progress=False)
+
+
+@pytest.fixture(scope="session")
+def boxed(tmp_path_factory: pytest.TempPathFactory) -> pluvia.Run:
+    """A run of a laboratory with a region."""
+    scenario = box()
+    scenario["measures"] = {"regions": [{"name": "core", "low_mm": [-20, -20, 2], "high_mm": [20, 20, 12]}]}
+    return pluvia.run(scenario, tmp_path_factory.mktemp("boxed") / "run", progress=False)
+
+
+@pytest.fixture(scope="session")
+def piled(tmp_path_factory: pytest.TempPathFactory) -> pluvia.Run:
+    """A run of a pile."""
+    return pluvia.run(pile(), tmp_path_factory.mktemp("piled") / "run", progress=False)
 
 
 @pytest.fixture

@@ -121,6 +121,21 @@ def test_the_void_profile_adds_up(poured: pluvia.Run) -> None:
             poured.void_profile(**bad)
 
 
+def test_only_the_cylinder_has_layers(poured: pluvia.Run, boxed: pluvia.Run, piled: pluvia.Run) -> None:
+    """Law: without a cylinder there is no void ratio, neither in the summary nor by layers: the circle around all grains
+    of a laboratory is not their container."""
+    assert poured.specimen.has_cylinder and poured.at(0).has_cylinder
+    for run, instead in ((boxed, "core_void_ratio.*core_stress_zz_kpa"), (piled, "pile has no walls.*fabric")):
+        assert run["void_ratio"] is None, f"law: the summary has none, got {run['void_ratio']}"
+        assert not run.specimen.has_cylinder
+        for measure in (run.void_profile, run.stress, run.specimen.void_profile, run.specimen.stress):
+            with pytest.raises(ValueError, match=instead):
+                measure(low_mm=0.0, high_mm=10.0)
+    named = boxed.series[["core_void_ratio", "core_stress_zz_kpa"]]
+    assert named.notna().all(axis=1).iloc[-1], f"law: what the error names is there, got {named.iloc[-1].to_dict()}"
+    assert np.trace(boxed.fabric()) == pytest.approx(1.0), "law: no container is needed"
+
+
 def test_contacts_carry_the_weight(poured: pluvia.Run) -> None:
     """Law: at rest the floor and walls carry the grains, and V σ_zz = Σ m g z − Σ_wall f_z z."""
     table, grains = poured.contacts, poured.grains[poured.specimen.present]
@@ -196,6 +211,22 @@ def test_an_overview_shows_settlement_where_anything_settles(poured: pluvia.Run)
     (ax,) = shaken.plot("settlement").axes
     named = [text.get_text() for text in ax.get_legend().get_texts()]
     assert named == ["mean surface"], "law: without a plate none is named"
+
+
+def test_the_overview_of_a_laboratory_has_no_void_profile(poured: pluvia.Run, boxed: pluvia.Run) -> None:
+    import matplotlib.pyplot as plt
+
+    def labels(run: pluvia.Run) -> list[str]:
+        return [ax.get_xlabel() for ax in run.plot().axes]
+
+    normals = "Inclination of the normal from the vertical (degrees)"
+    for run, shown, missing in ((poured, "Void ratio", normals), (boxed, normals, "Void ratio")):
+        got = labels(run)
+        assert len(got) == 4 and shown in got and missing not in got, f"law: {shown}, got {got}"
+    plt.close("all")
+    with pytest.raises(ValueError, match="core_void_ratio"):
+        boxed.plot("void_profile")
+    assert plt.get_fignums() == [], "law: what is refused leaves no empty figure"
 
 
 def test_without_contacts_only_the_reference_is_drawn(poured: pluvia.Run) -> None:
