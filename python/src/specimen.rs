@@ -254,7 +254,11 @@ impl Specimen {
     /// Fabric tensor of the contacts between grains between two heights in m, row by row; none
     /// where there are none.
     fn fabric<'py>(&self, py: Python<'py>, low: f64, high: f64) -> Option<Bound<'py, PyBytes>> {
-        let layer = self.layer(low, high);
+        // Grains below z = 0 and in a funnel may lie farther out than the container.
+        let layer = Region {
+            low: Vector::new(f64::NEG_INFINITY, f64::NEG_INFINITY, low),
+            high: Vector::new(f64::INFINITY, f64::INFINITY, high),
+        };
         let found = fabric(contacts_of_grains_in(&self.contacts, &layer))?;
         Some(tensor(py, |i, j| found.tensor[(i, j)]))
     }

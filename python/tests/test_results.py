@@ -11,6 +11,7 @@ import matplotlib.figure
 import numpy as np
 import pandas as pd
 import pytest
+from conftest import box
 
 import pluvia
 from pluvia import _table
@@ -164,6 +165,17 @@ def test_fabric_is_the_mean_of_the_normals(poured: pluvia.Run) -> None:
     assert fabric[2, 2] == pytest.approx((loaded["normal_z"] ** 2).mean())
     assert np.isnan(poured.fabric(low_mm=500.0, high_mm=600.0)).all(), "law: no contacts, no fabric"
     assert poured.record["contacts"]["between_grains"] == len(loaded)
+
+
+def test_fabric_is_of_all_contacts_wherever_they_lie(in_folder: Path) -> None:
+    """Law: without heights every contact counts, also of grains below z = 0, about which no circle is drawn."""
+    run = pluvia.run(box(-100.0), "out", progress=False)
+    upward = run.specimen.loaded["normal_z"]
+    assert len(upward) > 20 and (run.specimen.loaded["z_mm"] < 0.0).all(), "the check has contacts below z = 0"
+    expected, got = (upward**2).mean(), run.fabric()[2, 2]
+    assert got == pytest.approx(expected, rel=1e-9), f"law: mean of n_z squared, expected {expected}, got {got}"
+    with pytest.raises(ValueError, match="name regions in `measures`"):
+        run.stress()
 
 
 def test_forces_are_distributed(poured: pluvia.Run) -> None:
