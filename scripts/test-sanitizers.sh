@@ -4,8 +4,9 @@
 #   scripts/test-sanitizers.sh address   AddressSanitizer with its leak check and
 #                                        UndefinedBehaviorSanitizer, on the bridge alone
 #   scripts/test-sanitizers.sh thread    ThreadSanitizer, on the bridge alone
-#   scripts/test-sanitizers.sh crate     both on the crate's unit tests of worlds, the first
-#                                        also on runs of every kind of stage
+#   scripts/test-sanitizers.sh crate     the first on the crate's unit tests of worlds and on
+#                                        runs of every kind of stage, the second on unit tests
+#                                        of threads
 #   scripts/test-sanitizers.sh valgrind  memcheck on the program as it is built
 #
 # Several of these words may stand together; without one: all of them. Rust and Debian's Bullet are built as ever: what is
@@ -139,12 +140,13 @@ crate() {
     local program runs=0 run path threads scenario
     export PLUVIA_SANITIZE=address,undefined CARGO_TARGET_DIR=$folder/address
     program=$(build __asan_report '__ubsan_handle.*_abort')
-    tests address 25 "$program" world::bullet world::parity_tests
+    tests address 100 "$program" world::bullet world::parity_tests
     cargo build --locked
-    # Stock contacts have no threads.
+    # Stock contacts have no threads, and neither press a piece nor let one go.
     for run in native:1 native:2 stock:1; do
         path=${run%:*} threads=${run#*:}
-        for scenario in stages pile; do
+        for scenario in stages pile laboratory; do
+            [ "$path $scenario" != "stock laboratory" ] || continue
             rm -rf "$folder/run"
             with address "$CARGO_TARGET_DIR/debug/pluvia" run "$scenarios/$scenario.json" \
                 --quiet --set "engine.contact_solver=$path" \
@@ -161,30 +163,49 @@ crate() {
         world::parity_tests::the_same_input world::bullet::shim_tests::what_fails_in_a_thread
 }
 
+# Runs a program under memcheck, and ends with 99 where that finds a fault.
+under_memcheck() {
+    valgrind --quiet --error-exitcode=99 --leak-check=full \
+        --show-leak-kinds=definite,indirect \
+        --errors-for-leak-kinds=definite,indirect \
+        --suppressions="$scenarios/valgrind.supp" \
+        --log-file="$folder/valgrind.txt" "$@" </dev/null >/dev/null
+}
+
 memcheck() {
     command -v valgrind >/dev/null || fail "valgrind was not found" "sudo apt-get install valgrind"
     unset PLUVIA_SANITIZE CARGO_TARGET_DIR CARGO_PROFILE_DEV_OPT_LEVEL
+    local name expected code
+    for name in sound heap freed; do
+        g++ -std=c++17 -g -O1 -pthread -DCANARY="$name" "$scenarios/canary.cpp" -o "$folder/canary-$name"
+        expected=99 code=0
+        [ "$name" != sound ] || expected=0
+        under_memcheck "$folder/canary-$name" || code=$?
+        [ "$code" = "$expected" ] ||
+            fail "memcheck ends canary.cpp, $name, with $code, not $expected" "cat $folder/valgrind.txt"
+    done
+    echo 'valgrind: 2 faults made on purpose are found, and none where there is none'
     cargo build --locked
-    local plan=$folder/plan scenario level task stages=0
-    for scenario in stages pile; do
+    local plan=$folder/plan scenario solvers levels level count task stages=0
+    for scenario in stages pile laboratory; do
+        # Stock contacts neither press a piece nor let one go.
+        solvers=native,stock
+        [ "$scenario" != laboratory ] || solvers=native
         rm -rf "$plan"
         # Stage by stage, without figures: valgrind is slow.
         target/debug/pluvia sweep "$scenarios/$scenario.json" --plan-only --quiet \
-            --over engine.contact_solver=native,stock --out "$plan" >/dev/null
-        for level in 0 1 2 3 4 5; do
-            [ "$scenario$level" = pile1 ] && break
-            for task in 0 1; do
-                valgrind --quiet --error-exitcode=99 --leak-check=full \
-                    --show-leak-kinds=definite,indirect \
-                    --errors-for-leak-kinds=definite,indirect \
-                    --suppressions="$scenarios/valgrind.supp" \
-                    --log-file="$folder/valgrind.txt" \
-                    target/debug/pluvia stage "$plan" --level "$level" --task $task --quiet \
-                    >/dev/null || fail "valgrind found a fault in level $level of $scenario.json" \
-                    "less $folder/valgrind.txt"
+            --over "engine.contact_solver=$solvers" --out "$plan" >/dev/null
+        levels=$(target/debug/pluvia stage "$plan" --list |
+            sed -n 's/^level \([0-9]*\): \([0-9]*\) stage.*/\1 \2/p')
+        [ -n "$levels" ] || fail "the plan of $scenario.json has no stages" "target/debug/pluvia stage $plan --list"
+        while read -r level count; do
+            for ((task = 0; task < count; ++task)); do
+                under_memcheck target/debug/pluvia stage "$plan" --level "$level" --task "$task" --quiet ||
+                    fail "valgrind found a fault in level $level of $scenario.json" \
+                        "less $folder/valgrind.txt"
                 stages=$((stages + 1))
             done
-        done
+        done <<<"$levels"
     done
     echo "valgrind: $stages stages, nothing found"
 }

@@ -48,6 +48,7 @@ mod repose;
 mod reproduce;
 mod results;
 mod same;
+mod sanitizers;
 mod scale;
 mod scenario;
 mod segments;
