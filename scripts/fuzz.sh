@@ -46,12 +46,12 @@ one() {
         -print_final_stats=1 >"$folder/$target.txt" 2>&1 ||
         fail "an input for $target fails, and is in fuzz/artifacts/$target/" \
             "tail -50 $folder/$target.txt"
-    sed -n 's/^stat::number_of_executed_units: *\([0-9]*\)/\1/p' "$folder/$target.txt" |
-        while read -r units; do
-            echo "fuzz, $target: $units inputs in $seconds s, all read or refused," \
-                "$(sed -n 's/.* cov: \([0-9]*\) .*/\1/p' "$folder/$target.txt" | tail -1)" \
-                "places reached"
-        done
+    local units places
+    units=$(sed -n 's/^stat::number_of_executed_units: *\([0-9]*\)/\1/p' "$folder/$target.txt")
+    [ "${units:-0}" -gt 0 ] ||
+        fail "libFuzzer does not say that it tried an input for $target" "tail -50 $folder/$target.txt"
+    places=$(sed -n 's/.* cov: \([0-9]*\) .*/\1/p' "$folder/$target.txt" | tail -1)
+    echo "fuzz, $target: $units inputs in $seconds s, all read or refused, $places places reached"
 }
 
 # Of the inputs that together reach every place, some of every size: the smallest

@@ -7,16 +7,20 @@
 mod targets;
 
 use std::{
-    fs,
+    env, fs,
     panic::{AssertUnwindSafe, catch_unwind},
     path::{Path, PathBuf},
+    process::Command,
     time::{Duration, Instant},
 };
 
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use super::soak::{ANSWERED, Ground, INPUTS};
+use super::{
+    program::{page, root, script},
+    soak::{ANSWERED, Ground, INPUTS},
+};
 
 type Target = (&'static str, fn(&[u8]));
 
@@ -198,4 +202,35 @@ fn an_input_that_fails_is_kept() {
     let file = said.rsplit(' ').next().expect("a file");
     assert_eq!(fs::read(file).expect("kept"), b"bad", "law: the input is kept");
     fs::remove_file(file).expect("removed");
+}
+
+/// Law: `make fuzz` has the readers that are fed here, and fails where libFuzzer tried no input.
+#[test]
+fn a_reader_counts_as_fuzzed_only_where_inputs_were_tried() {
+    let names: Vec<&str> = TARGETS.iter().map(|(name, _)| *name).collect();
+    let list = format!("targets=({})\n", names.join(" "));
+    assert!(page("scripts/fuzz.sh").contains(&list), "law: the script has {list}");
+    let number = "stat::number_of_executed_units:";
+    for (said, expected) in
+        [(format!("{number} 12"), true), (format!("{number} 0"), false), ("Done".into(), false)]
+    {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        for name in ["scripts", "fuzz", "bin"] {
+            fs::create_dir(at(name)).expect("a folder");
+        }
+        fs::copy(root().join("scripts/fuzz.sh"), at("scripts/fuzz.sh")).expect("copied");
+        fs::write(at("Cargo.lock"), "").expect("written");
+        script(&at("bin/cargo"), &format!("#!/bin/sh\necho '{said}'\n"));
+        let path = env::var("PATH").expect("a path");
+        let output = Command::new("bash")
+            .arg(at("scripts/fuzz.sh"))
+            .args(["1", "mesh"])
+            .env("PATH", format!("{}:{path}", at("bin").display()))
+            .output()
+            .expect("bash");
+        let text = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
+        let got = output.status.success();
+        assert_eq!(got, expected, "law: {said}: expected {expected}, got {got}: {text}");
+    }
 }
