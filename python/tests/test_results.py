@@ -76,7 +76,9 @@ def test_grains_contacts_and_arrays_are_of_one_moment(poured: pluvia.Run) -> Non
     assert np.allclose(grains[["rotation_x", "rotation_y", "rotation_z", "rotation_w"]], poured.orientations, atol=1e-12)
     assert np.allclose(np.linalg.norm(poured.orientations, axis=1), 1.0, atol=1e-9)
     assert {"mass_g", "sieve_size_mm", "elongation", "fate", "velocity_z_mm_per_s"} <= set(grains)
-    assert not grains.columns.str.endswith(("_x", "_y")).all() and grains["grain"].is_unique
+    # What two merged tables both have is called so by pandas.
+    doubled = [name for name in grains if name.endswith(("_x", "_y")) and not name.startswith("rotation_")]
+    assert doubled == [] and grains["grain"].is_unique, f"law: each column once, got {doubled}"
     assert grains["mass_g"].sum() == pytest.approx(poured["grains.mass_g"])
 
 
@@ -192,7 +194,8 @@ def test_forces_are_distributed(poured: pluvia.Run) -> None:
 @pytest.mark.parametrize("what", ["overview", "heights", "settlement", "energy", "void_profile", "forces", "normals"])
 def test_everything_can_be_drawn(vibrated: pluvia.Run, what: str, tmp_path: Path) -> None:
     figure = vibrated.plot(what)
-    assert all(ax.get_xlabel() and ax.get_ylabel() for ax in figure.axes), "law: axes are named"
+    named = [ax.get_xlabel() != "" and ax.get_ylabel() != "" for ax in figure.axes]
+    assert named == [True] * (4 if what == "overview" else 1), f"law: axes are there and named, got {named}"
     figure.savefig(tmp_path / "drawn.png")
     assert (tmp_path / "drawn.png").stat().st_size > 5_000
 

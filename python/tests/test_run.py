@@ -235,9 +235,12 @@ def test_ctrl_c_stops_at_a_resumable_point(in_folder: Path) -> None:
     rest, _ = program.communicate(timeout=60)
     assert program.returncode == 9 and "stopped" in rest
     assert not Path("out/summary.json").exists()
+    stored = set(Path("out/stages").glob("*/stage.json"))
+    assert len(stored) == 3, f"law: the stages before the vibration are kept, got {len(stored)}"
     # Shorter by a change that leaves the stages before as they are.
-    done = pluvia.run("long.json", "out", changes={"stages.3.duration_s": 0.5}, force=True, progress=False)
-    assert done.valid is not None and Path("out/summary.json").exists()
+    pluvia.run("long.json", "out", changes={"stages.3.duration_s": 0.5}, force=True, progress=False)
+    added = set(Path("out/stages").glob("*/stage.json")) - stored
+    assert len(added) == 2, f"law: the vibration and the rest test alone are run, got {len(added)}"
 
 
 @pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")

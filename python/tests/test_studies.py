@@ -25,8 +25,11 @@ def test_a_sweep_has_its_table(in_folder: Path) -> None:
     assert slope == pytest.approx((heights[25] - heights[15]) / 10.0)
     run = sweep.run(table["run"][0])
     assert run["standing_height_mm.mean_surface"] == table["standing_height_mm.mean_surface"][0]
+    stored = {path: path.stat().st_mtime_ns for path in Path("out/stages").glob("*/stage.json")}
     again = pluvia.sweep(layer(), "out", configurations=2, **asked)
-    assert again.table.equals(sweep.table), "law: what is done is not done again"
+    assert again.table.equals(sweep.table), "law: the same table"
+    found = {path: path.stat().st_mtime_ns for path in Path("out/stages").glob("*/stage.json")}
+    assert stored and found == stored, f"law: finished stages are not run again, got {found}, had {stored}"
     assert pluvia.load_sweep("out").record == again.record and sweep.report.is_file()
 
 
