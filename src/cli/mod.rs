@@ -168,6 +168,11 @@ impl Command {
     }
 }
 
+/// The command line: its subcommands with their options.
+pub fn command_line() -> clap::Command {
+    <Cli as clap::CommandFactory>::command()
+}
+
 /// Runs the program on the arguments of the process.
 pub fn main() -> ExitCode {
     let words: Vec<_> = std::env::args_os().skip(1).collect();

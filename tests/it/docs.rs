@@ -1,6 +1,7 @@
 //! What the documents say of commands, fields, defaults, links and versions is
 //! so.
 
+mod commands;
 mod markdown;
 
 use std::{collections::BTreeSet, fs};
@@ -48,42 +49,6 @@ fn make_targets_exist() {
         ["bogus"],
         "the check finds faults"
     );
-}
-
-/// What the program does not take of the commands in a page's shell blocks, and what it says.
-/// The help asked for after all other arguments is given where they are right.
-fn refused(text: &str) -> Vec<String> {
-    let calls = blocks(text, "sh").join("\n").replace("\\\n", " ");
-    let calls = calls.replace("target/release/pluvia ", "pluvia ");
-    let calls = calls.lines().map(str::trim).filter(|line| line.starts_with("pluvia "));
-    calls
-        .filter_map(|line| {
-            let call = line.split(" > ").next()?;
-            let script = format!("pluvia() {{ \"$PROGRAM\" \"$@\" --help; }}\n{call}");
-            let said = std::process::Command::new("bash")
-                .args(["-c", &script])
-                .env("PROGRAM", env!("CARGO_BIN_EXE_pluvia"))
-                .output()
-                .expect("bash starts");
-            let why = String::from_utf8_lossy(&said.stderr).into_owned();
-            (!said.status.success()).then(|| format!("{call}: {why}"))
-        })
-        .collect()
-}
-
-#[test]
-fn commands_that_pages_show_are_taken() {
-    let page = |line: &str| format!("```sh\n{line}\n```\n");
-    assert_eq!(refused(&page("pluvia run a.json --out b")).len(), 0, "law: what is right is taken");
-    for wrong in
-        ["pluvia run a.json --uot b", "pluvia rnu a.json", "target/release/pluvia view \\\n  --x"]
-    {
-        assert_eq!(refused(&page(wrong)).len(), 1, "law: the check finds `{wrong}`");
-    }
-    for document in documents() {
-        let refused = refused(&read(&document));
-        assert!(refused.is_empty(), "law: the program takes what {document} shows: {refused:#?}");
-    }
 }
 
 #[test]

@@ -38,6 +38,19 @@ pub fn blocks(text: &str, language: &str) -> Vec<String> {
     found
 }
 
+/// Inline code, outside of fenced blocks, also where it goes on on the next line.
+pub fn spans(text: &str) -> Vec<String> {
+    let outside = lines(text).into_iter();
+    let outside = outside.map(|(line, block)| if block.is_none() { line.trim() } else { "" });
+    let outside: Vec<&str> = outside.collect();
+    let mut found = Vec::new();
+    for paragraph in outside.join("\n").split("\n\n") {
+        let code = paragraph.split('`').skip(1).step_by(2);
+        found.extend(code.map(|code| code.replace('\n', " ")));
+    }
+    found
+}
+
 /// Targets of inline links, outside of fenced blocks.
 pub fn links(text: &str) -> Vec<String> {
     let mut found = Vec::new();
@@ -104,5 +117,7 @@ mod tests {
         assert_eq!(make_targets(TEXT), ["one", "three"]);
         assert_eq!(blocks(TEXT, "json"), ["{}\n", "[](n)\n"]);
         assert!(blocks(TEXT, "yaml").is_empty());
+        assert_eq!(spans(TEXT), ["b", "make three", "cmake four"]);
+        assert_eq!(spans("`a\n b` c\n\n`d\n\ne` `f"), ["a b", "d", " "]);
     }
 }
