@@ -260,3 +260,40 @@ fn commands_that_pages_show_are_taken() {
     }
     assert!(count > 150, "expected the commands of all pages, found {count}");
 }
+
+/// Commands in brackets of a text, and how often it names `--set` outside of them.
+fn advised(text: &str) -> (Vec<Shown>, usize) {
+    let (mut commands, mut alone) = (Vec::new(), 0);
+    for part in text.split(['(', ')']) {
+        if part.starts_with("pluvia ") {
+            commands.push(Shown::Whole(part.to_owned()));
+        } else {
+            alone += part.matches("--set").count();
+        }
+    }
+    (commands, alone)
+}
+
+/// Law: what a choice of the paper's report advises to set is taken by the command that it names.
+#[test]
+fn changes_that_choices_advise_are_taken() {
+    let (commands, alone) =
+        advised("a ramp (--set, ramp_s) or (pluvia reproduce --set stages.3.ramp_s=1)");
+    assert_eq!((commands.len(), alone), (1, 1), "law: the check finds a change without a command");
+    assert!(fault(&commands[0]).is_some(), "law: the programme has scenarios of two stages");
+
+    let choices: Vec<Value> =
+        serde_json::from_str(&read("src/paper/report/choices.json")).expect("JSON");
+    let mut count = 0;
+    for choice in &choices {
+        for text in ["value", "reason", "sensitivity"].map(|field| choice[field].as_str()) {
+            let text = text.unwrap_or_else(|| panic!("law: {choice} has texts"));
+            let (commands, alone) = advised(text);
+            assert_eq!(alone, 0, "law: `{text}` names the command of each --set");
+            let refused: Vec<_> = commands.iter().filter_map(fault).collect();
+            assert!(refused.is_empty(), "law: what `{text}` advises is taken, got {refused:#?}");
+            count += commands.len();
+        }
+    }
+    assert!(count > 0, "law: the ramp of the table is advised with its command");
+}

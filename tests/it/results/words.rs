@@ -82,8 +82,9 @@ fn choices_say_what_kept_results_show() {
         (
             "vibrate",
             "Motion of the table",
-            "Abrupt starts and stops of the table add settlement; a ramp in their place (--set, \
-             ramp_s) makes it smaller",
+            "Abrupt starts and stops of the table add settlement; a ramp in their place (pluvia run \
+             scenarios/paper/vibration-continuous.json --set stages.3.ramp_s=1 --out DIR) makes it \
+             smaller",
             more(intermittent, plate) && of_ramp(0) + of_ramp(1) < 0.0,
         ),
         ("native", "Contacts", "numerical creep is too large, and so is the overlap", stock_misses),
