@@ -355,6 +355,29 @@ mod tests {
         assert!(with_one_legend([]).is_empty(), "law: nothing has none");
     }
 
+    /// Law: entries of the legend end on the sheet, however long they are, as pixels of DejaVu Sans
+    /// show; all of their words are there.
+    #[test]
+    fn long_entries_of_a_legend_stay_on_the_sheet() {
+        let long = "pieces.0.shape.hopper.outlet_diameter_mm = wide opening of the northern quarry's \
+                    second silo, as measured in the spring before its walls were lined";
+        let path = "grains.cells.".repeat(12);
+        let mut plot = Plot::new(Axis::linear("x"), Axis::linear("y"));
+        for (n, label) in [long, "short", path.as_str()].into_iter().enumerate() {
+            plot.add(label, Look::marked(n), vec![(0.0, 1.0), (1.0, 2.0)]);
+        }
+        let svg = plot.svg().expect("drawn");
+        let (width, height, pixels) = crate::report::png::draw(&svg).expect("pixels");
+        let below = plot.frame_height + (style::TOP + style::BELOW) as u32;
+        let is_dark = |(x, y): &(u32, u32)| pixels[(4 * (y * width + x)) as usize] < 128;
+        let places = (below..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let end = places.filter(is_dark).map(|(x, _)| x).max().unwrap_or(0);
+        assert!((1500..1980).contains(&end), "law: ink ends before 1980 of {width}, got {end}");
+        for word in long.replace('\'', "&apos;").split(' ') {
+            assert!(svg.contains(word), "law: `{word}` is written");
+        }
+    }
+
     /// Law: bounds stand inside of the frame, where all values are within them and where none is.
     #[test]
     fn bounds_are_not_on_the_frame() {

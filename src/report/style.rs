@@ -116,6 +116,33 @@ pub fn text_width(text: &str, size: f64) -> f64 {
     0.6 * size * text.chars().count() as f64
 }
 
+/// A text in lines that fit into a length in SVG units: parted between words, and within those that
+/// are longer.
+pub fn wrapped(text: &str, size: f64, room: f64) -> Vec<String> {
+    let most = ((room / text_width("x", size)) as usize).max(1);
+    let length = |text: &str| text.chars().count();
+    if length(text) <= most {
+        return vec![text.to_owned()];
+    }
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        let letters: Vec<char> = word.chars().collect();
+        for (n, piece) in letters.chunks(most).enumerate() {
+            let piece: String = piece.iter().collect();
+            let fits = |line: &String| n == 0 && length(line) + 1 + length(&piece) <= most;
+            if lines.last().is_some_and(fits)
+                && let Some(line) = lines.last_mut()
+            {
+                line.push(' ');
+                line.push_str(&piece);
+            } else {
+                lines.push(piece);
+            }
+        }
+    }
+    lines
+}
+
 /// The size at which a text fits into a length in SVG units, at most the given one. What would fit in
 /// common letters keeps it; what is made smaller has room for wide ones.
 pub fn fitting(text: &str, size: f64, room: f64) -> f64 {
@@ -130,7 +157,23 @@ pub fn fitting(text: &str, size: f64, room: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{COLOURS, NAMES, RGBColor, colour, fitting, marker, text_width};
+    use super::{COLOURS, NAMES, RGBColor, colour, fitting, marker, text_width, wrapped};
+
+    /// Law: a text that fits is one line; of a longer one every line fits, and no letter is lost.
+    #[test]
+    fn long_texts_are_parted_into_lines() {
+        let room = text_width("abcdefgh", NAMES);
+        for (text, expected) in [
+            ("ab  cd", &["ab  cd"][..]),
+            ("abcd efg", &["abcd efg"]),
+            ("abcd efgh ij", &["abcd", "efgh ij"]),
+            ("a bcdefghijkl m", &["a", "bcdefghi", "jkl m"]),
+            ("", &[""]),
+        ] {
+            let got = wrapped(text, NAMES, room);
+            assert_eq!(got, expected, "law: the lines of `{text}` (got left, expected right)");
+        }
+    }
 
     /// Law: a text that fits keeps its size, a longer one is made to fit.
     #[test]

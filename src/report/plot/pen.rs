@@ -78,24 +78,36 @@ impl Plot {
         (names.iter().enumerate().map(cut).collect(), style::LEAST)
     }
 
-    /// Legend entries, wrapped to the width of the figure.
-    fn legend_rows(&self) -> Vec<Vec<Entry<'_>>> {
-        let bands = self.bands.iter().map(|b| Entry { label: &b.label, key: Key::Band });
-        let areas = self.envelopes.iter().map(|e| Entry { label: &e.label, key: Key::Envelope });
+    /// Legend entries, wrapped to the width of the figure; one that is longer stands alone, in
+    /// several rows.
+    fn legend_rows(&self) -> Vec<Vec<Entry>> {
+        let bands = self.bands.iter().map(|b| (&b.label, Key::Band));
+        let areas = self.envelopes.iter().map(|e| (&e.label, Key::Envelope));
         let marks = self.looks_of_marks().into_iter();
-        let marks = marks.map(|(m, look)| Entry { label: &m.label, key: Key::Look(look) });
-        let series = self.series.iter().map(|s| Entry { label: &s.label, key: Key::Look(s.look) });
+        let marks = marks.map(|(m, look)| (&m.label, Key::Look(look)));
+        let series = self.series.iter().map(|s| (&s.label, Key::Look(s.look)));
+        let across = f64::from(style::WIDTH - 2 * LEGEND_SIDE);
+        let room = across - f64::from(KEY_WIDTH + KEY_GAP);
         let mut rows: Vec<Vec<Entry>> = Vec::new();
         let mut used = f64::INFINITY;
-        for entry in series.chain(areas).chain(bands).chain(marks).filter(|e| !e.label.is_empty()) {
-            let width = entry.width();
-            if used + width > f64::from(style::WIDTH - 2 * LEGEND_SIDE) {
-                rows.push(Vec::new());
-                used = 0.0;
+        let all = series.chain(areas).chain(bands).chain(marks);
+        for (label, key) in all.filter(|(label, _)| !label.is_empty()) {
+            let lines = style::wrapped(label, style::NUMBERS, room);
+            let is_parted = lines.len() > 1;
+            for (n, label) in lines.into_iter().enumerate() {
+                let entry = Entry { label, key: (n == 0).then_some(key) };
+                let width = entry.width();
+                if is_parted || used + width > across {
+                    rows.push(Vec::new());
+                    used = 0.0;
+                }
+                used += width;
+                if let Some(row) = rows.last_mut() {
+                    row.push(entry);
+                }
             }
-            used += width;
-            if let Some(row) = rows.last_mut() {
-                row.push(entry);
+            if is_parted {
+                used = f64::INFINITY;
             }
         }
         rows
@@ -108,9 +120,10 @@ const KEY_WIDTH: i32 = 110;
 const KEY_GAP: i32 = 20;
 const ENTRY_GAP: f64 = 50.0;
 
-struct Entry<'a> {
-    label: &'a str,
-    key: Key,
+struct Entry {
+    label: String,
+    /// None in further rows of a long entry.
+    key: Option<Key>,
 }
 
 #[derive(Clone, Copy)]
@@ -120,9 +133,9 @@ enum Key {
     Envelope,
 }
 
-impl Entry<'_> {
+impl Entry {
     fn width(&self) -> f64 {
-        f64::from(KEY_WIDTH + KEY_GAP) + style::text_width(self.label, style::NUMBERS) + ENTRY_GAP
+        f64::from(KEY_WIDTH + KEY_GAP) + style::text_width(&self.label, style::NUMBERS) + ENTRY_GAP
     }
 }
 
@@ -280,9 +293,12 @@ impl Pen<'_, '_> {
             for entry in row {
                 let corners = [(x, y - 18), (x + KEY_WIDTH, y + 18)];
                 match entry.key {
-                    Key::Band => self.hatched(corners)?,
-                    Key::Envelope => self.sheet.rectangle(corners, style::ENVELOPE.filled())?,
-                    Key::Look(look) => {
+                    None => {}
+                    Some(Key::Band) => self.hatched(corners)?,
+                    Some(Key::Envelope) => {
+                        self.sheet.rectangle(corners, style::ENVELOPE.filled())?
+                    }
+                    Some(Key::Look(look)) => {
                         let line = Look { marker: None, ..look };
                         let ends = [x, x + KEY_WIDTH].map(|x| (f64::from(x), f64::from(y)));
                         self.look(&line, &ends)?;
@@ -292,7 +308,7 @@ impl Pen<'_, '_> {
                     }
                 }
                 let at = (x + KEY_WIDTH + KEY_GAP, y);
-                self.sheet.text(entry.label, at, style::NUMBERS, (HPos::Left, VPos::Center))?;
+                self.sheet.text(&entry.label, at, style::NUMBERS, (HPos::Left, VPos::Center))?;
                 x += entry.width() as i32;
             }
         }
