@@ -19,7 +19,6 @@ fail() {
     exit 1
 }
 
-targets=(scenario mesh specimen grains stage checkpoint manifest design plan request)
 folder=$PWD/target/fuzz
 # Files of a kept corpus, and bytes of each: enough to begin with, few enough to
 # be read in every test run.
@@ -32,6 +31,9 @@ if ! cargo fuzz --version >/dev/null 2>&1; then
         fail "cargo-fuzz could not be compiled (the message is above)" \
             "cargo install --locked cargo-fuzz"
 fi
+# The targets of fuzz/Cargo.toml.
+listed=$(cargo fuzz list) || fail "cargo-fuzz cannot list its targets" "cargo fuzz list"
+mapfile -t targets <<<"$listed"
 # The same crates as are linked otherwise: cargo adds those of fuzzing alone.
 [ fuzz/Cargo.lock -nt Cargo.lock ] || cp Cargo.lock fuzz/Cargo.lock
 mkdir -p "$folder/tmp"
