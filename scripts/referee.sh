@@ -35,12 +35,9 @@ g++ "$workshop"/*.o -o "$workshop/referee" -lumfpack -lsiconos_numerics ||
     fail "the referee does not link"
 
 python="$workshop/venv/bin/python"
-if ! "$python" -c 'import clarabel' >/dev/null 2>&1; then
-    echo "Installing clarabel $clarabel"
-    python3 -m venv "$workshop/venv" || fail "python3 cannot make a virtual environment"
-    "$python" -m pip install -q --only-binary :all: "clarabel==$clarabel" ||
-        fail "pip could not install clarabel $clarabel"
-fi
+. scripts/pinned.sh
+PIP_ONLY_BINARY=:all: pinned "$workshop/venv" "clarabel==$clarabel" ||
+    fail "pip could not install clarabel $clarabel"
 
 # Siconos tells on stderr of what it tries.
 "$workshop/referee" check 2>/dev/null || fail "the referee fails its own checks"

@@ -62,6 +62,14 @@ wanted() {
     [[ $asked == *" $1 "* ]]
 }
 
+# What an older one says of it names no version.
+needed=$(sed -n 's/^rust-version = "\(.*\)"$/\1/p' "$(dirname "$0")/../Cargo.toml" | head -1)
+if have cargo; then
+    found=$(cargo --version 2>/dev/null | sed 's/^cargo \([0-9.]*\).*/\1/') || true
+    printf '%s\n%s\n' "$needed" "$found" | sort -C -V || fail \
+        "cargo is ${found:-there without a compiler}, and Pluvia needs $needed or newer" "rustup update stable"
+fi
+
 missing=()
 have g++ || missing+=(g++)
 have make || missing+=(make)

@@ -16,15 +16,11 @@ program=${PLUVIA:-target/debug/pluvia}
 mkdir -p "$folder/node"
 
 python=$folder/python/bin/python
-if ! "$python" -c 'import vtkmodules.vtkIOXML' >/dev/null 2>&1 ||
-    ! cmp -s "$checks/requirements.txt" "$folder/requirements.txt"; then
-    python3 -m venv --clear "$folder/python" ||
-        fail "python3 could not make a virtual environment" "apt-get install python3-venv"
-    "$python" -m pip install -q --disable-pip-version-check -r "$checks/requirements.txt" ||
-        fail "pip could not fetch VTK (its own message is above); this test needs the network once" \
-            "make test, which reads exports back without it"
-    cp "$checks/requirements.txt" "$folder/requirements.txt"
-fi
+. scripts/pinned.sh
+mapfile -t wanted <"$checks/requirements.txt"
+pinned "$folder/python" "${wanted[@]}" ||
+    fail "pip could not fetch VTK (the message is above); this test needs the network once" \
+        "make test, which reads exports back without it"
 if [ ! -d "$folder/node/node_modules/gltf-validator" ] ||
     ! cmp -s "$checks/package.json" "$folder/node/package.json"; then
     cp "$checks/package.json" "$folder/node/package.json"

@@ -17,10 +17,8 @@ fail() {
 }
 
 mkdir -p "$folder"
-if [ ! -x "$folder/venv/bin/snakemake" ]; then
-    python3 -m venv "$folder/venv"
-    "$folder/venv/bin/pip" install --quiet --disable-pip-version-check snakemake==9.27.1
-fi
+. scripts/pinned.sh
+pinned "$folder/venv" snakemake==9.27.1 || fail "Snakemake could not be fetched (the message is above)"
 rm -rf "$folder/local" "$flow" "$moved"
 cat >"$scenario" <<'JSON'
 {

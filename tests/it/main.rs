@@ -40,6 +40,8 @@ mod near;
 mod packages;
 mod peers;
 mod picture;
+#[cfg(unix)]
+mod pinned;
 mod program;
 mod python;
 mod recipes;

@@ -1,0 +1,87 @@
+//! Scripts that state the version of a tool look at the one that is there, and say which it is.
+
+use std::{fs, process::Command};
+
+use super::program::{Folder, page, root, said, script};
+
+/// What `pinned` says, and what it has pip install, where pip finds that what is there will do, or not.
+fn pinned(will_do: bool) -> (String, String) {
+    let folder = Folder::new();
+    fs::create_dir_all(folder.path("e/bin")).expect("a folder");
+    script(
+        &folder.path("e/bin/python"),
+        "#!/bin/sh\ncase \"$*\" in\n*--no-index*) exit \"$HELD\" ;;\n*show*) echo Version: 1.0 ;;\n\
+         *) echo \"$*\" >>\"$ASKED\" ;;\nesac\n",
+    );
+    let output = Command::new("bash")
+        .current_dir(root())
+        .args(["-euo", "pipefail", "-c"])
+        .arg(". scripts/pinned.sh; pinned \"$1\" 'mkdocs==1.6.*' 'markdown>=3'")
+        .args(["bash", &folder.out("e")])
+        .env("HELD", if will_do { "0" } else { "1" })
+        .env("ASKED", folder.path("asked"))
+        .output()
+        .expect("bash");
+    assert!(output.status.success(), "law: it ends well: {}", said(&output));
+    let asked = fs::read_to_string(folder.path("asked")).unwrap_or_default();
+    (said(&output), asked)
+}
+
+/// Law: a package of another version is replaced, with both versions said; one that will do is not
+/// asked for again.
+#[test]
+fn packages_of_other_versions_are_replaced() {
+    let (said, asked) = pinned(true);
+    assert_eq!((said.as_str(), asked.as_str()), ("", ""), "law: nothing is said or asked for");
+    let (said, asked) = pinned(false);
+    let expected = "has 1.0 mkdocs, 1.0 markdown: installing mkdocs==1.6.* markdown>=3";
+    assert!(said.contains(expected), "law: expected `{expected}`, got `{said}`");
+    let expected = "install --quiet mkdocs==1.6.* markdown>=3";
+    assert!(asked.contains(expected), "law: expected `{expected}`, got `{asked}`");
+}
+
+/// Lines of a script that have pip install versions.
+fn versions_by_pip(text: &str) -> Vec<String> {
+    let joined = text.replace("\\\n", " ");
+    let is_it = |line: &&str| {
+        let states = ["==", ">=", " -r "].iter().any(|of| line.contains(of));
+        line.contains("pip") && line.contains(" install ") && states
+    };
+    joined.lines().filter(is_it).map(str::to_owned).collect()
+}
+
+/// Law: scripts that have pip install stated versions do so by `pinned`, which looks at those that are
+/// there; but for the peers' one, which looks itself.
+#[test]
+fn stated_versions_are_those_that_are_there() {
+    let found =
+        versions_by_pip("\"$venv/bin/pip\" install -q \\\n    a==1\npip install -r b.txt\n");
+    assert_eq!(found.len(), 2, "law: the check finds faults");
+    let entries = fs::read_dir(root().join("scripts")).expect("a folder");
+    let names = entries.map(|entry| entry.expect("an entry").file_name());
+    for name in names.map(|name| name.to_string_lossy().into_owned()) {
+        if name.ends_with(".sh") && !["pinned.sh", "peers.sh"].contains(&name.as_str()) {
+            let found = versions_by_pip(&page(&format!("scripts/{name}")));
+            assert!(found.is_empty(), "law: scripts/{name} uses `pinned`, got {found:#?}");
+        }
+    }
+}
+
+/// Law: a compiler that is too old is refused with its version and the one that is needed.
+#[test]
+fn an_old_compiler_is_refused_with_both_versions() {
+    let folder = Folder::new();
+    script(&folder.path("cargo"), "#!/bin/sh\necho 'cargo 1.63.0 (fd9c4297c 2022-07-01)'\n");
+    let path = std::env::var("PATH").expect("a path");
+    let output = Command::new("bash")
+        .current_dir(root())
+        .arg("scripts/setup.sh")
+        .env("PATH", format!("{}:{path}", folder.out("")))
+        .output()
+        .expect("bash");
+    let needed = env!("CARGO_PKG_RUST_VERSION");
+    let expected = format!("cargo is 1.63.0, and Pluvia needs {needed} or newer");
+    let got = said(&output);
+    assert!(!output.status.success(), "law: it is refused, got {}", output.status);
+    assert!(got.contains(&expected), "law: expected `{expected}`, got `{got}`");
+}
