@@ -122,7 +122,7 @@ use {
 pub(crate) use {
     described::described,
     plan::{Plan, PlannedRun},
-    run::{carry_out, carry_out_each, folder_of, write_grains},
+    run::{carry_out, carry_out_each, folder_of, write_shared_grains},
 };
 
 /// Why a study did not finish.

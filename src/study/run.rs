@@ -8,7 +8,8 @@ use super::{
     summarise::{Summarised, summarise},
 };
 use crate::record::{
-    distributions, grains_csv, hash_bytes, json_text, series_csv, with_energy, with_laboratory,
+    distributions, grains_csv, hash_bytes, json_text, read_file, run_file, series_csv, with_energy,
+    with_laboratory,
 };
 
 /// A scenario whose grains are made and whose laboratory is built: what can refuse it has been
@@ -88,7 +89,8 @@ impl ReadyRun {
 
 /// Runs the runs of a plan, all of the same grains, taking from the store in the output folder what
 /// is there, and writes the grains, and each run's files into its folder. Gives the records in the
-/// order of the runs, and the engine's settings as read back in the first stage.
+/// order of the runs, and the engine's settings as read back in the first stage. Grains of earlier
+/// runs in the output folder stay, unless it is the run's own.
 pub(crate) fn carry_out(
     plan: &Plan,
     runs: &[PlannedRun],
@@ -97,8 +99,12 @@ pub(crate) fn carry_out(
 ) -> Result<(Vec<RunRecord>, EffectiveSettings), StudyError> {
     let same = |two: &[PlannedRun]| Arc::ptr_eq(&two[0].grains, &two[1].grains);
     debug_assert!(runs.windows(2).all(same), "one grains.json is that of all runs");
-    if let Some(PlannedRun { scenario, grains, .. }) = runs.first() {
-        write_grains(&options.out, scenario, grains)?;
+    if let Some(first) = runs.first() {
+        if folder(first) == options.out {
+            write_grains(&options.out, &first.scenario, &first.grains)?;
+        } else {
+            write_shared_grains(&options.out, &first.scenario, &first.grains)?;
+        }
     }
     let store = StageStore::open(&options.out.join("stages"))?.with_frames(options.frames);
     let done = Shop::new(&store, &crate::world::create, options).execute(plan)?;
@@ -247,12 +253,31 @@ pub fn grain_files(
 ///
 /// # Errors
 /// When one of them cannot be made or written.
-pub fn write_grains(out: &Path, scenario: &Scenario, set: &GrainSet) -> Result<(), StudyError> {
+fn write_grains(out: &Path, scenario: &Scenario, set: &GrainSet) -> Result<(), StudyError> {
     create_folder(out)?;
     for (name, content) in grain_files(scenario, set)? {
         write_file(&out.join(name), &content)?;
     }
     Ok(())
+}
+
+/// The same beside `runs/`, where runs look for grains that are not in their folders; where earlier
+/// runs have other grains there, these stay, and each run keeps its own ([`write_run`]).
+///
+/// # Errors
+/// As [`write_grains`].
+pub(crate) fn write_shared_grains(
+    out: &Path,
+    scenario: &Scenario,
+    set: &GrainSet,
+) -> Result<(), StudyError> {
+    let path = out.join(GRAINS_FILE);
+    let own = json_text(&path, &grains::to_json(set))?;
+    // What is no file of grains is nobody's.
+    if read_file(&path).is_ok_and(|there| there != own) && read_grains(&path).is_ok() {
+        return Ok(());
+    }
+    write_grains(out, scenario, set)
 }
 
 /// Measures a finished run and writes its files into a folder.
@@ -307,8 +332,12 @@ pub(super) fn write_run(
     }
     let text = json_text(&out.join("specimen.json"), &specimen.state)?;
     write("specimen.json", Ok(text))?;
-    // Written already, by `write_grains`, maybe for several runs at once.
     let grains = json_text(&out.join(GRAINS_FILE), &grains::to_json(&run.grains))?;
+    // Those that runs share are written already; other grains stand with their run.
+    let is_there = read_file(&run_file(out, GRAINS_FILE)).is_ok_and(|there| there == grains);
+    if !is_there {
+        write_grains(out, &run.scenario, &run.grains)?;
+    }
     written.insert(GRAINS_FILE.to_owned(), hash_bytes(&grains));
     write_json(&out.join("manifest.json"), &manifest(run, plan, nodes, done, &written))?;
     write_json(&out.join("summary.json"), &summary)?;
@@ -376,4 +405,43 @@ fn manifest(
         "rest_test": nodes.rest_test.as_ref().map(stage),
         "files_sha256": written,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::tests::{planned, run_options, scenario};
+
+    /// Law: the grains of each run in a folder are those that its manifest has the hash of, also
+    /// after another command ran there with other grains, and the earlier one again.
+    #[test]
+    fn later_grains_leave_those_of_earlier_runs() {
+        let _turn = crate::world::shared_turn();
+        let folder = tempfile::tempdir().expect("a folder");
+        let options = run_options(folder.path().join("out"));
+        let made = |name: &str, seed: u64| {
+            let mut scenario = Scenario { seed, rest_test_s: 0.1, ..scenario(0.0) };
+            scenario.stages.truncate(1);
+            let runs = [PlannedRun { name: name.to_owned(), ..planned(scenario) }];
+            let plan = Plan::new(&runs).expect("a plan");
+            let found = carry_out(&plan, &runs, &options, |of| folder_of(&options.out, &of.name));
+            found.unwrap_or_else(|e| panic!("{name}: {e}"));
+        };
+        let check = |names: &[&str], when: &str| {
+            for name in names {
+                let folder = folder_of(&options.out, name);
+                let manifest: serde_json::Value =
+                    read_json(&folder.join("manifest.json")).expect("a manifest");
+                let expected = manifest["files_sha256"][GRAINS_FILE].as_str().expect("a hash");
+                let got = hash_bytes(&read_file(&run_file(&folder, GRAINS_FILE)).expect("grains"));
+                assert_eq!(got, expected, "law: {when}, {name} has its grains");
+            }
+        };
+        made("first", 1);
+        made("second", 2);
+        check(&["first", "second"], "after other grains");
+        made("second", 1);
+        made("third", 1);
+        check(&["first", "second", "third"], "after the earlier grains again");
+    }
 }

@@ -8,7 +8,7 @@ use crate::paper;
 use crate::protocol::Work;
 use crate::record::{SeriesRow, StageStore, create_folder};
 use crate::scenario::warnings;
-use crate::study::{carry_out_each, write_grains};
+use crate::study::{carry_out_each, write_shared_grains};
 
 /// Folder of the columns in the output folder.
 const FOLDER: &str = "interpretations";
@@ -84,7 +84,7 @@ fn carry_out_interpretation(
     let runs = programme(scenarios, &grains, options.configurations, 1);
     let plan = Plan::new(&runs)?;
     // Beside `runs/`, where whoever reads one of these looks for the grains of all.
-    write_grains(&run.out, &scenarios.pluviation, &grains)?;
+    write_shared_grains(&run.out, &scenarios.pluviation, &grains)?;
     let store = StageStore::open(&run.out.join("stages"))?;
     let _work = Work::begin(run.progress.as_ref(), plan.expected());
     let each = carry_out_each(&crate::world::create, &plan, &runs, &store, run)?;

@@ -202,7 +202,7 @@ pub(super) fn carry_out_in(
     options: &RunOptions,
     so_far: &mut dyn FnMut(&[RunRow]) -> Result<(), StudyError>,
 ) -> Result<Vec<RunRow>, StudyError> {
-    let (mut grains, own, store) = open(varied, options)?;
+    let (mut grains, store) = open(varied, options)?;
     let of = |number: u32| varied.all.iter().filter(|(variation, _)| variation.has(number)).count();
     let in_all: usize = configurations.iter().flat_map(Range::clone).map(of).sum();
     let mut work = None;
@@ -218,7 +218,7 @@ pub(super) fn carry_out_in(
             // What there is to do in all follows from the first batch and the numbers of runs.
             let expected = plan.expected() * in_all as f64 / runs.len().max(1) as f64;
             work.get_or_insert_with(|| Work::begin(options.progress.as_ref(), expected));
-            rows.extend(carry_out_batch(make_world, &plan, &runs, begun, &own, &store, options)?);
+            rows.extend(carry_out_batch(make_world, &plan, &runs, begun, &store, options)?);
             so_far(&rows)?;
         }
     }
@@ -227,19 +227,16 @@ pub(super) fn carry_out_in(
 
 /// The output folder of a study: sets of grains with that of the base scenario,
 /// which is written there, and the store.
-fn open(
-    varied: &Varied,
-    options: &RunOptions,
-) -> Result<(GrainSets, Arc<GrainSet>, StageStore), StudyError> {
+fn open(varied: &Varied, options: &RunOptions) -> Result<(GrainSets, StageStore), StudyError> {
     let mut grains = GrainSets::default();
     let own = grains.of(&varied.base)?;
     // What cannot be built is refused before a file is written.
     let first = planned(varied, 0, &mut grains)?;
     let first: Vec<PlannedRun> = first.into_iter().map(|(run, _)| run).collect();
     Plan::new(&first)?;
-    write_grains(&options.out, &varied.base, &own)?;
+    write_shared_grains(&options.out, &varied.base, &own)?;
     let store = StageStore::open(&options.out.join("stages"))?;
-    Ok((grains, own, store))
+    Ok((grains, store))
 }
 
 /// The rows of runs whose stages are all stored, by whatever program carried
@@ -249,7 +246,7 @@ pub(super) fn collect_stored(
     configurations: u32,
     options: &RunOptions,
 ) -> Result<Vec<RunRow>, StudyError> {
-    let (mut grains, own, store) = open(varied, options)?;
+    let (mut grains, store) = open(varied, options)?;
     let mut rows = Vec::new();
     for number in 0..configurations {
         for planned in planned(varied, number, &mut grains)? {
@@ -269,7 +266,7 @@ pub(super) fn collect_stored(
                 None => {
                     let _work = Work::begin(options.progress.as_ref(), plan.expected());
                     let make = &crate::world::create;
-                    carry_out_batch(make, &plan, &[run], vec![row], &own, &store, options)?
+                    carry_out_batch(make, &plan, &[run], vec![row], &store, options)?
                 }
             });
         }
@@ -351,7 +348,6 @@ fn carry_out_batch(
     plan: &Plan,
     runs: &[PlannedRun],
     begun: Vec<RunRow>,
-    shared_grains: &Arc<GrainSet>,
     store: &StageStore,
     options: &RunOptions,
 ) -> Result<Vec<RunRow>, StudyError> {
@@ -359,12 +355,7 @@ fn carry_out_batch(
     let mut rows = Vec::new();
     for ((run, row), result) in runs.iter().zip(begun).zip(each) {
         rows.push(match result {
-            Ok(record) => {
-                if !Arc::ptr_eq(&run.grains, shared_grains) {
-                    write_grains(&folder_of(&options.out, &run.name), &run.scenario, &run.grains)?;
-                }
-                row.with_results(&record.summary)
-            }
+            Ok(record) => row.with_results(&record.summary),
             Err(why) => {
                 options.progress.message(&format!("{} failed: {why}", run.name));
                 RunRow { failure: Some(why), ..row }
