@@ -1,5 +1,7 @@
 //! A page: what a study has to say, put down once, shown as Markdown and as HTML.
 
+use std::{collections::BTreeSet, fs, io::ErrorKind};
+
 use maud::{Markup, html};
 
 use super::*;
@@ -7,6 +9,7 @@ use super::{
     html::{document, figure_block, glue},
     table::in_markdown,
 };
+use crate::record::read_file;
 
 /// A part of a page.
 #[derive(Debug, Clone)]
@@ -169,19 +172,56 @@ impl Page {
     }
 
     /// Writes its figures into `figures/` of a folder, and the page itself under each name, in
-    /// the form that the name's ending asks for.
+    /// the form that the name's ending asks for. Figures that an earlier page of these names shows
+    /// and this one does not are removed.
     pub(crate) fn write(&self, out: &Path, names: &[&str]) -> Result<(), ReportError> {
+        let folder = out.join("figures");
         for block in self.sections.iter().flat_map(|section| &section.blocks) {
             if let Block::Figure(figure) = block {
-                figure.write(&out.join("figures"))?;
+                figure.write(&folder)?;
             }
         }
+        let text = |name: &&str| if name.ends_with(".md") { self.markdown() } else { self.html() };
+        let texts: Vec<String> = names.iter().map(text).collect();
+        let own: BTreeSet<&str> = texts.iter().flat_map(|text| figures_in(text)).collect();
         for name in names {
-            let text = if name.ends_with(".md") { self.markdown() } else { self.html() };
+            let Ok(earlier) = read_file(&out.join(name)) else { continue };
+            let earlier = String::from_utf8_lossy(&earlier);
+            figures_in(&earlier)
+                .filter(|stem| !own.contains(stem))
+                .try_for_each(|stem| remove_figure(&folder, stem))?;
+        }
+        for (name, text) in names.iter().zip(&texts) {
             write_file(&out.join(name), text.as_bytes())?;
         }
         Ok(())
     }
+}
+
+/// What the files of a figure end in.
+const ENDINGS: [&str; 3] = ["svg", "png", "csv"];
+
+/// The figures whose files in `figures/` a page names, without the ending.
+fn figures_in(page: &str) -> impl Iterator<Item = &str> {
+    let is_in_name = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    page.split("figures/").skip(1).filter_map(move |rest| {
+        let end = rest.find(|c: char| !is_in_name(c)).unwrap_or(rest.len());
+        let (stem, ending) = rest[..end].rsplit_once('.')?;
+        ENDINGS.contains(&ending).then_some(stem)
+    })
+}
+
+/// Removes the files of a figure, where they are there.
+fn remove_figure(folder: &Path, stem: &str) -> Result<(), FileError> {
+    ENDINGS.iter().try_for_each(|ending| {
+        let path = folder.join(format!("{stem}.{ending}"));
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                Err(FileError::new("remove", &path, error))
+            }
+            _ => Ok(()),
+        }
+    })
 }
 
 fn without_empty(blocks: impl IntoIterator<Item = Block>) -> Vec<Block> {
@@ -224,5 +264,43 @@ mod tests {
         let place = |piece: &str| html.find(piece).unwrap_or_else(|| panic!("{piece}: {html}"));
         assert!(order.map(place).is_sorted(), "law: in this order: {html}");
         assert!(!html.contains("Nothing"), "law: no section without content");
+    }
+
+    /// Law: of the figures of an earlier page those that the new one does not show go, and no other
+    /// file does.
+    #[test]
+    fn figures_of_an_earlier_page_go_with_it() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let out = folder.path();
+        let figure = |stem: &str| {
+            let svg = r#"<svg xmlns="http://www.w3.org/2000/svg" width="1" height="1"/>"#;
+            let words = stem.to_owned();
+            Figure {
+                stem: stem.to_owned(),
+                title: words.clone(),
+                caption: words,
+                svg: svg.to_owned(),
+                csv: b"a\n".to_vec(),
+            }
+        };
+        let page = |stems: &[&str]| {
+            let figures: Vec<Figure> = stems.iter().map(|stem| figure(stem)).collect();
+            Page::new("Of", []).figures("figures", "Figures", figures)
+        };
+        for names in [&["report.html"][..], &["page.md"], &["page.md", "report.html"]] {
+            page(&["effect-seed", "both"]).write(out, names).expect("written");
+            fs::write(out.join("figures/mine.svg"), "").expect("written");
+            page(&["both", "new"]).write(out, names).expect("written");
+            let entries = fs::read_dir(out.join("figures")).expect("a folder").flatten();
+            let mut got: Vec<String> =
+                entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+            got.sort();
+            let of = |stem: &str| ["csv", "png", "svg"].map(|ending| format!("{stem}.{ending}"));
+            let expected = [&of("both")[..], &["mine.svg".to_owned()], &of("new")].concat();
+            assert_eq!(
+                got, expected,
+                "law: of {names:?}, what is shown now and what is no figure's"
+            );
+        }
     }
 }
