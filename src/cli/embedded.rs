@@ -218,7 +218,7 @@ impl<F: Fn(News) + Send + Sync> Progress for Listener<F> {
 
     fn leave_stage(&self, id: u64) {
         let mut state = lock(&self.state);
-        state.overall.end_stage(id);
+        state.overall.leave_stage(id);
         state.running.remove(&id);
     }
 

@@ -45,10 +45,9 @@ impl<W: Write> LinesState<W> {
         let _ = writeln!(self.out, "{}", plain_lines(text));
     }
 
-    /// Ends a stage; gives its name and how long it took, `None` where it does not run.
-    fn end(&mut self, id: u64) -> Option<(String, String)> {
+    /// Takes a stage out; gives its name and how long it took, `None` where it does not run.
+    fn remove(&mut self, id: u64) -> Option<(String, String)> {
         let stage = self.running.remove(&id)?;
-        self.overall.end_stage(id);
         Some((stage.name, table::duration(stage.began.elapsed().as_secs_f64())))
     }
 }
@@ -116,7 +115,8 @@ impl<W: Write + Send> Progress for Lines<W> {
 
     fn end_stage(&self, id: u64) {
         let mut state = lock(&self.state);
-        let Some((name, took)) = state.end(id) else { return };
+        let Some((name, took)) = state.remove(id) else { return };
+        state.overall.end_stage(id);
         let mut line = format!("{name}: ended after {took}");
         if state.overall.total() > 0.0 {
             line += &format!("; in all {}", state.overall);
@@ -129,7 +129,8 @@ impl<W: Write + Send> Progress for Lines<W> {
 
     fn leave_stage(&self, id: u64) {
         let mut state = lock(&self.state);
-        if let Some((name, took)) = state.end(id) {
+        if let Some((name, took)) = state.remove(id) {
+            state.overall.leave_stage(id);
             state.line(&format!("{name}: not finished, left after {took}"));
         }
     }
@@ -204,6 +205,23 @@ mod tests {
         let most = 0.5 / pause.as_secs_f64();
         assert!(got <= most + 0.005, "law: 0.5 s in {pause:?} or more, at most {most}, got {got}");
         assert!(text.contains("; in all 1.0 of about 11.0 s done, ETA"), "law: got {text}");
+    }
+
+    /// Law: what a failed stage has not simulated, and stages that need it, are not left to do.
+    #[test]
+    fn the_rest_of_a_failed_run_is_no_work() {
+        let progress = Lines::every(Duration::ZERO, Vec::new());
+        progress.begin_work(30.0);
+        progress.begin_stage(1, "pour", 5.0);
+        progress.update(1, 1.0, "");
+        progress.leave_stage(1);
+        progress.left_out(10.0);
+        progress.begin_stage(2, "pour", 15.0);
+        progress.end_stage(2);
+        let text = String::from_utf8(lock(&progress.state).out.clone()).expect("text");
+        let last = text.lines().last().unwrap_or_default();
+        let expected = "; in all 16.0 of about 16.0 s done";
+        assert!(last.ends_with(expected), "law: expected `{expected}`, got `{last}`");
     }
 
     #[test]

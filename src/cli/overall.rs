@@ -70,6 +70,15 @@ impl Overall {
         }
     }
 
+    /// A stage is given up: what it has simulated is done, and the rest is no work any more.
+    pub(super) fn leave_stage(&mut self, id: u64) {
+        if let Some(stage) = self.running.remove(&id) {
+            let done = (stage.at - stage.from).min(stage.expected);
+            self.finished += done;
+            self.leave_out(stage.expected - done);
+        }
+    }
+
     /// What is expected in all, in s; 0 where nobody has said.
     pub(super) fn total(&self) -> f64 {
         self.total
@@ -121,6 +130,21 @@ mod tests {
         all.begin_stage(2, 4.0);
         all.end_stage(2);
         assert_eq!((all.done(), all.left()), (10.0, None), "law: nothing is left");
+    }
+
+    /// Law: a stage that is given up is done as far as it has come, and leaves nothing to do.
+    #[test]
+    fn what_a_stage_given_up_has_not_simulated_is_no_work() {
+        let mut all = Overall::of(30.0);
+        all.begin_stage(1, 20.0);
+        all.update(1, 2.0);
+        all.leave_stage(1);
+        assert_eq!((all.done(), all.total()), (2.0, 12.0), "law: 18 s are not simulated");
+        all.begin_stage(2, 10.0);
+        all.update(2, 15.0);
+        all.leave_stage(2);
+        all.leave_stage(2);
+        assert_eq!((all.done(), all.total()), (12.0, 12.0), "law: longer than expected is no more");
     }
 
     /// Law: what a stage had reached in an earlier run is no work of this one.

@@ -98,6 +98,14 @@ impl State {
             bar.set_message(format!("all stages: {}", self.overall));
         }
     }
+
+    /// Takes away the bar of a stage that runs no more.
+    fn clear(&mut self, id: u64) {
+        self.show_overall();
+        if let Some(Running { bar, .. }) = self.running.remove(&id) {
+            bar.finish_and_clear();
+        }
+    }
 }
 
 impl Progress for Bars {
@@ -172,10 +180,13 @@ impl Progress for Bars {
     fn end_stage(&self, id: u64) {
         let mut state = lock(&self.state);
         state.overall.end_stage(id);
-        state.show_overall();
-        if let Some(Running { bar, .. }) = state.running.remove(&id) {
-            bar.finish_and_clear();
-        }
+        state.clear(id);
+    }
+
+    fn leave_stage(&self, id: u64) {
+        let mut state = lock(&self.state);
+        state.overall.leave_stage(id);
+        state.clear(id);
     }
 
     fn message(&self, text: &str) {

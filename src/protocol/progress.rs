@@ -6,6 +6,11 @@ pub trait Progress: Send + Sync {
     fn begin_work(&self, _expected: f64) {}
     /// A stage of that work, expected to take so much simulated time in s, was found done.
     fn already_done(&self, _expected: f64) {}
+    /// Stages of that work, expected to take so much simulated time in s together, are not run: one
+    /// before them failed. They are as little left to do as what was found done.
+    fn left_out(&self, expected: f64) {
+        self.already_done(expected);
+    }
     /// That work has ended.
     fn end_work(&self) {}
     /// A stage begins; `expected` is the simulated time in s it is expected to take.

@@ -173,8 +173,11 @@ impl<'a> Shop<'a> {
             let result = result.unwrap_or_else(|what| {
                 Err(StudyError::Fault { stage: of_plan.label.clone(), what })
             });
-            if result.is_err() {
+            if let Err(error) = &result {
                 let _ = caught(|| self.progress.leave_stage(node as u64));
+                if !matches!(error, StudyError::Cancelled) {
+                    let _ = caught(|| self.progress.left_out(plan.expected_after(node)));
+                }
             }
             let mut held = lock(board);
             held.running -= 1;

@@ -208,6 +208,20 @@ impl Plan {
         self.nodes.iter().map(|node| node.expected).sum()
     }
 
+    /// The same of the stages that need a node, without it.
+    pub fn expected_after(&self, node: usize) -> f64 {
+        let mut need_it = vec![false; self.nodes.len()];
+        need_it[node] = true;
+        let mut expected = 0.0;
+        for (n, stage) in self.nodes.iter().enumerate() {
+            if stage.parent.is_some_and(|parent| need_it[parent]) {
+                need_it[n] = true;
+                expected += stage.expected;
+            }
+        }
+        expected
+    }
+
     /// The plan of one of its runs alone, and which of the nodes its nodes are.
     pub fn alone(&self, run: usize) -> (Self, Vec<usize>) {
         let RunNodes { stages, rest_test, begun } = &self.runs[run];

@@ -55,16 +55,22 @@ fn worlds(
     }
 }
 
-/// Keeps the beginnings and ends of work.
+/// Keeps the beginnings and ends of work, and what is left out of it.
 #[derive(Default)]
-struct Works(Mutex<Vec<&'static str>>);
+struct Works {
+    told: Mutex<Vec<&'static str>>,
+    left_out: Mutex<Vec<f64>>,
+}
 
 impl Progress for Works {
     fn begin_work(&self, _: f64) {
-        self.0.lock().expect("nobody panics").push("begun");
+        self.told.lock().expect("nobody panics").push("begun");
     }
     fn end_work(&self) {
-        self.0.lock().expect("nobody panics").push("ended");
+        self.told.lock().expect("nobody panics").push("ended");
+    }
+    fn left_out(&self, expected: f64) {
+        self.left_out.lock().expect("nobody panics").push(expected);
     }
     fn message(&self, _: &str) {}
 }
@@ -86,20 +92,22 @@ fn a_run_that_fails_is_a_row_and_the_others_go_on() {
     .expect("sound");
     let made = AtomicUsize::new(0);
     let worlds = worlds(&made);
-    let mut told = Vec::new();
+    let mut lengths = Vec::new();
     let mut so_far = |rows: &[RunRow]| {
-        told.push(rows.len());
+        lengths.push(rows.len());
         Ok(())
     };
     let works = Arc::new(Works::default());
     let options = RunOptions { progress: works.clone(), ..run_options(&out) };
     let rows = carry_out_in(&worlds, &varied, &[0..1, 1..2], &options, &mut so_far)
         .expect("the study goes on");
-    let works = works.0.lock().expect("nobody panics").clone();
-    assert_eq!(works, ["begun", "ended"], "law: all parts are reported as one work");
+    let told = works.told.lock().expect("nobody panics").clone();
+    assert_eq!(told, ["begun", "ended"], "law: all parts are reported as one work");
+    let left_out = works.left_out.lock().expect("nobody panics").clone();
+    assert_eq!(left_out, [0.1; 2], "law: the rest test of each failed run is no work any more");
     assert_eq!(rows.len(), 8, "law: one row a run, failed or not");
     // Another contact threshold cannot live in the process at the same time.
-    assert_eq!(told, [3, 4, 7, 8], "law: rows are reported as they come");
+    assert_eq!(lengths, [3, 4, 7, 8], "law: rows are reported as they come");
     for row in &rows {
         let blown = row.variation == "blown";
         assert_eq!(row.failure.is_some(), blown, "law: only the blown run fails: {row:?}");
