@@ -277,14 +277,20 @@ fn handed(results: &Results) -> Result<Value, String> {
 
 const HEIGHT: &str = "standing_height_mm.mean_surface";
 
-/// Twins of a size that did not jam, and how many did.
+/// Twins of a size that have a result, are valid and did not jam, and how many of those jammed.
 fn twins_of(all: &Rows, larger: f64) -> (Rows, usize) {
-    whole(all.iter().filter(|r| number(r, "larger") == Some(larger)).cloned().collect())
+    let is_not_valid = |r: &Map<String, Value>| r.get("valid").is_some_and(|v| v == "false");
+    let of_size = all.iter().filter(|r| {
+        number(r, "larger") == Some(larger) && number(r, "void_ratio").is_some() && !is_not_valid(r)
+    });
+    whole(of_size.cloned().collect())
 }
 
 /// `docs/scale.md`: twins by size.
 fn twins(results: &Results) -> Result<Value, String> {
     let all = rows(results, "twins")?;
+    // A table of before runs without result had rows lacks them: sizes have the same realisations.
+    let planned = by_realisation(&all).into_keys().max().unwrap_or_default();
     let mut found = Vec::new();
     for larger in [0.1, 1.0, 5.0] {
         let (rows, jam) = twins_of(&all, larger);
@@ -294,6 +300,7 @@ fn twins(results: &Results) -> Result<Value, String> {
             ["void_ratio", "coordination_number"].map(|field| values(&rows, field));
         found.push(json!({
             "name": larger.to_string(), "larger": larger, "count": rows.len(), "jammed": jam,
+            "left_out": planned.saturating_sub(rows.len() as u64),
             "void_ratio": interval(&voids),
             "height_over_size_mm": interval(&heights),
             "coordination_number": interval(&coordination),

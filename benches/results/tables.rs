@@ -273,8 +273,8 @@ fn sizes(quote: Cells) -> Result<String, String> {
 
 fn twins(quote: Cells) -> Result<String, String> {
     let mut text = head(
-        "times as large | runs | void ratio | height / size, mm | coordination number | overlap, \
-         mean % | 99th percentile % | largest numerical creep, µm/s (allowed)",
+        "times as large | runs | left out | void ratio | height / size, mm | coordination number | \
+         overlap, mean % | 99th percentile % | largest numerical creep, µm/s (allowed)",
     );
     for larger in ["0.1", "1", "5"] {
         let at = |path: &str, format: &str| {
@@ -282,8 +282,8 @@ fn twins(quote: Cells) -> Result<String, String> {
         };
         let creep = at("largest_creep_um_per_s", ".1")?;
         let creep = format!("{creep} ({})", at("allowed_creep_um_per_s", ".1")?);
-        let fields = "count void_ratio:±.3 height_over_size_mm:±.1 coordination_number:±.2 \
-                      overlap_mean_percent:mean.3 overlap_p99_percent:mean.2";
+        let fields = "count left_out void_ratio:±.3 height_over_size_mm:±.1 \
+                      coordination_number:±.2 overlap_mean_percent:mean.3 overlap_p99_percent:mean.2";
         text += &row(&[vec![larger.to_owned()], cells(&at, fields)?, vec![creep]].concat());
     }
     Ok(text)

@@ -384,32 +384,48 @@ fn the_twins_of_the_design_are_twins() {
 
 /// The script of `make twins` on the table of a sweep whose runs are made up.
 #[test]
-fn the_table_of_twins_has_a_row_for_each_run_with_a_result() {
+fn the_table_of_twins_has_a_row_for_each_run() {
     let folder = Folder::new();
     let sweep = |rows: &str| {
         std::fs::write(folder.path("sweep.csv"), rows).expect("written");
         let mut bash = std::process::Command::new("bash");
         bash.arg(root().join("scripts/twins.sh")).env("PLUVIA", "true");
         bash.args([folder.path(""), folder.path("twins.csv")]);
-        bash.output().expect("bash starts").status.success()
+        let output = bash.output().expect("bash starts");
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        output.status.success().then_some(said)
     };
     let rows = "run,point,configuration,size,poured_height_mm.mean_surface,void_ratio,\
                 standing_height_mm.mean_surface,coordination_number,overlap.mean_percent,\
                 overlap.p99_percent,creep_um_per_s,grains.left_in_funnel,meets_standard,valid,failure\n\
                 a,p,1,1,110,1.05,110,4.6,0.06,0.3,0.1,0,true,true,\n\
                 b,p,1,0.1,11,1.04,10.8,4.5,0.06,0.3,0.1,2,true,true,\n\
-                c,p,2,1,,,,,,,,,,,\"it failed, badly\"\n";
-    assert!(sweep(rows), "law: two runs make a table");
+                d,p,2,0.1,11,1.3,10.9,4.4,0.06,0.3,9.5,2,true,false,\n\
+                c,p,2,1,,,,,,,,,,,\"it failed, badly:\n1,2,3,4\"\n";
+    let said = sweep(rows).expect("law: two runs make a table");
+    let expected = "4 runs in";
+    assert!(said.contains(expected), "law: expected `{expected}`, got `{said}`");
+    let expected = ", 2 of them without result or not valid";
+    assert!(said.contains(expected), "law: expected `{expected}`, got `{said}`");
     let got = folder.text("twins.csv");
-    let header =
-        include_str!("../../docs/results/scale/twins.csv").lines().next().expect("a header");
-    let expected = format!(
-        "{header}\n0.1,1,1.04,10.8,4.5,0.06,0.3,0.1,2,true\n1,1,1.05,110,4.6,0.06,0.3,0.1,0,true\n"
-    );
-    assert_eq!(got, expected, "law: by size, in the columns of the table that is kept");
-    assert!(
-        !sweep(&rows.replace("void_ratio", "other")),
-        "law: a column that is missing is an error"
-    );
-    assert_eq!(folder.text("twins.csv"), got, "law: and the table stays as it was");
+    let expected = "larger,configuration,void_ratio,standing_height_mm.mean_surface,\
+                    coordination_number,overlap.mean_percent,overlap.p99_percent,creep_um_per_s,\
+                    grains.left_in_funnel,meets_standard,valid\n\
+                    0.1,1,1.04,10.8,4.5,0.06,0.3,0.1,2,true,true\n\
+                    0.1,2,1.3,10.9,4.4,0.06,0.3,9.5,2,true,false\n\
+                    1,1,1.05,110,4.6,0.06,0.3,0.1,0,true,true\n\
+                    1,2,,,,,,,,,\n";
+    assert_eq!(got, expected, "law: by size, those that are left out, too");
+    let kept = include_str!("../../docs/results/scale/twins.csv").lines().next().expect("a header");
+    assert!(got.starts_with(kept), "law: the columns of the table that is kept: {kept}");
+    for rows in [
+        rows.replace("void_ratio", "other"),
+        rows.replace("a,p,1,1,110,1.05", "a,p,1,1,,")
+            .replace("b,p,1,0.1,11,1.04", "b,p,1,0.1,,")
+            .replace("d,p,2,0.1,11,1.3", "d,p,2,0.1,,"),
+    ] {
+        let said = sweep(&rows);
+        assert_eq!(said, None, "law: a missing column or no result at all is an error");
+        assert_eq!(folder.text("twins.csv"), got, "law: and the table stays as it was");
+    }
 }

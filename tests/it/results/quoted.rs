@@ -163,3 +163,35 @@ fn twins_are_compared_in_pairs() {
     assert!(rows[0].ends_with(" ~ | 0.00 ± 0.00 ~ |"), "law: scatter is marked, got {table}");
     assert!(rows[1].starts_with("| 5 less 1 | 3 | 0.00 ± 0.00 ~ | "), "law: {table}");
 }
+
+/// Law: of twins the page says how many runs it leaves out: those that jammed, without a result,
+/// with a row or without one, and those that are not valid.
+#[test]
+fn twins_that_are_left_out_are_counted() {
+    let mut text = String::from(
+        "larger,configuration,void_ratio,standing_height_mm.mean_surface,coordination_number,\
+         overlap.mean_percent,overlap.p99_percent,creep_um_per_s,grains.left_in_funnel,\
+         meets_standard,valid\n",
+    );
+    for n in 1..=5 {
+        for (larger, height) in [("0.1", 10), ("1", 100), ("5", 500)] {
+            text += &match (larger, n) {
+                ("0.1", 2) => format!("{larger},{n},,,,,,,,,\n"),
+                ("0.1", 3) => format!("{larger},{n},9,9,4.5,0.06,0.3,0.1,0,true,false\n"),
+                ("0.1", 4) => format!("{larger},{n},9,9,4.5,0.06,0.3,0.1,100,true,true\n"),
+                ("1", 5) => continue,
+                _ => format!("{larger},{n},1,{height},4.5,0.06,0.3,0.1,0,true,true\n"),
+            };
+        }
+    }
+    let (_folder, results) = with("scale/twins.csv", &text);
+    let table = tables::named("twins", &results).expect("a table");
+    let rows: Vec<&str> = table.lines().skip(2).collect();
+    for (row, expected) in rows.iter().zip([
+        "| 0.1 | 2 | 3 | 1.000 ± ",
+        "| 1 | 4 | 1 | 1.000 ± ",
+        "| 5 | 5 | 0 | 1.000 ± ",
+    ]) {
+        assert!(row.starts_with(expected), "law: expected `{expected}`, got `{row}`");
+    }
+}
