@@ -2,6 +2,7 @@
 
 use std::{
     cell::RefCell,
+    collections::BTreeMap,
     path::PathBuf,
     sync::{Arc, atomic::AtomicBool},
 };
@@ -40,6 +41,8 @@ pub struct Bench {
     pub jobs: usize,
     /// What nothing was read of since this was last taken, and why: see [`Bench::leave_out`].
     pub left_out: RefCell<Vec<String>>,
+    /// Realisations with a value of the vibrations that were run, by the name of their folder.
+    pub shaken: RefCell<BTreeMap<String, Vec<u32>>>,
 }
 
 /// A point of a design: its name, and what it changes in the scenario.

@@ -8,7 +8,7 @@ use pluvia::{
 
 use super::{
     bench::{Bench, Run},
-    legend::names,
+    legend::{names, realisations},
     references::{BASALT_STATES, GRAVEL_STATES, VOID_RATIO},
     row::{Found, Row},
     tree::root,
@@ -350,7 +350,8 @@ fn folder(scenario: &str, vibration: &Vibration) -> String {
     format!("{}-{}", scenario.replace("validation/", "").replace('/', "-"), vibration.name)
 }
 
-/// How specimens sink while they are vibrated, of what has run.
+/// How specimens sink while they are vibrated, of what was run now: another command may have left
+/// runs in these folders that are longer, or have failed by now.
 fn settling(bench: &Bench) -> Result<Chart, String> {
     let mut plot = Plot::new(
         Axis::linear("Time of vibration (s)").from_zero(),
@@ -367,12 +368,11 @@ fn settling(bench: &Bench) -> Result<Chart, String> {
     let (mut kinds, mut lines) = (Vec::new(), Vec::new());
     for (kind, (scenario, title, vibration)) in own.into_iter().chain(published).enumerate() {
         kinds.push(title.to_owned());
-        let out = bench.options(&folder(scenario, vibration)).out;
-        for configuration in 1..=bench.configurations.min(vibration.most) {
+        let name = folder(scenario, vibration);
+        let out = bench.options(&name).out;
+        let shaken = bench.shaken.borrow().get(&name).cloned().unwrap_or_default();
+        for configuration in shaken {
             let folder = out.join(format!("runs/densest-c{configuration}"));
-            if !folder.join("series.csv").exists() {
-                continue;
-            }
             let run = Run { point: 0, configuration, folder };
             let rows = run.series(["time_s", "stage", "mean_surface_mm"])?;
             let Some(last) = rows.last() else { continue };
@@ -417,6 +417,9 @@ fn states(
         let longer = 2.0 * duration_s;
         let sinks_on = second_half(&found).is_some_and(|fall| fall > ENDED);
         if !sinks_on || bench.is_quick() || longer > vibration.longest_s[design] {
+            let of = &found.states.e_min;
+            let shaken = realisations("densest", of.values.len(), &of.failures);
+            bench.shaken.borrow_mut().insert(out, shaken);
             return Ok((found, duration_s));
         }
         duration_s = longer;

@@ -120,6 +120,7 @@ fn run(options: &Options) -> Result<(), String> {
         configurations: options.configurations.unwrap_or(configurations),
         jobs: options.jobs.map_or_else(pluvia::study::available_cores, |jobs| jobs as usize),
         left_out: RefCell::default(),
+        shaken: RefCell::default(),
     };
     create_folder(&bench.out).map_err(|e| e.to_string())?;
     let kept = tree::root().join("docs/results");

@@ -328,6 +328,27 @@ fn rows_of_a_test_are_written_when_it_ends() {
     assert!((got - 0.5).abs() < 1e-12, "law: (1 - 0.8)/(1 - 0.6) = 0.5, got {got}");
 }
 
+/// Law: a figure shows realisations that have a value now, whatever earlier runs have left.
+#[test]
+fn realisations_without_a_value_have_no_line() {
+    let failures = |runs: &[&str]| -> Vec<String> {
+        runs.iter().map(|run| format!("{run}: it failed: densest-c1: at 2 s")).collect()
+    };
+    for (values, failed, expected) in [
+        (2, &["densest-c2"][..], vec![1, 3]),
+        (3, &[][..], vec![1, 2, 3]),
+        (0, &["densest-c1"][..], vec![]),
+        (9, &["densest-c10"][..], vec![1, 2, 3, 4, 5, 6, 7, 8, 9]),
+    ] {
+        let got = legend::realisations("densest", values, &failures(failed));
+        assert_eq!(got, expected, "law: {values} with a value, without one {failed:?}");
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/laboratory/density.rs");
+    let text = std::fs::read_to_string(path).expect("it can be read");
+    let by_folder = text.contains(".exists()");
+    assert!(!by_folder, "law: no line is drawn because a folder of a run is there");
+}
+
 /// Law: the first line of a kind in a figure has its name, whichever realisation it is of: the first
 /// one may be left out.
 #[test]
