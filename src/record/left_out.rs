@@ -66,6 +66,16 @@ impl Summary {
         begun.into_iter().chain(self.stages.iter().enumerate().filter_map(of)).collect()
     }
 
+    /// Whether something is found in the run that the accuracy standard does not judge: by a run-time
+    /// check other than those of overlap and numerical creep, or because a height or a settlement was
+    /// read while its grains still moved.
+    pub fn has_finding_beside_standard(&self) -> bool {
+        const OF_STANDARD: [&str; 3] = ["overlap_mean", "overlap_p99", "creep"];
+        let mut checks = self.checks.iter().flat_map(Checks::each);
+        checks.any(|(name, check)| !OF_STANDARD.contains(&name) && check.passed == Some(false))
+            || !self.read_while_moving().is_empty()
+    }
+
     /// Whether grains have run out of a laboratory until no two of them touch, so that its end has
     /// no overlap to judge: what flowed counts if the overlap was within the standard while they
     /// touched, at the ends of stages. The numerical creep of those that are left is judged as ever,
@@ -140,6 +150,15 @@ impl RunRow {
         self.failure.is_none() && self.valid == Some(true) && self.left_out_of_means.is_none()
     }
 
+    /// Whether the run failed, or something is found in it beside what the accuracy standard judges.
+    /// Rows from before this was recorded say so only of runs that meet the standard.
+    pub fn is_spoilt(&self) -> bool {
+        let is_not_valid_by_others = self.meets_standard == Some(true) && self.valid != Some(true);
+        self.failure.is_some()
+            || is_not_valid_by_others
+            || self.finding_beside_standard == Some(true)
+    }
+
     /// Whether the run has a result that is left out of means.
     pub fn is_left_out(&self) -> bool {
         self.failure.is_none() && !self.counts_in_means()
@@ -204,6 +223,24 @@ mod tests {
         let grains = GrainsSummary { count: 0, missing: Some(0), ..run(None).grains };
         let few = Summary { grains, ..run(None) };
         assert!(few.counts_in_means(), "law: nothing poured, nothing missing");
+    }
+
+    /// Law: what a check of the energy finds spoils a run, whether it meets the accuracy standard or
+    /// not; that it does not meet the standard is no finding of its own.
+    #[test]
+    fn findings_beside_the_standard_spoil_a_run() {
+        for (meets, passed, expected) in [
+            (true, Some(true), false),
+            (false, Some(true), false),
+            (true, Some(false), true),
+            (false, Some(false), true),
+        ] {
+            let row = row(1, 160.0, summary(meets, passed).judged());
+            let case = format!("standard met: {meets}, energy passed: {passed:?}");
+            assert_eq!(row.is_spoilt(), expected, "law: {case}");
+            let spoilt = VariationRow::of(&[row]).remove(0).spoilt;
+            assert_eq!(spoilt, usize::from(expected), "law: {case}, counted");
+        }
     }
 
     /// Stages by name, and whether they settled, where that is known.

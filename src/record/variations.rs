@@ -64,6 +64,9 @@ pub struct RunRow {
     pub meets_standard: Option<bool>,
     /// Whether the run is valid, as its summary has it.
     pub valid: Option<bool>,
+    /// Whether something is found in it that the accuracy standard does not judge, as by the check
+    /// of the energy; none in rows from before this was recorded.
+    pub finding_beside_standard: Option<bool>,
     /// Why the result is left out of means; none where it counts (`counts_in_means`).
     pub left_out_of_means: Option<String>,
     /// Wall time over simulated time.
@@ -124,6 +127,7 @@ impl RunRow {
             creep_um_per_s: s.creep_um_per_s,
             meets_standard: Some(s.meets_standard),
             valid: Some(s.valid),
+            finding_beside_standard: Some(s.has_finding_beside_standard()),
             left_out_of_means: (!s.counts_in_means()).then(|| s.why_left_out().join("; ")),
             wall_s_per_simulated_s: (s.simulated_s > 0.0).then_some(s.wall_s / s.simulated_s),
             simulated_s: Some(s.simulated_s),
@@ -199,6 +203,8 @@ pub struct VariationRow {
     pub valid: usize,
     /// How many of them have a result that is left out of the means.
     pub left_out: usize,
+    /// How many of them failed, or have a finding beside what the accuracy standard judges.
+    pub spoilt: usize,
     /// Grains that are not in the cylinder at the end.
     pub grains_outside: Option<Estimate>,
     /// Height of the mean surface after pouring in mm.
@@ -255,6 +261,7 @@ impl VariationRow {
             meeting_standard: runs.iter().filter(|r| r.meets_standard == Some(true)).count(),
             valid: runs.iter().filter(|r| r.valid == Some(true)).count(),
             left_out: runs.iter().filter(|r| r.is_left_out()).count(),
+            spoilt: runs.iter().filter(|r| r.is_spoilt()).count(),
             grains_outside: of_all(&|r| r.grains_outside.map(|g| g as f64)),
             poured_height_mm: mean(&|r| r.poured_height_mm),
             void_ratio: mean(&|r| r.void_ratio),
@@ -275,7 +282,7 @@ impl VariationRow {
 }
 
 /// How many fields of [`VariationRow`] say what it is and how many runs it has; means follow.
-const SETTINGS: usize = 16;
+const SETTINGS: usize = 17;
 
 /// `variations.csv`: one row a variation, each mean beside its standard error.
 ///

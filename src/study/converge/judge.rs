@@ -177,7 +177,7 @@ fn is_open(mean: Estimate, limit: f64) -> Option<bool> {
 
 /// Whether a run failed, or a run-time check found something in one, or its grains had not settled.
 fn is_spoilt(of: &VariationRow) -> bool {
-    of.failed > 0 || of.meeting_standard > of.valid
+    of.spoilt > 0
 }
 
 /// The cheapest settings, by wall time over simulated time.

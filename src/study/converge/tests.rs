@@ -252,6 +252,36 @@ fn a_setting_does_not_pass_by_leaving_its_bad_runs_out() {
     );
 }
 
+/// Law: what a run-time check found in one run spoils its setting, whether that run meets the
+/// accuracy standard or not, and whatever other runs there are.
+#[test]
+fn a_failed_check_spoils_a_setting_beside_any_other_run() {
+    let passes = |change: &dyn Fn(&mut [RunRow])| {
+        let mut coarse = three("coarse", 160.0, 1.0);
+        change(&mut coarse);
+        let runs = [coarse, three("fine", 160.0, 4.0)].concat();
+        let rows = judged(&runs, &[ladder("rate", &["coarse", "fine"])]);
+        (rows[0].meets, cheapest(&rows, &standard()).not_shown_to_miss == Some(0))
+    };
+    // Grains that ran out are valid without an overlap at the end.
+    let ran_out = |row: &mut RunRow| (row.meets_standard, row.valid) = (Some(false), Some(true));
+    let above = |row: &mut RunRow, finding: bool| {
+        (row.meets_standard, row.overlap_mean_percent) = (Some(false), Some(0.6));
+        (row.valid, row.finding_beside_standard) = (Some(false), Some(finding));
+    };
+    let alone = passes(&|rows| ran_out(&mut rows[1]));
+    assert_eq!(alone, (Some(true), true), "law: what is valid spoils nothing");
+    let hidden = passes(&|rows| {
+        ran_out(&mut rows[1]);
+        rows[2].valid = Some(false);
+    });
+    assert_eq!(hidden, (Some(false), false), "law: a valid run does not make up for another");
+    let by_chance = passes(&|rows| above(&mut rows[2], false));
+    assert_eq!(by_chance, (Some(true), true), "law: overlap is judged by its mean");
+    let found = passes(&|rows| above(&mut rows[2], true));
+    assert_eq!(found, (Some(false), false), "law: a finding spoils it, above the standard, too");
+}
+
 #[test]
 fn settings_are_held_against_the_study_too() {
     // A ladder of its own that is converged, at another height.
