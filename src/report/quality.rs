@@ -46,8 +46,9 @@ pub(crate) fn found_in(
     let end = format!(" and from {these}, each for the reason in the table of runs");
     match found {
         Some(found) => found + &sentence_of_left_out(left_out, runs.len(), &end),
-        None if left_out > 0 => format!("There is {NO_VALID_RUN}."),
-        None => without_runs.to_owned(),
+        None if runs.is_empty() => without_runs.to_owned(),
+        None if left_out == runs.len() => format!("There is {NO_VALID_RUN}."),
+        None => "No run that counts has a value.".to_owned(),
     }
 }
 

@@ -99,6 +99,24 @@ mod tests {
         }
     }
 
+    /// Law: a run is not said to be missing where it is there without a final settlement, as one that
+    /// only rests after a vibration of an earlier run; nor is it called not valid.
+    #[test]
+    fn a_run_without_a_final_settlement_is_there() {
+        let mut run = canned::valid_runs().remove(4);
+        let with = finals(&[&run]);
+        assert!(
+            with.starts_with("Final settlement of the plate: "),
+            "law: it has one, got `{with}`"
+        );
+        (run.summary.settlement_mm, run.summary.surface_settlement_mm) = (None, None);
+        let expected = "No run that counts has a value.";
+        assert_eq!(finals(&[&run]), expected, "law: left what is said, right what is so");
+        run.summary.valid = false;
+        assert_eq!(finals(&[&run]), "There is no valid run.", "law: it does not count");
+        assert_eq!(finals(&[]), "No such run was done.", "law: there is none");
+    }
+
     /// Law: the time axis of a specimen that was shaken for 20 s and came to rest soon after ends
     /// there, as the numbers in the figure say: the next one, 25 s, would leave a fifth of it empty.
     #[test]
