@@ -149,8 +149,8 @@ pub struct TargetsFound {
     pub searched: usize,
 }
 
-/// Below this probability everywhere two targets are said to exclude each other. Ours: one run in
-/// twenty, the usual level of a test.
+/// Below this probability everywhere two targets are said to exclude each other, unless a point meets
+/// both. Ours: one run in twenty, the usual level of a test.
 pub const EXCLUDED_BELOW: f64 = 0.05;
 
 /// Steps that the range of a factor is divided into at least, where a page says where a probability
@@ -178,8 +178,12 @@ impl TargetsFound {
                 }
             ),
         });
-        let alone = self.targets.iter().map(|t| (t.target.title(), t.best));
-        let pairs = self.pairs.iter().map(|pair| (self.names(&pair.targets), pair.best));
+        // What has been met can be met, whatever the models say.
+        let unmet = self.targets.iter().filter(|t| t.runs_meeting == 0);
+        let alone = unmet.map(|t| (t.target.title(), t.best));
+        let is_unmet = |pair: &&Together| pair.points.is_none_or(|points| points.met == 0);
+        let pairs = self.pairs.iter().filter(is_unmet);
+        let pairs = pairs.map(|pair| (self.names(&pair.targets), pair.best));
         said.extend(excluded("Not met anywhere by itself", alone));
         said.extend(excluded("Targets that exclude each other", pairs));
         let is_of_one = |t: &&TargetFound| t.specimens == 1 && t.runs_counted > 1;
@@ -419,6 +423,30 @@ mod tests {
             all: Together { targets: vec![0], mean: 0.48, best: 0.6, at: at_best, points: None },
             met_at: vec![MetAt { at: at(0.3, 5.0), values: vec![0.606_812] }],
             searched: 20_000,
+        }
+    }
+
+    /// Law: what runs or points have met is not said to be met nowhere or to be excluded, however
+    /// small the probability by the models is.
+    #[test]
+    fn what_was_met_is_not_excluded() {
+        let of = |met: usize| {
+            let mut found = found();
+            found.targets = vec![found.targets[0].clone(), found.targets[0].clone()];
+            for target in &mut found.targets {
+                (target.best, target.runs_meeting) = (0.01, met);
+            }
+            let points = PointsMet::new(met, 12, 12);
+            found.all = Together { targets: vec![0, 1], best: 0.01, points, ..found.all };
+            found.pairs = vec![found.all.clone()];
+            found.answer()
+        };
+        for (met, expected) in [(0, true), (1, false)] {
+            let answer = of(met);
+            for words in ["Not met anywhere by itself", "Targets that exclude each other"] {
+                let got = answer.contains(words);
+                assert_eq!(got, expected, "law: `{words}` where {met} of 12 meet them: {answer}");
+            }
         }
     }
 
