@@ -85,12 +85,29 @@ pub fn side_view(specimen: &Specimen, pile: &AngleOfRepose) -> Result<Figure, Re
     });
     let svg = Picture::new(specimen, pile, base_level_mm).svg(&sides);
     let caption = format!(
-        "The pile seen along y. The lines are the fitted flanks on either side, means over the \
-         sectors within {SIDE_DEGREES}° of it, drawn solid where they are fitted. They \
-         follow the mean surface of a sector; grains of the silhouette stand in front of it. The \
-         interval is that of this pile's mean slope; other piles may lie outside."
+        "The pile seen along y. {} The interval is that of this pile's mean slope; other piles may \
+         lie outside.",
+        lines_in_words(&sides)
     );
     Figure::of_svg("pile", "Side view of the pile", caption, svg, &table)
+}
+
+/// What a caption says of the fitted lines, of the sides that have one.
+fn lines_in_words(sides: &[Side]) -> String {
+    let line = match sides {
+        [] => return "No line: neither side has a fitted flank that falls outwards.".to_owned(),
+        [one] => format!(
+            "The line is the fitted flank on the {}, the mean over the sectors within \
+             {SIDE_DEGREES}° of it, drawn solid where it is fitted; the other side has none that \
+             falls outwards. It follows",
+            one.name
+        ),
+        _ => format!(
+            "The lines are the fitted flanks on either side, means over the sectors within \
+             {SIDE_DEGREES}° of it, drawn solid where they are fitted. They follow"
+        ),
+    };
+    line + " the mean surface of a sector; grains of the silhouette stand in front of it."
 }
 
 /// Space in mm around what is drawn of a pile on a base of a radius in mm: on those of the paper's
@@ -258,6 +275,29 @@ mod tests {
         let expected =
             "Angle of repose 43.4° (95 % confidence 42.4° to 44.4°), mean of all directions";
         assert_eq!(angle_in_words(&pile), expected);
+    }
+
+    /// Law: the caption speaks of the lines that are drawn: of a side whose sectors have no flank there
+    /// is none.
+    #[test]
+    fn the_caption_is_of_the_lines_that_are_drawn() {
+        let pile = canned::pile(1, Some(43.44)).summary.angle_of_repose.expect("an angle");
+        let sector = |azimuth_degrees: f64| AzimuthAngle {
+            azimuth_degrees,
+            degrees: Some(43.0),
+            toe_radius_mm: Some(80.0),
+        };
+        for (azimuths, expected) in [
+            (&[0.0, 180.0][..], "The lines are the fitted flanks on either side"),
+            (&[0.0][..], "The line is the fitted flank on the right"),
+            (&[180.0][..], "The line is the fitted flank on the left"),
+            (&[90.0][..], "No line: neither side has a fitted flank"),
+        ] {
+            let by_azimuth = azimuths.iter().map(|azimuth| sector(*azimuth)).collect();
+            let sides = Side::both(&AngleOfRepose { by_azimuth, ..pile.clone() });
+            let got = lines_in_words(&sides);
+            assert!(got.starts_with(expected), "law: of {azimuths:?} `{expected}`, got `{got}`");
+        }
     }
 
     /// Law: space, floor and scale bar of the side view grow with the base, and the scale bar with its
