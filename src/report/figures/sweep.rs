@@ -83,7 +83,12 @@ fn effect_figure(
             true => "; crosses: runs left out of the means, as they do not count in them",
             false => "",
         };
-        format!("Rings: every run{left_out}. {}", of_means(of, &effects))
+        // Those in which another factor differs say nothing of this one, and are not drawn.
+        let every = match of.design == "one_at_a_time" && of.factors.len() > 1 {
+            true => "every run in which all other factors have the scenario's own values",
+            false => "every run",
+        };
+        format!("Rings: {every}{left_out}. {}", of_means(of, &effects))
     };
     let title = format!("What {} moves", factor.path);
     figure_of(&stem("effect", &factor.path), &title, caption, panels, &table)
@@ -270,6 +275,13 @@ mod tests {
         let said =
             "Discs: means over 1 of 2 configurations (the others lack runs that count). No bars";
         assert!(got.contains(said), "law: expected `{said}`, got `{got}`");
+        let mut single = sweep(2);
+        single.design = "one_at_a_time";
+        assert!(figure(&single).caption.starts_with("Rings: every run."), "law: of one factor");
+        single.factors.push(SweepFactor { path: "other".into(), ..single.factors[0].clone() });
+        let got = figure(&single).caption;
+        let said = "Rings: every run in which all other factors have the scenario's own values.";
+        assert!(got.starts_with(said), "law: expected `{said}`, got `{got}`");
         let mut drawn = sweep(2);
         drawn.factors[0].sampled = true;
         assert!(!figure(&drawn).caption.contains("Crosses"), "law: no run is left out");
