@@ -365,10 +365,11 @@ fn length(of: &VariationRow, mean: Option<Estimate>) -> String {
 fn deviation(d: &Deviation, of: &VariationRow, own: Option<Estimate>, reference: bool) -> String {
     match (own, d.percent) {
         (None, _) if of.has_no_valid_run() => missing(true),
+        // Not measured, as the plate of a scenario without one: no reference either.
+        (None, None) => dash(),
         _ if reference => "reference".to_owned(),
         // Its own runs count, and none of the reference's of the same configurations.
         (Some(_), None) => "no valid pair".to_owned(),
-        (None, None) => dash(),
         (_, Some(percent)) => {
             let bold = if d.within == Some(false) { "**" } else { "" };
             let scatter = if d.inside_scatter == Some(true) { " ~" } else { "" };
@@ -419,5 +420,10 @@ mod tests {
             assert_eq!(got, expected, "law: an overlap within {error:?}");
         }
         assert_eq!(rounded(None), "–", "law: what was not measured has no digits");
+        let none = Deviation::judged(None, 1.0);
+        for (own, expected) in [(v.poured_height_mm, "reference"), (None, "–")] {
+            let got = deviation(&none, &v, own, true);
+            assert_eq!(got, expected, "law: the finest rung is the reference of what it has");
+        }
     }
 }
