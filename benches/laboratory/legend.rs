@@ -10,8 +10,8 @@ pub fn names(kinds: &[String], lines: &[usize]) -> Vec<String> {
     lines.iter().enumerate().map(name).collect()
 }
 
-/// Realisations of a state that have a value: how many have one is known, and why others have none, in
-/// words that begin with the name of the run.
+/// Realisations of a state that have a value: how many have one is known, and why others have none,
+/// in words that begin with the name of the run.
 pub fn realisations(state: &str, values: usize, failures: &[String]) -> Vec<u32> {
     let has_value = |n: &u32| {
         let run = format!("{state}-c{n}: ");

@@ -283,7 +283,8 @@ fn twins(quote: Cells) -> Result<String, String> {
         let creep = at("largest_creep_um_per_s", ".1")?;
         let creep = format!("{creep} ({})", at("allowed_creep_um_per_s", ".1")?);
         let fields = "count left_out void_ratio:±.3 height_over_size_mm:±.1 \
-                      coordination_number:±.2 overlap_mean_percent:mean.3 overlap_p99_percent:mean.2";
+                      coordination_number:±.2 overlap_mean_percent:mean.3 \
+                      overlap_p99_percent:mean.2";
         text += &row(&[vec![larger.to_owned()], cells(&at, fields)?, vec![creep]].concat());
     }
     Ok(text)

@@ -66,9 +66,9 @@ impl Summary {
         begun.into_iter().chain(self.stages.iter().enumerate().filter_map(of)).collect()
     }
 
-    /// Whether something is found in the run that the accuracy standard does not judge: by a run-time
-    /// check other than those of overlap and numerical creep, or because a height or a settlement was
-    /// read while its grains still moved.
+    /// Whether something is found in the run that the accuracy standard does not judge: by a
+    /// run-time check other than those of overlap and numerical creep, or because a height or a
+    /// settlement was read while its grains still moved.
     pub fn has_finding_beside_standard(&self) -> bool {
         const OF_STANDARD: [&str; 3] = ["overlap_mean", "overlap_p99", "creep"];
         let mut checks = self.checks.iter().flat_map(Checks::each);
@@ -150,8 +150,8 @@ impl RunRow {
         self.failure.is_none() && self.valid == Some(true) && self.left_out_of_means.is_none()
     }
 
-    /// Whether the run failed, or something is found in it beside what the accuracy standard judges.
-    /// Rows from before this was recorded say so only of runs that meet the standard.
+    /// Whether the run failed, or something is found in it beside what the accuracy standard
+    /// judges. Rows from before this was recorded say so only of runs that meet the standard.
     pub fn is_spoilt(&self) -> bool {
         let is_not_valid_by_others = self.meets_standard == Some(true) && self.valid != Some(true);
         self.failure.is_some()
@@ -225,8 +225,8 @@ mod tests {
         assert!(few.counts_in_means(), "law: nothing poured, nothing missing");
     }
 
-    /// Law: what a check of the energy finds spoils a run, whether it meets the accuracy standard or
-    /// not; that it does not meet the standard is no finding of its own.
+    /// Law: what a check of the energy finds spoils a run, whether it meets the accuracy standard
+    /// or not; that it does not meet the standard is no finding of its own.
     #[test]
     fn findings_beside_the_standard_spoil_a_run() {
         for (meets, passed, expected) in [

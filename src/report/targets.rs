@@ -149,8 +149,8 @@ pub struct TargetsFound {
     pub searched: usize,
 }
 
-/// Below this probability everywhere two targets are said to exclude each other, unless a point meets
-/// both. Ours: one run in twenty, the usual level of a test.
+/// Below this probability everywhere two targets are said to exclude each other, unless a point
+/// meets both. Ours: one run in twenty, the usual level of a test.
 pub const EXCLUDED_BELOW: f64 = 0.05;
 
 /// Steps that the range of a factor is divided into at least, where a page says where a probability

@@ -277,8 +277,8 @@ mod tests {
         assert_eq!(angle_in_words(&pile), expected);
     }
 
-    /// Law: the caption speaks of the lines that are drawn: of a side whose sectors have no flank there
-    /// is none.
+    /// Law: the caption speaks of the lines that are drawn: of a side whose sectors have no flank
+    /// there is none.
     #[test]
     fn the_caption_is_of_the_lines_that_are_drawn() {
         let pile = canned::pile(1, Some(43.44)).summary.angle_of_repose.expect("an angle");

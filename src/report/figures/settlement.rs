@@ -99,8 +99,8 @@ mod tests {
         }
     }
 
-    /// Law: a run is not said to be missing where it is there without a final settlement, as one that
-    /// only rests after a vibration of an earlier run; nor is it called not valid.
+    /// Law: a run is not said to be missing where it is there without a final settlement, as one
+    /// that only rests after a vibration of an earlier run; nor is it called not valid.
     #[test]
     fn a_run_without_a_final_settlement_is_there() {
         let mut run = canned::valid_runs().remove(4);
