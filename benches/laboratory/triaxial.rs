@@ -55,9 +55,9 @@ impl Kind {
 /// Time in s that a specimen has at rest with its new friction, before it is sheared.
 const REST: f64 = 0.2;
 /// Time in s over which the mean stress is smoothed and restored: see the scenario's notes.
-const WINDOW: f64 = 0.05;
+const WINDOW: f64 = 0.03;
 /// Time in s in which the top plate comes to its full speed, likewise.
-const RAMP: f64 = 0.4;
+const RAMP: f64 = 0.8;
 /// Plates whose forces keep it.
 const SIDES: [&str; 4] = ["west", "east", "south", "north"];
 /// Stress in kPa from all sides.
@@ -66,7 +66,7 @@ const STRESS: f64 = 10.0;
 const TRAVEL: f64 = 0.40;
 const END: f64 = 0.27;
 /// How far it goes in a second.
-const RATE: f64 = 0.20;
+const RATE: f64 = 0.10;
 /// Moments that count together as the peak.
 const TOGETHER: usize = 3;
 /// Mean equivalent diameter of the grains in mm, and density of the solids in kg/m³.
