@@ -214,6 +214,15 @@ pub const KEPT: &[Kept] = &[
         takes: "half an hour",
     },
     Kept {
+        name: "high-friction",
+        what: "Pours of the quick specimen with friction that grains hardly have, five realisations, \
+               native contacts",
+        files: &[("engines/high-friction.csv", "sweep.csv")],
+        made: Made::Pluvia(&["sweep scenarios/quick/pluviation.json --configurations 5 \
+                              --over contact.grain_grain_friction=1,1.5,2,3 --out OUT"]),
+        takes: "4 minutes",
+    },
+    Kept {
         name: "native-eight",
         what: "The same pours with eight iterations in each sub-step",
         files: &[("engines/native-eight-iterations.csv", "")],

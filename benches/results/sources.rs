@@ -24,6 +24,7 @@ pub const SOURCES: &[(&str, &str)] = &[
     ("rounding", "shape/rounding.csv"),
     ("native", "engines/native.csv"),
     ("rapier", "engines/rapier.csv"),
+    ("high-friction", "engines/high-friction.csv"),
     ("native-eight", "engines/native-eight-iterations.csv"),
     ("native-older", "engines/native-older-restitution.csv"),
     ("native-middle", "engines/native-friction-in-the-middle.csv"),

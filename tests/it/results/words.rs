@@ -365,3 +365,24 @@ fn the_sensitivity_page_marks_what_its_numbers_say() {
     }
     assert!(beyond > 0, "law: some rows are beyond scatter");
 }
+
+/// Law: with which friction coefficients pours miss the check of the solver is as the page says.
+#[test]
+fn pours_with_high_friction_miss_the_check_of_the_solver_as_the_page_says() {
+    let rows = Results::of(root()).source("high-friction").expect("pours with high friction");
+    let rows = rows.as_array().expect("rows");
+    let missed = |friction: f64| {
+        let of = |row: &&Value| row["contact.grain_grain_friction"].as_f64() == Some(friction);
+        let why = |row: &Value| row["left_out_of_means"].as_str().map(str::to_owned);
+        let of: Vec<_> = rows.iter().filter(of).map(why).collect();
+        let missed = of.iter().flatten().filter(|why| why.contains("solver_residual")).count();
+        [of.len(), missed]
+    };
+    let got = [1.0, 1.5, 2.0, 3.0].map(missed);
+    let expected = [[5, 0], [5, 0], [5, 3], [5, 5]];
+    assert_eq!(got, expected, "law: pours, and those that miss it, with 1, 1.5, 2 and 3");
+    let text = fs::read_to_string(root().join("docs/accuracy.md")).expect("the page");
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let said = "none misses `solver_residual` with 1 or 1.5, three do with 2, and all with 3";
+    assert!(text.contains(said), "law: docs/accuracy.md says `{said}`");
+}
