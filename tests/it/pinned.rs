@@ -4,20 +4,16 @@ use std::{fs, process::Command};
 
 use super::program::{Folder, page, root, said, script};
 
-/// What `pinned` says, and what it has pip install, where pip finds that what is there will do, or not.
-fn pinned(will_do: bool) -> (String, String) {
-    let folder = Folder::new();
-    fs::create_dir_all(folder.path("e/bin")).expect("a folder");
-    script(
-        &folder.path("e/bin/python"),
-        "#!/bin/sh\ncase \"$*\" in\n*--no-index*) exit \"$HELD\" ;;\n*show*) echo Version: 1.0 ;;\n\
-         *) echo \"$*\" >>\"$ASKED\" ;;\nesac\n",
-    );
+/// Has `pinned` hold two packages in the environment `e` of a folder, with the programs of its `bin`
+/// first, where pip finds that what is there will do, or not: what it says, and what was asked for.
+fn pinned_in(folder: &Folder, will_do: bool) -> (String, String) {
+    let path = std::env::var("PATH").expect("a path");
     let output = Command::new("bash")
         .current_dir(root())
         .args(["-euo", "pipefail", "-c"])
         .arg(". scripts/pinned.sh; pinned \"$1\" 'mkdocs==1.6.*' 'markdown>=3'")
         .args(["bash", &folder.out("e")])
+        .env("PATH", format!("{}:{path}", folder.out("bin")))
         .env("HELD", if will_do { "0" } else { "1" })
         .env("ASKED", folder.path("asked"))
         .output()
@@ -25,6 +21,18 @@ fn pinned(will_do: bool) -> (String, String) {
     assert!(output.status.success(), "law: it ends well: {}", said(&output));
     let asked = fs::read_to_string(folder.path("asked")).unwrap_or_default();
     (said(&output), asked)
+}
+
+/// The same in an environment that has pip.
+fn pinned(will_do: bool) -> (String, String) {
+    let folder = Folder::new();
+    fs::create_dir_all(folder.path("e/bin")).expect("a folder");
+    script(
+        &folder.path("e/bin/python"),
+        "#!/bin/sh\ncase \"$*\" in\n*--no-index*) exit \"$HELD\" ;;\n*show*) echo Version: 1.0 ;;\n\
+         *--version) ;;\n*) echo \"$*\" >>\"$ASKED\" ;;\nesac\n",
+    );
+    pinned_in(&folder, will_do)
 }
 
 /// Law: a package of another version is replaced, with both versions said; one that will do is not
@@ -38,6 +46,23 @@ fn packages_of_other_versions_are_replaced() {
     assert!(said.contains(expected), "law: expected `{expected}`, got `{said}`");
     let expected = "install --quiet mkdocs==1.6.* markdown>=3";
     assert!(asked.contains(expected), "law: expected `{expected}`, got `{asked}`");
+}
+
+/// Law: an environment without pip, as one whose making was interrupted, is made anew.
+#[test]
+fn an_environment_without_pip_is_made_anew() {
+    let folder = Folder::new();
+    for name in ["e/bin", "bin"] {
+        fs::create_dir_all(folder.path(name)).expect("a folder");
+    }
+    script(&folder.path("e/bin/python"), "#!/bin/sh\nexit 1\n");
+    script(
+        &folder.path("bin/python3"),
+        "#!/bin/sh\necho \"$*\" >>\"$ASKED\"\necho '#!/bin/sh' >\"$4/bin/python\"\n",
+    );
+    let (_, got) = pinned_in(&folder, true);
+    let expected = format!("-m venv --clear {}\n", folder.out("e"));
+    assert_eq!(got, expected, "law: it is made once (got left, expected right)");
 }
 
 /// Lines of a script that have pip install versions.
