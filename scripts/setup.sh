@@ -62,12 +62,16 @@ wanted() {
     [[ $asked == *" $1 "* ]]
 }
 
+get_rust="curl --proto '=https' --tlsv1.2 -sSf https://sh.rustup.rs | sh -s -- -y"
 # What an older one says of it names no version.
 needed=$(sed -n 's/^rust-version = "\(.*\)"$/\1/p' "$(dirname "$0")/../Cargo.toml" | head -1)
 if have cargo; then
     found=$(cargo --version 2>/dev/null | sed 's/^cargo \([0-9.]*\).*/\1/') || true
+    newer="rustup update stable"
+    # Debian's has no rustup, and would stand before that of rustup in this shell.
+    have rustup || newer="$get_rust && . \"${CARGO_HOME:-\$HOME/.cargo}/env\""
     printf '%s\n%s\n' "$needed" "$found" | sort -C -V || fail \
-        "cargo is ${found:-there without a compiler}, and Pluvia needs $needed or newer" "rustup update stable"
+        "cargo is ${found:-there without a compiler}, and Pluvia needs $needed or newer" "$newer"
 fi
 
 missing=()
@@ -140,8 +144,7 @@ if [ ${#missing[@]} -gt 0 ]; then
 fi
 
 have cargo || fail \
-    "cargo, Rust's build tool, was not found" \
-    "curl --proto '=https' --tlsv1.2 -sSf https://sh.rustup.rs | sh -s -- -y"
+    "cargo, Rust's build tool, was not found" "$get_rust"
 
 if wanted lint; then
     # rustup leaves a stand-in where a component is missing: only running tells.

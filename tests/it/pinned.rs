@@ -1,6 +1,6 @@
 //! Scripts that state the version of a tool look at the one that is there, and say which it is.
 
-use std::{fs, process::Command};
+use std::{fs, os::unix::fs::symlink, process::Command};
 
 use super::program::{Folder, page, root, said, script};
 
@@ -92,21 +92,35 @@ fn stated_versions_are_those_that_are_there() {
     }
 }
 
-/// Law: a compiler that is too old is refused with its version and the one that is needed.
+/// Law: a compiler that is too old is refused with its version and the one that is needed, and a
+/// command that can be typed here: without rustup that of its installation.
 #[test]
 fn an_old_compiler_is_refused_with_both_versions() {
-    let folder = Folder::new();
-    script(&folder.path("cargo"), "#!/bin/sh\necho 'cargo 1.63.0 (fd9c4297c 2022-07-01)'\n");
-    let path = std::env::var("PATH").expect("a path");
-    let output = Command::new("bash")
-        .current_dir(root())
-        .arg("scripts/setup.sh")
-        .env("PATH", format!("{}:{path}", folder.out("")))
-        .output()
-        .expect("bash");
     let needed = env!("CARGO_PKG_RUST_VERSION");
-    let expected = format!("cargo is 1.63.0, and Pluvia needs {needed} or newer");
-    let got = said(&output);
-    assert!(!output.status.success(), "law: it is refused, got {}", output.status);
-    assert!(got.contains(&expected), "law: expected `{expected}`, got `{got}`");
+    for (rustup, command) in
+        [(true, "rustup update stable\n"), (false, "| sh -s -- -y && . \"$HOME/.cargo/env\"\n")]
+    {
+        let folder = Folder::new();
+        script(&folder.path("cargo"), "#!/bin/sh\necho 'cargo 1.63.0 (fd9c4297c 2022-07-01)'\n");
+        if rustup {
+            script(&folder.path("rustup"), "#!/bin/sh\n");
+        }
+        // Nothing else of this machine: it may have another rustup.
+        for name in ["dirname", "head", "sed", "sort"] {
+            symlink(format!("/usr/bin/{name}"), folder.path(name)).expect("linked");
+        }
+        let output = Command::new("/bin/bash")
+            .current_dir(root())
+            .arg("scripts/setup.sh")
+            .env("PATH", folder.out(""))
+            .env("HOME", folder.path("home"))
+            .env_remove("CARGO_HOME")
+            .output()
+            .expect("bash");
+        let expected = format!("cargo is 1.63.0, and Pluvia needs {needed} or newer. Try: ");
+        let got = said(&output);
+        assert!(!output.status.success(), "law: it is refused, got {}", output.status);
+        assert!(got.contains(&expected), "law: expected `{expected}`, got `{got}`");
+        assert!(got.ends_with(command), "law: rustup: {rustup}: `{command}`, got `{got}`");
+    }
 }
