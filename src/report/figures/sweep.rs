@@ -69,7 +69,8 @@ fn effect_figure(
         }
     }
     let panels = effects.iter().map(|effect| effect_panel(of, n, factor, effect));
-    let is_left_out = of.left_out().next().is_some();
+    let has_any = |r: &SweepRun| effects.iter().any(|e| r.outcomes.contains_key(&e.outcome));
+    let is_left_out = of.left_out().any(|r| is_of_factor(of, n, r) && has_any(r));
     let caption = if factor.sampled {
         let left_out = match is_left_out {
             true => " Crosses: runs left out of the effects, as they do not count in means.",
@@ -83,7 +84,6 @@ fn effect_figure(
             true => "; crosses: runs left out of the means, as they do not count in them",
             false => "",
         };
-        // Those in which another factor differs say nothing of this one, and are not drawn.
         let every = match of.design == "one_at_a_time" && of.factors.len() > 1 {
             true => "every run in which all other factors have the scenario's own values",
             false => "every run",
@@ -139,18 +139,20 @@ fn figure_of(
     (!panels.is_empty()).then(|| Figure::new(stem, title, caption, &panels, table)).transpose()
 }
 
+/// Whether a run is drawn over a factor: one at a time those in which another one differs say
+/// nothing of it.
+fn is_of_factor(of: &Sweep, n: usize, run: &SweepRun) -> bool {
+    let point = of.points.iter().find(|p| p.point == run.point);
+    of.design != "one_at_a_time"
+        || point.is_some_and(|p| {
+            let base = &of.points[0].values;
+            p.values.iter().zip(base).enumerate().all(|(k, (v, b))| k == n || v == b)
+        })
+}
+
 fn effect_panel(of: &Sweep, n: usize, factor: &SweepFactor, effect: &SweepEffect) -> Plot {
-    let of_point = |point: &str| of.points.iter().find(|p| p.point == point);
-    let is_shown = |point: &str| {
-        // Points at which another factor differs say nothing of this one.
-        of.design != "one_at_a_time"
-            || of_point(point).is_some_and(|p| {
-                let base = &of.points[0].values;
-                p.values.iter().zip(base).enumerate().all(|(k, (v, b))| k == n || v == b)
-            })
-    };
     let at = |r: &SweepRun| Some((factor.number(&r.values[n]), *r.outcomes.get(&effect.outcome)?));
-    let runs = of.runs.iter().filter(|r| is_shown(&r.point));
+    let runs = of.runs.iter().filter(|r| is_of_factor(of, n, r));
     let (counting, left_out): (Vec<&SweepRun>, Vec<&SweepRun>) =
         runs.partition(|r| r.counts_in_means());
     let of_values = || effect.means.iter().map(|(v, e)| (factor.number(v), e));
@@ -282,6 +284,25 @@ mod tests {
         let got = figure(&single).caption;
         let said = "Rings: every run in which all other factors have the scenario's own values.";
         assert!(got.starts_with(said), "law: expected `{said}`, got `{got}`");
+        let point = |name: &str, values: [u32; 2]| SweepPoint {
+            point: name.to_owned(),
+            values: values.map(Value::from).into(),
+            runs: 2,
+            valid: 2,
+            left_out: 0,
+            failed: 0,
+            outcomes: BTreeMap::new(),
+        };
+        single.points = vec![point("point-0001", [1, 5]), point("point-0002", [1, 6])];
+        for (left_out, expected) in [("point-0001", true), ("point-0002", false)] {
+            for run in &mut single.runs {
+                let is_it = run.point == left_out;
+                run.left_out_of_means = is_it.then(|| "not valid".to_owned());
+            }
+            let got = figure(&single).caption;
+            let said = got.contains("crosses");
+            assert_eq!(said, expected, "law: crosses where {left_out} is left out: {got}");
+        }
         let mut drawn = sweep(2);
         drawn.factors[0].sampled = true;
         assert!(!figure(&drawn).caption.contains("Crosses"), "law: no run is left out");
