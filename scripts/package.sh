@@ -7,7 +7,7 @@
 #   scripts/package.sh install    prints what the archive says of its installation
 #
 # Both hold the stripped program, the manual pages and completions that it prints itself,
-# scenarios, documentation and the licences of Pluvia, not those of linked crates. Neither holds
+# scenarios, documentation, the licences of Pluvia and the notices of linked crates. Neither holds
 # Bullet: the package depends on Debian's, the archive says what to install. PLUVIA is the program,
 # target/release/pluvia unless given; MAINTAINER who answers for the package.
 set -euo pipefail
@@ -42,6 +42,7 @@ fill() {
     gzip -9n "$man"/*.1
     cp -r scenarios "$share/scenarios"
     cp README.md CHANGELOG.md CITATION.cff "$doc/"
+    python3 scripts/notices.py Cargo.toml "$doc/THIRD-PARTY-NOTICES"
     cp -r docs "$doc/docs"
 }
 
@@ -73,8 +74,10 @@ deb() {
     {
         printf 'Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/\n'
         printf 'Upstream-Name: pluvia\n'
+        # Not by name alone: small systems, as containers, leave all else out of /usr/share/doc.
         printf 'Comment: The program contains crates and the font DejaVu Sans (crate dejavu), which have\n'
-        printf ' licences of their own: see the sources of the crates that Cargo.lock of Pluvia names.\n'
+        printf ' licences of their own.\n .\n'
+        sed 's/^$/./; s/^/ /' "$root/usr/share/doc/pluvia/THIRD-PARTY-NOTICES"
         printf '\nFiles: *\nCopyright: the Pluvia authors\n'
         printf 'License: Expat or Apache-2.0\n\nLicense: Expat\n'
         sed 's/^$/./; s/^/ /' LICENSE-MIT

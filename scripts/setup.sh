@@ -106,6 +106,7 @@ fi
 if wanted package; then
     have dpkg-shlibdeps || missing+=(dpkg-dev)
     have xz || missing+=(xz-utils)
+    have python3 || missing+=(python3)
 fi
 if wanted bare; then
     have debootstrap || missing+=(debootstrap)

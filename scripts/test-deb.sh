@@ -37,6 +37,10 @@ inside pluvia run /usr/share/pluvia/scenarios/quick/pluviation.json --out /first
 for file in usr/share/man/man1/pluvia-run.1.gz usr/share/bash-completion/completions/pluvia; do
     [ -s "$bare/$file" ] || fail "/$file is missing" "scripts/package.sh deb"
 done
+for file in THIRD-PARTY-NOTICES copyright; do
+    grep -q '^ \?rapier3d-f64 .* | Apache-2.0 | [0-9]' "$bare/usr/share/doc/pluvia/$file" ||
+        fail "/usr/share/doc/pluvia/$file lacks the notices of linked crates" "scripts/package.sh deb"
+done
 # Nothing is left when it goes.
 inside apt-get purge -q -y pluvia >>target/package/bare.log 2>&1
 left=$(find "$bare/usr" -name '*pluvia*' -not -path '*/doc/*' | head -3)

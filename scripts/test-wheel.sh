@@ -33,8 +33,14 @@ inside() { chroot "$bare" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root T
 inside python3 -m venv /venv
 inside /venv/bin/pip install --quiet --no-index --find-links /house pluvia
 inside /venv/bin/python - <<'PYTHON'
+from importlib.metadata import files
+
 import pluvia
 
+notices = [file for file in files("pluvia") or [] if file.name == "THIRD-PARTY-NOTICES"]
+assert len(notices) == 1 and ".dist-info" in str(notices[0]), f"one file of notices in dist-info: {notices}"
+for linked in ("pyo3", "rapier3d-f64"):
+    assert f"\n{linked} " in notices[0].read_text(), f"{notices[0]} lacks {linked}"
 run = pluvia.run(pluvia.example("quick/pluviation"), "/first", changes={"grains.total_mass_g": 300})
 assert run["grains.count"] > 100, run
 assert run["void_ratio"] > 0.3, run

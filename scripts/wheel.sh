@@ -26,9 +26,8 @@ PIP_ONLY_BINARY=:all: pinned "$venv" 'maturin>=1.9,<2' 'auditwheel==6.*' 'patche
 tools=$PWD/$venv/bin
 export PATH="$tools:$PATH"
 
-# What goes into the package beside its own files: scenarios, and the licences of Pluvia and of Bullet.
-# Those of the linked crates and of the font DejaVu Sans (crate dejavu) stay in the crates' sources,
-# which python/Cargo.lock names.
+# What goes into the package beside its own files: scenarios, the licences of Pluvia and of Bullet, and
+# the notices of the linked crates, among them that of the font DejaVu Sans (crate dejavu).
 rm -rf python/pluvia/scenarios python/licenses
 for folder in paper quick laboratory validation; do
     mkdir -p "python/pluvia/scenarios/$folder"
@@ -39,6 +38,7 @@ cp LICENSE-MIT LICENSE-APACHE python/licenses/
 bullet=/usr/share/doc/libbullet-dev/copyright
 [ -r "$bullet" ] || fail "Bullet's licence is not in $bullet" "apt-get install --reinstall libbullet-dev"
 cp "$bullet" python/licenses/LICENSE-bullet
+python3 scripts/notices.py python/Cargo.toml python/licenses/THIRD-PARTY-NOTICES
 
 export CARGO_TARGET_DIR=$PWD/target
 if [ "${1:-}" = develop ]; then
@@ -56,7 +56,7 @@ rm -f dist/pluvia-*.whl
 "$tools/auditwheel" repair --wheel-dir dist target/wheel/linked/pluvia-*.whl
 wheel=$(ls dist/pluvia-*.whl)
 inside=$(python3 -m zipfile -l "$wheel")
-for library in libBulletCollision libBulletDynamics libLinearMath; do
-    grep -q "pluvia.libs/$library" <<<"$inside" || fail "$library is not in $wheel" "make wheel"
+for file in pluvia.libs/lib{BulletCollision,BulletDynamics,LinearMath} licenses/THIRD-PARTY-NOTICES; do
+    grep -q "$file" <<<"$inside" || fail "$file is not in $wheel" "make wheel"
 done
 echo "$wheel, $(du -h "$wheel" | cut -f1)"

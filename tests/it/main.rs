@@ -37,6 +37,8 @@ mod meshes;
 mod motions;
 #[path = "../../src/geometry/testing/near.rs"]
 mod near;
+#[cfg(unix)]
+mod notices;
 mod packages;
 mod peers;
 mod picture;
