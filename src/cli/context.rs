@@ -46,10 +46,19 @@ impl Context {
         Self { quiet: false, json: true, cancel, progress, kept: Some(kept) }
     }
 
-    /// From here on, Ctrl-C sets [`Context::cancel`].
+    /// From here on, Ctrl-C sets [`Context::cancel`]: of a command that stores finished stages.
     pub fn stop_on_ctrl_c(&self) {
+        self.on_ctrl_c("stopping; finished stages are kept. Ctrl-C again stops at once");
+    }
+
+    /// The same of a command that has no stages.
+    pub(super) fn stop_without_stages(&self) {
+        self.on_ctrl_c("stopping. Ctrl-C again stops at once");
+    }
+
+    fn on_ctrl_c(&self, words: &'static str) {
         if self.kept.is_none() {
-            stop::on_ctrl_c(self.cancel.clone(), self.progress.clone());
+            stop::on_ctrl_c(self.cancel.clone(), self.progress.clone(), words);
         }
     }
 
@@ -76,9 +85,23 @@ impl Context {
         command: &str,
         question: &Value,
     ) -> Result<RunLock, FileError> {
-        output_folder::prepare(out)?;
-        let at_work = asked::begin(out, command, question)?;
+        let at_work = begun(out, command, question)?;
         self.stop_on_ctrl_c();
+        Ok(at_work)
+    }
+
+    /// The same of a command that has no stages.
+    ///
+    /// # Errors
+    /// As [`Context::begin`].
+    pub(super) fn begin_without_stages(
+        &self,
+        out: &Path,
+        command: &str,
+        question: &Value,
+    ) -> Result<RunLock, FileError> {
+        let at_work = begun(out, command, question)?;
+        self.stop_without_stages();
         Ok(at_work)
     }
 
@@ -134,6 +157,12 @@ impl Context {
         self.print_asked(text, value)?;
         Ok(ExitStatus::Done)
     }
+}
+
+/// Makes the folder for a command's results and begins there.
+fn begun(out: &Path, command: &str, question: &Value) -> Result<RunLock, FileError> {
+    output_folder::prepare(out)?;
+    asked::begin(out, command, question)
 }
 
 /// Writes what a reader may have closed early, as `head` does, which is no error.

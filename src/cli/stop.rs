@@ -12,9 +12,9 @@ const INTERRUPTED: i32 = 130;
 /// written is then left out, and files are there whole or not at all.
 const CLEANLY: Duration = Duration::from_secs(7);
 
-/// Sets `cancel` at the first Ctrl-C, and ends the process where that is not enough; ends it at
-/// once at the second.
-pub(super) fn on_ctrl_c(cancel: Arc<AtomicBool>, progress: Arc<dyn Progress>) {
+/// Sets `cancel` at the first Ctrl-C, says so in these words, and ends the process where that is
+/// not enough; ends it at once at the second.
+pub(super) fn on_ctrl_c(cancel: Arc<AtomicBool>, progress: Arc<dyn Progress>, words: &'static str) {
     let handler = move || {
         if cancel.swap(true, Ordering::SeqCst) {
             std::process::exit(INTERRUPTED);
@@ -22,9 +22,7 @@ pub(super) fn on_ctrl_c(cancel: Arc<AtomicBool>, progress: Arc<dyn Progress>) {
         end_after(CLEANLY);
         // Whoever reads the messages may have stopped reading: nobody waits for this thread.
         let progress = progress.clone();
-        let told = named("stopping").spawn(move || {
-            progress.message("stopping; finished stages are kept. Ctrl-C again stops at once");
-        });
+        let told = named("stopping").spawn(move || progress.message(words));
         drop(told);
     };
     // A handler for which there is no thread would swallow the signals, so one is tried first.

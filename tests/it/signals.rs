@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use super::{
     interruption::{copy, finished, pluvia, prepared, stages},
-    program::{self, catches_signals, ended, send, words, write},
+    program::{self, catches_signals, ended, said, send, words, write},
     same::assert_whole_files,
     small,
 };
@@ -122,6 +122,23 @@ fn in_every_command_that_computes() {
         };
         stops(command, ["TERM", "INT"][n % 2], name, &reached);
     }
+}
+
+/// Law: a command without stages does not say that it keeps them.
+#[test]
+fn what_is_said_to_be_kept_is_kept() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("verify");
+    let mut command = program::pluvia();
+    command.args(["verify", "--out"]).arg(&out).stdout(Stdio::null()).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("it starts");
+    reach(&mut child, "verify", &|| out.exists());
+    send(&child, "INT");
+    let output = ended(child, WITHIN, "verify");
+    let said = said(&output);
+    assert_eq!(output.status.code(), STOPPED, "law: it was stopped, got: {said}");
+    let is_true = said.contains("stop") && !said.contains("stages");
+    assert!(is_true, "law: it was stopped and keeps no stages, got: {said}");
 }
 
 /// Law: results are there whole or not at all, also when figures and report are being written.
