@@ -1,6 +1,7 @@
 //! What every subcommand needs beside its own arguments.
 
 use std::io::{self, IsTerminal, Write};
+use std::sync::atomic::Ordering;
 
 use tracing::Level;
 
@@ -54,6 +55,19 @@ impl Context {
     /// The same of a command that has no stages.
     pub(super) fn stop_without_stages(&self) {
         self.on_ctrl_c("stopping. Ctrl-C again stops at once");
+    }
+
+    /// Whether the user has asked to stop.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.cancel.load(Ordering::SeqCst)
+    }
+
+    /// Goes on to write the files of a command that leaves all of them or none.
+    ///
+    /// # Errors
+    /// [`CliError::Stopped`] where the user has asked to stop.
+    pub(super) fn go_on(&self) -> Result<(), CliError> {
+        if self.is_stopped() { Err(CliError::Stopped) } else { Ok(()) }
     }
 
     fn on_ctrl_c(&self, words: &'static str) {

@@ -283,6 +283,36 @@ mod tests {
         assert!(never_less, "law: what is done stays done, got {reported:?}");
     }
 
+    /// Law: a command that leaves all its files or none stops before it writes them.
+    #[test]
+    fn what_is_stopped_before_it_writes_leaves_nothing() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+        let (file, out, to) = (path("small.json"), path("out"), path("to"));
+        let (png, svg, html) = (path("to/a.png"), path("to/a.svg"), path("to/a.html"));
+        std::fs::write(&file, small().to_string()).expect("a scenario");
+        let (ended, _) = run(&["run", &file, "--no-figures", "--out", &out], false);
+        assert_eq!(ended.code, 0, "{ended:?}");
+        let commands: [&[&str]; 9] = [
+            &["grains", &file, "--out", &to],
+            &["export", &out, "--format", "csv", "--out", &to],
+            &["export", &out, "--format", "vtk", "--out", &to],
+            &["export", &out, "--format", "glb", "--animate", "--out", &to],
+            &["picture", &out, "--width", "128", "--out", &png],
+            &["picture", &out, "--width", "128", "--grains", "--out", &png],
+            &["picture", &out, "--width", "128", "--animate", &png],
+            &["plot", &out, "--x", "time_s", "--y", "kinetic_energy_j", "--out", &svg],
+            &["view", &out, "--save", &html],
+        ];
+        for words in commands {
+            let (ended, _) = run(words, true);
+            let got = (ended.code, ended.error.as_deref());
+            assert_eq!(got, (130, Some("stopped; nothing is written")), "law: of {words:?}");
+            let left = std::fs::read_dir(&to).into_iter().flatten().count();
+            assert_eq!(left, 0, "law: {words:?} leaves nothing");
+        }
+    }
+
     /// Law: code and words of an error are the program's.
     #[test]
     fn errors_are_values() {

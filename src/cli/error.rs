@@ -64,6 +64,9 @@ pub enum CliError {
     /// The program itself failed: a panic.
     #[error("a fault of the program ended it, please report it: {0}")]
     Fault(String),
+    /// Stopped by Ctrl-C before the command wrote its files.
+    #[error("stopped; nothing is written")]
+    Stopped,
     /// The results could not be printed.
     #[error("cannot write to the standard output: {0}")]
     Output(#[from] io::Error),
@@ -76,6 +79,7 @@ impl CliError {
     pub fn exit_code(&self) -> u8 {
         let by_refusal = |refused| if refused { 2 } else { 4 };
         match self {
+            Self::Stopped | Self::Picture(PictureError::Cancelled) => 130,
             Self::File(error)
             | Self::Export(ExportError::File(error))
             | Self::Suite(SuiteError::File(error))
@@ -114,7 +118,7 @@ mod tests {
         let simulation =
             StudyError::Simulation { stage: "pour".into(), what: "NaN".into(), kept: "b".into() };
         let unfit = || FileError::unfit(Path::new("a"), "it is of other grains");
-        let cases: [(CliError, u8); 11] = [
+        let cases: [(CliError, u8); 13] = [
             (ScenarioErrors::Faults(Vec::new()).into(), 2),
             (ScenarioErrors::Unreadable { file: PathBuf::new(), reason: "".into() }.into(), 4),
             (StudyError::Scenario("bad".into()).into(), 2),
@@ -126,6 +130,8 @@ mod tests {
             (ExportError::File(unfit()).into(), 2),
             (PictureError::File(unfit()).into(), 2),
             (StudyError::Cancelled.into(), 130),
+            (CliError::Stopped, 130),
+            (PictureError::Cancelled.into(), 130),
         ];
         for (error, expected) in cases {
             assert_eq!(error.exit_code(), expected, "exit code of: {error}");

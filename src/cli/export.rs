@@ -104,11 +104,12 @@ pub(super) fn run(args: &ExportArgs, context: &Context) -> Result<ExitStatus, Cl
         let what = "--every needs --format vtk or --animate";
         return Err(CliError::Usage(what.to_owned()));
     }
+    context.stop_without_stages();
     refuse_others(args)?;
     let written = match args.format {
         Format::Vtk => frames(args, context)?,
-        Format::Glb => scene(args)?,
-        _ => specimen(args)?,
+        Format::Glb => scene(args, context)?,
+        _ => specimen(args, context)?,
     };
     let mut text = format!(
         "{}: {} at the end of {}, {:.3} s\n",
@@ -143,13 +144,14 @@ fn refuse_others(args: &ExportArgs) -> Result<(), FileError> {
 }
 
 /// The specimen at the end of a stage, whole files at once.
-fn specimen(args: &ExportArgs) -> Result<Written, CliError> {
+fn specimen(args: &ExportArgs, context: &Context) -> Result<Written, CliError> {
     let run = match args.stage.as_deref() {
         Some(asked) => read_run(&args.run, Some(asked))?,
         None => read_at_rest(&args.run)?,
     };
     output_folder::prepare(&args.out)?;
     let contents = contents(args, &run)?;
+    context.go_on()?;
     refuse_others(args)?;
     let files = output_folder::write_files(&args.out, &contents, args.force)?;
     Ok(Written {
@@ -230,9 +232,10 @@ fn frames(args: &ExportArgs, context: &Context) -> Result<Written, CliError> {
     context.progress.begin_pieces(ID, "moments", count);
     let files = write_vtk(&moments, every, &args.out, |done, _| {
         context.progress.update(ID, done as f64, "");
+        !context.is_stopped()
     });
     context.progress.end_stage(ID);
-    let files = files?;
+    let files = files?.ok_or(CliError::Stopped)?;
     Ok(Written {
         moments: count,
         bytes: files.bytes,
@@ -243,7 +246,7 @@ fn frames(args: &ExportArgs, context: &Context) -> Result<Written, CliError> {
 }
 
 /// One glTF file.
-fn scene(args: &ExportArgs) -> Result<Written, CliError> {
+fn scene(args: &ExportArgs, context: &Context) -> Result<Written, CliError> {
     // A still picture shows one end alone.
     let at_rest = if args.animate { None } else { stage_at_rest(&args.run)? };
     let mut moments = read_moments(&args.run, args.stage.as_deref().or(at_rest))?;
@@ -252,6 +255,7 @@ fn scene(args: &ExportArgs) -> Result<Written, CliError> {
         moments.stages.drain(..moments.stages.len().saturating_sub(1));
     }
     let made = glb(&moments, every).map_err(|e| CliError::Usage(e.to_string()))?;
+    context.go_on()?;
     output_folder::prepare(&args.out)?;
     refuse_others(args)?;
     let bytes = made.bytes.len() as u64;

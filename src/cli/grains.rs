@@ -64,6 +64,7 @@ struct Made {
 }
 
 pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    context.stop_without_stages();
     let scenario = load_grains(&args.scenario, args.changes.overrides()?)?.scenario;
     asked::refuse(&args.out, "grains")?;
     let new = output_folder::missing(&args.out);
@@ -81,6 +82,7 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
         written.map_err(|error| FileError::new("write", &args.out.join(name), error))?;
         files.push((name, content));
     }
+    context.go_on().inspect_err(|_| output_folder::remove_empty(&new))?;
     // Grains take seconds, in which another command may have begun there.
     asked::refuse(&args.out, "grains")?;
     let files = output_folder::write_files(&args.out, &files, args.force)?;

@@ -134,6 +134,7 @@ impl PictureArgs {
 }
 
 pub(super) fn run(args: &PictureArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    context.stop_without_stages();
     let made = match (&args.animate, &args.out) {
         (Some(file), _) => {
             ends_in(file, "--animate", &["png", "apng"])?;
@@ -141,7 +142,7 @@ pub(super) fn run(args: &PictureArgs, context: &Context) -> Result<ExitStatus, C
         }
         (None, Some(file)) => {
             ends_in(file, "--out", &["png"])?;
-            still(args, file)?
+            still(args, context, file)?
         }
         (None, None) => return Err(CliError::Usage("--out or --animate is needed".into())),
     };
@@ -198,9 +199,9 @@ pub(super) fn prepare(file: &Path, force: bool) -> Result<(), FileError> {
     output_folder::prepare(folder)
 }
 
-fn still(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
+fn still(args: &PictureArgs, context: &Context, file: &Path) -> Result<Made, CliError> {
     if args.grains || is_file(&args.subject) {
-        return alone(args, file);
+        return alone(args, context, file);
     }
     let shot = args.shot(View::default(), 0.75);
     shot.check()?;
@@ -214,6 +215,7 @@ fn still(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
     let shown = at(&run, args.stage.as_deref(), args.time)?;
     prepare(file, args.force)?;
     let png = picture(&run, shown, &shot)?.to_png(shot.background)?;
+    context.go_on()?;
     write_file(file, &png)?;
     let stage = &run.stages[shown.stage];
     Ok(Made {
@@ -223,7 +225,7 @@ fn still(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
     })
 }
 
-fn alone(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
+fn alone(args: &PictureArgs, context: &Context, file: &Path) -> Result<Made, CliError> {
     if args.stage.is_some() || args.time.is_some() {
         let text = "--stage and --time choose a moment of a run; grains alone have none";
         return Err(CliError::Usage(text.to_owned()));
@@ -239,6 +241,7 @@ fn alone(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
     };
     prepare(file, args.force)?;
     let png = loose_grains(&set, &shot)?.to_png(shot.background)?;
+    context.go_on()?;
     write_file(file, &png)?;
     Ok(made(None, file, &png))
 }
@@ -264,7 +267,8 @@ fn animation(args: &PictureArgs, context: &Context, file: &Path) -> Result<Made,
     };
     let run = read_playback(&args.subject, FramesRead::All, args.stage.as_deref())?;
     prepare(file, args.force)?;
-    let film = animate(&run, &animation, context.progress.as_ref())?;
+    let film = animate(&run, &animation, context.progress.as_ref(), &context.cancel)?;
+    context.go_on()?;
     write_file(file, &film.png)?;
     Ok(Made { frames: Some(film.frames), ..made(Some(run.scenario), file, &film.png) })
 }

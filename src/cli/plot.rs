@@ -101,6 +101,7 @@ struct Listed {
 }
 
 pub(super) fn run(args: &PlotArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    context.stop_without_stages();
     let file = args.file.strip_suffix(".csv").unwrap_or(&args.file);
     let of_series = ["series", REST_TEST].contains(&file);
     let rest_test = args.stage.as_deref() == Some(REST_TEST) && of_series;
@@ -121,6 +122,7 @@ pub(super) fn run(args: &PlotArgs, context: &Context) -> Result<ExitStatus, CliE
     let svg = chart.svg().map_err(failed)?;
     let is_svg = out.extension().is_some_and(|e| e.eq_ignore_ascii_case("svg"));
     let content = if is_svg { svg.into_bytes() } else { svg_to_png(&svg).map_err(failed)? };
+    context.go_on()?;
     prepare(out, args.force)?;
     write_file(out, &content)?;
     let drawn = Drawn {

@@ -73,6 +73,7 @@ pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliE
     if let Some(file) = &args.save {
         ends_in(file, "--save", &["html", "htm"])?;
         refuse_existing(file, args.force)?;
+        context.stop_without_stages();
     }
     let data = read_run_data(&args.run)?;
     let mut shown = Shown {
@@ -85,8 +86,10 @@ pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliE
         file: args.save.as_ref().map(|file| file.to_string_lossy().into_owned()),
     };
     if let Some(file) = &args.save {
+        let page = self_contained(&data);
+        context.go_on()?;
         prepare(file, args.force)?;
-        write_file(file, self_contained(&data).as_bytes())?;
+        write_file(file, page.as_bytes())?;
         return context.done(&shown.text(), &shown);
     }
     let (stop, stopped) = std::sync::mpsc::channel();

@@ -3,6 +3,8 @@
 //! All frames share a palette of 256 colours, and each holds only what has
 //! changed since the one before it.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use png::{BitDepth, BlendOp, ColorType, Compression, Encoder};
 use rayon::prelude::*;
 
@@ -34,7 +36,7 @@ pub struct Animated {
     pub frames: usize,
 }
 
-/// Makes an animation; progress tells of frames.
+/// Makes an animation; progress tells of frames. It stops soon after `cancel` becomes true.
 ///
 /// # Errors
 /// As pictures; and a file that would exceed its limit, judged by three frames
@@ -43,6 +45,7 @@ pub fn animate(
     run: &Playback,
     animation: &Animation,
     progress: &dyn Progress,
+    cancel: &AtomicBool,
 ) -> Result<Animated, PictureError> {
     check(animation)?;
     let chosen = chosen(run, animation)?;
@@ -55,6 +58,9 @@ pub fn animate(
     const ID: u64 = 0;
     progress.begin_pieces(ID, "animation", chosen.len());
     let frames = chosen.iter().enumerate().map(|(n, at)| {
+        if cancel.load(Ordering::Relaxed) {
+            return Err(PictureError::Cancelled);
+        }
         let image = film.frame(*at)?;
         progress.update(ID, (n + 1) as f64, &format!("frame {} of {}", n + 1, chosen.len()));
         Ok(palette.indices(&image))
@@ -304,10 +310,23 @@ mod tests {
         }
     }
 
+    fn going_on() -> AtomicBool {
+        AtomicBool::new(false)
+    }
+
+    /// Law: an animation that is stopped is none.
+    #[test]
+    fn an_animation_is_stopped() {
+        let stopped = AtomicBool::new(true);
+        let made = animate(&canned(), &animation(), &Silent, &stopped);
+        let is_stopped = matches!(made, Err(PictureError::Cancelled));
+        assert!(is_stopped, "law: expected that it was stopped, got {:?}", made.map(|a| a.frames));
+    }
+
     #[test]
     fn an_animation_plays_every_frame() {
         let run = canned();
-        let made = animate(&run, &animation(), &Silent).expect("an animation");
+        let made = animate(&run, &animation(), &Silent, &going_on()).expect("an animation");
         assert_eq!(made.frames, 5, "law: four frames of one stage, the end of the other");
         let decoder = png::Decoder::new(std::io::Cursor::new(&made.png));
         let mut reader = decoder.read_info().expect("a PNG");
@@ -338,7 +357,8 @@ mod tests {
     #[test]
     fn too_large_is_said_before_the_work() {
         let tiny = Animation { limit_mb: 1e-3, ..animation() };
-        let error = animate(&canned(), &tiny, &Silent).expect_err("a kilobyte is too little");
+        let error =
+            animate(&canned(), &tiny, &Silent, &going_on()).expect_err("a kilobyte is too little");
         let said = error.to_string();
         assert!(said.contains("--every") && said.contains("5 frames"), "{said}");
         for wrong in [
@@ -346,7 +366,7 @@ mod tests {
             Animation { frames_per_second: 0, ..animation() },
             Animation { limit_mb: f64::NAN, ..animation() },
         ] {
-            let error = animate(&canned(), &wrong, &Silent).expect_err("out of range");
+            let error = animate(&canned(), &wrong, &Silent, &going_on()).expect_err("out of range");
             assert!(matches!(error, PictureError::Range(_)), "{error}");
         }
         let wrong = Animation {
@@ -355,7 +375,8 @@ mod tests {
             shot: Shot { height: 1, ..animation().shot },
             ..animation()
         };
-        let said = animate(&canned(), &wrong, &Silent).expect_err("out of range").to_string();
+        let said =
+            animate(&canned(), &wrong, &Silent, &going_on()).expect_err("out of range").to_string();
         for option in ["--height is 1,", "--every is -1,", "--limit-mb is 0,"] {
             assert!(said.contains(option), "law: all at once, `{option}` is missing in `{said}`");
         }

@@ -92,6 +92,9 @@ pub enum PictureError {
         /// Allowed size in MB.
         allowed_mb: f64,
     },
+    /// Asked to stop.
+    #[error("stopped; nothing is written")]
+    Cancelled,
     /// The apparatus cannot be built.
     #[error(transparent)]
     Apparatus(ApparatusError),

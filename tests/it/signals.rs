@@ -141,6 +141,29 @@ fn what_is_said_to_be_kept_is_kept() {
     assert!(is_true, "law: it was stopped and keeps no stages, got: {said}");
 }
 
+/// Law: a command that leaves all its files or none says that it is stopped, leaves none, and ends at
+/// once at the second Ctrl-C.
+#[test]
+fn while_grains_alone_are_cut() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write(folder.path(), "many.json", &many());
+    let out = folder.path().join("grains");
+    let mut command = program::pluvia();
+    command.arg("grains").arg(&scenario).arg("--out").arg(&out);
+    let mut child =
+        command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts");
+    reach(&mut child, "grains", &|| out.exists());
+    send(&child, "INT");
+    sleep(Duration::from_millis(500));
+    send(&child, "INT");
+    let output = ended(child, Duration::from_secs(5), "grains, Ctrl-C twice");
+    let said = said(&output);
+    assert_eq!(output.status.code(), STOPPED, "law: it was stopped, got: {said}");
+    assert!(said.contains("stopping"), "law: it says so, got: {said}");
+    let left = fs::read_dir(&out).into_iter().flatten().count();
+    assert_eq!(left, 0, "law: no file is left");
+}
+
 /// Law: results are there whole or not at all, also when figures and report are being written.
 #[test]
 #[ignore = "slow: make test-all"]

@@ -87,9 +87,18 @@ fn clear(folder: &Path, name: &str) -> Result<(), FileError> {
     Ok(())
 }
 
+/// Removes a series with its folder.
+fn remove(folder: &Path, name: &str) -> Result<(), FileError> {
+    clear(folder, name)?;
+    // Files of others in it keep the folder.
+    let _ = std::fs::remove_dir(folder.join(name));
+    Ok(())
+}
+
 /// Writes the moments of a run, about `every` s apart, into a folder: grains and apparatus at each,
-/// contacts and force chains at the ends of stages where the engine gave contacts. `told` hears how
-/// many of how many moments are done.
+/// contacts and force chains at the ends of stages where the engine gave contacts. `go_on` hears how
+/// many of how many moments are done; where it says no, what was written is removed, and nothing is
+/// given back.
 ///
 /// # Errors
 /// When a file cannot be written.
@@ -97,8 +106,8 @@ pub fn write_vtk(
     moments: &Moments,
     every: f64,
     out: &Path,
-    mut told: impl FnMut(usize, usize),
-) -> Result<VtkFiles, FileError> {
+    mut go_on: impl FnMut(usize, usize) -> bool,
+) -> Result<Option<VtkFiles>, FileError> {
     let sizes = sieve_sizes(&moments.grains);
     let taken = moments.thinned(every);
     let mut files = VtkFiles::default();
@@ -109,14 +118,17 @@ pub fn write_vtk(
         Some([Series::new(out, CONTACTS)?, Series::new(out, CHAINS)?])
     } else {
         for name in [CONTACTS, CHAINS] {
-            clear(out, name)?;
-            // Files of others in it keep the folder.
-            let _ = std::fs::remove_dir(out.join(name));
+            remove(out, name)?;
         }
         None
     };
     for (n, moment) in taken.iter().enumerate() {
-        told(n, taken.len());
+        if !go_on(n, taken.len()) {
+            for name in ["grains", "apparatus", CONTACTS, CHAINS] {
+                remove(out, name)?;
+            }
+            return Ok(None);
+        }
         let time = moment.frame.time;
         grains.add(time, &scene::grains(moment, &moments.grains, &sizes), &mut files)?;
         apparatus.add(time, &scene::apparatus(moment, &moments.parts), &mut files)?;
@@ -128,5 +140,5 @@ pub fn write_vtk(
     for series in [&grains, &apparatus].into_iter().chain(of_contacts.iter().flatten()) {
         series.list(&mut files)?;
     }
-    Ok(files)
+    Ok(Some(files))
 }

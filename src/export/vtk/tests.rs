@@ -100,7 +100,7 @@ fn read(path: &Path) -> Read3d {
 fn written() -> (tempfile::TempDir, Moments, VtkFiles) {
     let folder = tempfile::tempdir().expect("a folder");
     let moments = testing::moments(&[11, 6], 0.08);
-    let files = write_vtk(&moments, 0.4, folder.path(), |_, _| ()).expect("files");
+    let files = write_vtk(&moments, 0.4, folder.path(), |_, _| true).expect("files").expect("all");
     (folder, moments, files)
 }
 
@@ -235,7 +235,7 @@ fn without_contacts_there_are_no_files_of_them() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut moments = testing::moments(&[3], 0.08);
     moments.stages[0].end.contacts.clear();
-    let files = write_vtk(&moments, 0.4, folder.path(), |_, _| ()).expect("files");
+    let files = write_vtk(&moments, 0.4, folder.path(), |_, _| true).expect("files").expect("all");
     assert_eq!(files.lists.len(), 2, "grains and apparatus: {files:?}");
     assert!(!folder.path().join("contacts.pvd").exists());
 }
@@ -246,7 +246,7 @@ fn without_contacts_there_are_no_files_of_them() {
 fn contacts_of_a_run_that_was_exported_before_are_removed() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut moments = testing::moments(&[3], 0.08);
-    let write = |moments: &Moments| write_vtk(moments, 0.4, folder.path(), |_, _| ());
+    let write = |moments: &Moments| write_vtk(moments, 0.4, folder.path(), |_, _| true);
     write(&moments).expect("files");
     let there = |name: &str| folder.path().join(name).exists();
     assert!(there("contacts.pvd") && there("force_chains/force_chains_0000.vtp"), "law: written");
@@ -257,6 +257,23 @@ fn contacts_of_a_run_that_was_exported_before_are_removed() {
         assert!(!there(name), "law: {name} is of another run");
     }
     assert!(there("grains.pvd") && there("contacts/mine.vtp"), "law: all else stays");
+}
+
+/// Law: an export that is stopped leaves no file that a program would open, and files of others.
+#[test]
+fn an_export_that_is_stopped_leaves_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let moments = testing::moments(&[11, 6], 0.08);
+    fs::write(folder.path().join("mine.txt"), "mine").expect("a file");
+    let mut asked = 0;
+    let done = write_vtk(&moments, 0.4, folder.path(), |done, _| {
+        asked += 1;
+        done < 2
+    });
+    assert_eq!((done.expect("no error"), asked), (None, 3), "law: stopped after two moments");
+    let entries = fs::read_dir(folder.path()).expect("a folder").flatten();
+    let left: Vec<_> = entries.map(|entry| entry.file_name()).collect();
+    assert_eq!(left, ["mine.txt"], "law: left what is there, right what stays");
 }
 
 #[test]
