@@ -98,7 +98,10 @@ pub fn load_grains_with(
     let (idle, changes): (Vec<Override>, Vec<Override>) =
         overrides.iter().cloned().partition(is_idle);
     document.faults.extend(idle.iter().map(|change| {
-        change.fault("the grains do not depend on it", "a field of `grains`, or `seed`")
+        let now = renamed_field(change.path());
+        let now = now.map(|now| format!("this field is now called `{now}`; "));
+        let what = now.unwrap_or_default() + "the grains do not depend on it";
+        change.fault(&what, "a field of `grains`, or `seed`")
     }));
     lay_over(&mut document, &changes);
     if let Value::Object(fields) = &mut document.value {

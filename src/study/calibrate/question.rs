@@ -163,6 +163,10 @@ pub(super) fn known(target: &CalibrationTarget) -> Result<(), StudyError> {
     if let Some(now) = now.as_ref().filter(|now| numbers.contains(now)) {
         return refused(format!("--target {field}: this number is now called `{now}`"));
     }
+    if let Some(now) = now.as_ref().filter(|_| !asked.contains('.')) {
+        let what = format!("this result is now called `{now}`, which is no number");
+        return refused(format!("--target {field}: {what}"));
+    }
     let asked = now.unwrap_or(asked);
     let near = nearest(&asked, numbers.iter().map(String::as_str));
     let meant = match near.or_else(|| only_one_of_name(&asked, &numbers)) {
@@ -309,6 +313,8 @@ mod tests {
             ("guards.speed.worst", "now called `checks.speed.worst`"),
             ("control.duration_s", "now called `rest_test.duration_s`"),
             ("control.creep_um_per_s", "did you mean `creep_um_per_s`"),
+            ("contact_path", "now called `contact_solver`, which is no number"),
+            ("control", "now called `rest_test`, which is no number"),
             ("scenario", "it has"),
             ("colour", "it has"),
         ] {

@@ -3,6 +3,7 @@
 use super::factor::same;
 use super::*;
 use crate::grains::streams::{shuffle, stream, uniform};
+use crate::scenario::renamed_field;
 
 /// Most points of a sweep: more is a slip of the hand.
 const MOST_POINTS: usize = 10_000;
@@ -139,10 +140,13 @@ fn value_in(scenario: &Scenario, path: &str) -> Result<Value, StudyError> {
         .parse()
         .map_err(|e| StudyError::Scenario(format!("--over {path}: {e}")))?;
     place.value_before(&json).filter(|v| !v.is_null()).cloned().ok_or_else(|| {
-        StudyError::Scenario(format!(
-            "the scenario has no value at `{path}` around which it could be varied; give it one \
-             with --set {path}=..."
-        ))
+        StudyError::Scenario(match renamed_field(path) {
+            Some(now) => format!("{path}: this field is now called `{now}`"),
+            None => format!(
+                "the scenario has no value at `{path}` around which it could be varied; give it \
+                 one with --set {path}=..."
+            ),
+        })
     })
 }
 
@@ -268,6 +272,24 @@ mod tests {
         let refused = refused.expect_err("law: five points of three numbers").to_string();
         assert!(refused.contains("latin-hypercube:5: seed="), "law: which, got `{refused}`");
         assert!(refused.contains("is drawn twice"), "law: what is wrong, got `{refused}`");
+    }
+
+    /// Law: an old name is refused with the new one, and no value is asked for under it.
+    #[test]
+    fn a_field_that_is_renamed_is_called_as_it_is_now() {
+        for (old, now) in
+            [("control_s", "rest_test_s"), ("engine.native.sweeps", "engine.native.iterations")]
+        {
+            let factors = over(&[&format!("{old}=1,2")]);
+            let alone = points(Design::OneAtATime, &factors, &[], &[], &base());
+            let ranges: Vec<SampledRange> = vec![format!("{old}=1..2").parse().expect("a range")];
+            let sampled = points(Design::LatinHypercube(4), &[], &[], &ranges, &base());
+            for made in [alone, sampled] {
+                let said = made.expect_err("law: refused").to_string();
+                let expected = format!("{old}: this field is now called `{now}`");
+                assert!(said.contains(&expected), "law: expected `{expected}`, got `{said}`");
+            }
+        }
     }
 
     #[test]

@@ -22,6 +22,7 @@ use crate::measure::{
 use crate::plain::counted;
 use crate::record::{read_file, refuse_without};
 use crate::report::{ColumnTable, OUTCOMES, Target, TargetFound, TargetsFound};
+use crate::scenario::renamed_result;
 use points::agree;
 use spelling::Spellings;
 
@@ -351,7 +352,12 @@ fn model(target: &Target, table: &Runs) -> Result<(LinearModel, TargetFound), St
         table.rows.iter().filter_map(|r| Some((r.factors.clone(), value(target, r)?))).collect();
     let title = target.title();
     for result in [Some(&target.result), target.share_of.as_ref()].into_iter().flatten() {
-        if !table.rows.iter().any(|row| row.results.contains_key(result)) {
+        let is_there = |name: &String| table.rows.iter().any(|r| r.results.contains_key(name));
+        if !is_there(result) {
+            if let Some(now) = renamed_result(result).filter(is_there) {
+                let what = format!("`{result}` is now called `{now}`");
+                return refused(format!("--target {title}: {what}"));
+            }
             let there = listed(table.rows.iter().flat_map(|row| row.results.keys()));
             let there = match there.is_empty() {
                 true => "no run has a result".to_owned(),

@@ -205,6 +205,14 @@ fn what_cannot_be_answered_is_refused_with_the_reason() {
         unknown.contains("no run that counts has `void_ratio` (there are angle_of_repose"),
         "{unknown}"
     );
+    let speeds = folder.path().join("speeds.csv");
+    of_numbers(&speeds, "a,b,void_ratio,checks.speed.worst", |a, b| format!("{a},{b},,{}", a + b));
+    for text in ["t:guards.speed.worst=1..2", "t:checks.speed.worst/guards.speed.worst=1..2"] {
+        let old = meet_targets(&[runs("t", speeds.clone())], &[target(text)], &[]);
+        let old = old.expect_err("law: refused").to_string();
+        let words = "`guards.speed.worst` is now called `checks.speed.worst`";
+        assert!(old.contains(words), "law: `{words}` is said of `{text}`, got `{old}`");
+    }
     let angle = [target("t:angle_of_repose.degrees=32..33")];
     let misspelt = meet_targets(&[runs("t", path.clone())], &angle, &["c".to_owned()]);
     let misspelt = misspelt.expect_err("law: refused").to_string();

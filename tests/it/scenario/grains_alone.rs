@@ -65,6 +65,15 @@ fn changes_of_grains_count_and_others_are_refused() {
         let is_named = said.starts_with(&format!("--set {change}: ")) && said.contains(words);
         assert!(is_named, "law: `{words}` is said of `{change}` alone, got `{said}`");
     }
+    for (old, now) in [
+        ("control_s=1", "rest_test_s"),
+        ("engine.contact_path=manifold", "engine.contact_solver"),
+        ("engine.manifold.sweeps=4", "engine.native.iterations"),
+    ] {
+        let said = load(&sound(), &[old]).expect_err("law: refused");
+        let words = format!("this field is now called `{now}`; the grains do not depend on it");
+        assert!(said.contains(&words), "law: `{words}` is said of `{old}`, got `{said}`");
+    }
     let said = load(&sound(), &["grains.total_mas_g=1"]).expect_err("law: refused");
     assert!(said.contains("did you mean `total_mass_g`"), "law: a slip is one, got `{said}`");
 }
