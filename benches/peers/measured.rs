@@ -15,7 +15,7 @@ use serde::Serialize;
 use super::{
     SceneName,
     engines::{Engine, Job, PeerResult, Sample},
-    verdict::meets_standard,
+    verdict::{meets_standard, rate_hz},
 };
 
 /// Simulated time in s below which poses tell more of the specimen than of the
@@ -89,7 +89,7 @@ pub fn measure(
         Err(why) => return Measured { row, notes: vec![why] },
     };
     row.version = Some(result.version.clone());
-    row.rate_hz = Some(result.steps as f64 / result.simulated_s);
+    row.rate_hz = Some(rate_hz(job.rate_hz, result.steps, result.simulated_s));
     row.wall_s_per_simulated_s = Some(result.wall_s / result.simulated_s);
     row.peak_memory_mib = Some(result.peak_memory_mib);
     if result.simulated_s < job.seconds - 1e-9 {

@@ -1,4 +1,5 @@
-//! Whether a row of the results meets the accuracy standard (docs/accuracy.md).
+//! What a row of the results says: whether it meets the accuracy standard (docs/accuracy.md), and
+//! its step rate.
 
 use pluvia::{scale::Scale, study::standard};
 
@@ -14,4 +15,11 @@ pub fn meets_standard(lost: usize, mean: f64, p99: f64, creep: Option<f64>) -> O
     } else {
         Some(false)
     }
+}
+
+/// Steps per second of `steps` in a simulated time: the rate that was asked for, unless the engine
+/// chose another. The time is a sum of steps, and their quotient has its rounding.
+pub fn rate_hz(asked: f64, steps: u64, simulated_s: f64) -> f64 {
+    let got = steps as f64 / simulated_s;
+    if (got - asked).abs() <= 1e-9 * got { asked } else { got }
 }

@@ -1,5 +1,6 @@
 //! What `make bench-peers` refuses (`benches/peers/asked.rs`), hands from one process to another
-//! (`benches/peers/handed.rs`), and says of the accuracy standard (`benches/peers/verdict.rs`).
+//! (`benches/peers/handed.rs`), and says of the accuracy standard and the step rate
+//! (`benches/peers/verdict.rs`).
 
 use std::fs;
 
@@ -52,6 +53,23 @@ fn an_engine_that_loses_grains_misses_the_standard() {
     for (lost, overlap, creep, expected) in cases {
         let got = verdict::meets_standard(lost, overlap, overlap, creep);
         assert_eq!(got, expected, "law: {lost} lost, overlap {overlap} %, creep {creep:?} µm/s");
+    }
+}
+
+/// Law: a row has the step rate that was asked for, without the rounding of the simulated time, and
+/// where the engine chose another, that one.
+#[test]
+fn the_step_rate_is_the_one_asked_for() {
+    // 2 s as a sum of 1920 steps, a bit too long.
+    let long = 2.0 * (1.0 + f64::EPSILON);
+    for (asked, steps, time, expected) in [
+        (960.0, 1920, long, 960.0),
+        (960.0, 1920, 2.0, 960.0),
+        (960.0, 1921, 2.0, 960.5),
+        (0.0, 1920, 2.0, 960.0),
+    ] {
+        let got = verdict::rate_hz(asked, steps, time);
+        assert_eq!(got, expected, "law: {steps} steps in {time} s, asked for {asked} Hz");
     }
 }
 
