@@ -75,7 +75,8 @@ pub enum CliError {
 impl CliError {
     /// The exit code: 2 wrong usage or scenario, or a file or folder of the wrong kind, 3 the
     /// simulation failed, 4 files that are not there or that the system does not let be read or
-    /// written, 130 stopped by Ctrl-C (as shells have it: 128 + SIGINT).
+    /// written, as an `--out` that is a file, 130 stopped by Ctrl-C (as shells have it: 128 +
+    /// SIGINT).
     pub fn exit_code(&self) -> u8 {
         let by_refusal = |refused| if refused { 2 } else { 4 };
         match self {

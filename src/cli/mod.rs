@@ -88,7 +88,7 @@ expectation of verify, compare, calibrate or --strict is not met, no run of a sw
 store check found damage; 2 wrong usage, a fault in the scenario (a motion_file, the mesh of a piece
 or a begin.specimen that is not there is one), or a file or folder of the wrong kind; 3 the
 simulation failed, its last good state is kept; 4 other files or folders are not there, or could not
-be read or written; 130 stopped by Ctrl-C.
+be read or written, as an --out that is a file; 130 stopped by Ctrl-C.
 
 Example:
   pluvia run scenarios/quick/pluviation.json --out out/first";

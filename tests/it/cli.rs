@@ -165,6 +165,12 @@ fn an_unwritable_output_folder_ends_with_4_before_anything_runs() {
         let err = refused(&[command, &["--out", file]].concat(), 4, &[file, "it is a file"]);
         assert_eq!(err.lines().count(), 1, "one message: {err}");
     }
+    let page = fs::read_to_string(root().join("docs/faq.md")).expect("the page");
+    for (what, of_code) in [("help", run(&["--help"]).1), ("docs/faq.md", page.replace('`', ""))] {
+        let words = of_code.split_whitespace().collect::<Vec<_>>().join(" ");
+        let expected = "not be read or written, as an --out that is a file";
+        assert!(words.contains(expected), "law: {what} says so of 4, got {words}");
+    }
 }
 
 #[test]
