@@ -21,7 +21,7 @@ pub(super) struct InterpretationsArgs {
     /// A few hundred grains instead of 1456, and shorter vibration
     #[arg(long)]
     quick: bool,
-    /// Number of initial configurations [default: 3, with --quick 1]
+    /// Number of realisations [default: 3, with --quick 1]
     #[arg(long, value_name = "N", value_parser = whole(1_u32, 1000), allow_negative_numbers = true)]
     configurations: Option<u32>,
     /// Only these interpretations [default: all]

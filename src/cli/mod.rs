@@ -237,6 +237,18 @@ mod tests {
         assert!(count >= 30, "expected the options of numbers, found {count}");
     }
 
+    /// Law: help calls a new arrangement of the same grains a realisation, but for the option.
+    #[test]
+    fn help_speaks_of_realisations() {
+        for command in Cli::command().get_subcommands() {
+            let mut command = command.clone();
+            let help = command.render_long_help().to_string();
+            let prose = help.replace("--configurations", "").to_lowercase();
+            let is_so = !prose.contains("configurations");
+            assert!(is_so, "law: expected realisations in the help of `{}`", command.get_name());
+        }
+    }
+
     #[test]
     fn every_subcommand_shows_an_example() {
         let cli = Cli::command();

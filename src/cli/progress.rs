@@ -282,12 +282,12 @@ mod tests {
         for columns in [40, 60, 80, 120] {
             let text = shown_in(columns, |bars| {
                 bars.begin_work(16.0);
-                bars.begin_stage(1, "configuration 1, place the top plate", 5.0);
+                bars.begin_stage(1, "realisation 1, place the top plate", 5.0);
                 bars.update(1, 2.5, "settlement 3.1 mm");
             });
             let lines: Vec<&str> = text.lines().collect();
             assert_eq!(lines.len(), 2, "law: a line each in {columns} columns, got\n{text}");
-            for (line, words) in lines.iter().zip(["conf", "all "]) {
+            for (line, words) in lines.iter().zip(["real", "all "]) {
                 assert!(line.starts_with(words), "law: what it is of, {columns} columns: {line}");
                 assert!(line.ends_with(')'), "law: nothing is cut off behind, {columns}: {line}");
             }

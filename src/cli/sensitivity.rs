@@ -8,7 +8,7 @@ use crate::study::sensitivity;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Varies one parameter at a time around the default, over the range that the design gives
-(scenarios/studies/sensitivity.json is built in), each in several configurations. Leaves
+(scenarios/studies/sensitivity.json is built in), each in several realisations. Leaves
 sensitivity.md, sensitivity.csv, sensitivity.json, figures/, variations.csv, variation-runs.csv,
 variations.json and runs/ in DIR. Finished stages there are reused.
 

@@ -23,7 +23,7 @@ pub(super) struct DesignedArgs {
     /// A few hundred grains instead of 1456, and fewer variations if the design says so
     #[arg(long)]
     quick: bool,
-    /// Number of configurations, each a new random arrangement of the same grains
+    /// Number of realisations, each a new random arrangement of the same grains
     /// [default: the design's]
     #[arg(long, value_name = "N", value_parser = whole(1_u32, 1000), allow_negative_numbers = true)]
     configurations: Option<u32>,

@@ -57,7 +57,7 @@ pub(super) struct SweepArgs {
     /// The smaller specimen of the design
     #[arg(long, requires = "design")]
     quick: bool,
-    /// Configurations per point, each a new random arrangement of the same grains; the same at
+    /// Realisations per point, each a new random arrangement of the same grains; the same at
     /// every point [default: 1, or the design's]
     #[arg(long, value_name = "N", value_parser = whole(1_u32, 1000), allow_negative_numbers = true)]
     configurations: Option<u32>,

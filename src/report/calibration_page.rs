@@ -22,9 +22,9 @@ pub fn write_calibration(out: &Path, of: &Calibration) -> Result<(), ReportError
     page(of, figures::of_calibration(of)?).write(out, &["calibrate.md", "report.html"])
 }
 
-const HOW_TO_READ: &str = "Every value is run in the same configurations, each a new random \
-     arrangement of the same grains. A line is fitted to each configuration's results near the \
-     solution; the configurations' lines are a sample, and the interval holds all values at which \
+const HOW_TO_READ: &str = "Every value is run in the same realisations, each a new random \
+     arrangement of the same grains. A line is fitted to each realisation's results near the \
+     solution; the realisations' lines are a sample, and the interval holds all values at which \
      Student's t-test does not reject that their mean is the wanted result (Fieller 1954). Runs \
      that are not valid, or of which too many grains are missing, are left out as runs that failed \
      are (docs/accuracy.md). The interval covers random arrangement only, not the effects of a \
@@ -62,8 +62,8 @@ pub fn found(of: &Calibration) -> Vec<(String, String)> {
         let there = known_to(of.wanted, s.result_half_width_95);
         row(&format!("{target} there"), there);
         let per_unit = known_to(s.slope, s.slope_half_width_95);
-        let configurations = counted(s.configurations, "configuration");
-        row("change for one unit", format!("{per_unit}, {configurations}"));
+        let realisations = counted(s.configurations, "realisation");
+        row("change for one unit", format!("{per_unit}, {realisations}"));
     }
     if let Some(scatter) = of.scatter {
         row("scatter of a single run (standard deviation, at all values)", unit(scatter));

@@ -198,7 +198,7 @@ fn page(of: &Convergence, figures: Vec<Figure>) -> Page {
     let intro = format!(
         "{specimen}. Heights and settlements in mm, of the mean surface after pouring, of the plate and \
          of the mean surface after 5 s of vibration (at its end, where it is shorter). Means over \
-         configurations ± standard error."
+         realisations ± standard error."
     );
     let head = [Block::Text(intro), Block::Banner(said.unwrap_or_default())]
         .into_iter()
@@ -316,7 +316,7 @@ fn against_the_study(of: &Convergence) -> Table {
 fn how_to_read(of: &Convergence) -> String {
     format!(
         "A packing is chaotic: one bit changed gives another packing. Deviations are means over \
-         configurations, paired, with their standard error. \"~\" marks a deviation that lies \
+         realisations, paired, with their standard error. \"~\" marks a deviation that lies \
          inside the scatter: its 95 % confidence interval (Student's t) contains zero. **Bold** is \
          beyond the limit of {} % (height) or {} % (settlements); \"?\" says that scatter leaves \
          open whether it is. Values without ± are of one run, which gives no scatter. \

@@ -149,9 +149,9 @@ fn records(of: &Sensitivity) -> impl Iterator<Item = Vec<(String, String)>> {
 fn page(of: &Sensitivity, figure: Figure) -> Page {
     let intro = format!(
         "{}, {}. Each parameter is varied by itself, all others at their defaults. \
-         Differences in mm ± standard error, paired by configuration: runs of a pair have the same \
-         grains in the same order; other seeds and realisations make no such pairs, and scatter as \
-         single runs do. A packing is chaotic, so that pairs scatter; \"~\" marks an \
+         Differences in mm ± standard error, paired by realisation: runs of a pair have the same \
+         grains in the same order; changes of `seed` or `configuration` make no such pairs, and \
+         scatter as single runs do. A packing is chaotic, so that pairs scatter; \"~\" marks an \
          effect that lies inside that scatter: none of its differences (both ends and the range, \
          or one where an end is the default) can be told from zero, at 95 % for all of them together \
          (Student's t, Bonferroni). Parameters are ranked by their largest difference. Grains \
@@ -159,7 +159,7 @@ fn page(of: &Sensitivity, figure: Figure) -> Page {
          the specimen by what is stuck there. Runs that do not count in means are left out of \
          every difference with their pair (docs/accuracy.md), and counted.",
         specimen(&of.scenario, of.grains, of.quick),
-        counted(of.configurations as usize, "configuration"),
+        counted(of.configurations as usize, "realisation"),
     );
     let default = of.default.as_ref().map(without_a_change).unwrap_or_default();
     let ranges = table!(&of.parameters, |p| {
@@ -195,7 +195,7 @@ fn without_a_change(default: &VariationRow) -> String {
         n => format!("; left out of these means: {n} of {}", counted(default.runs, "run")),
     };
     format!(
-        "Without a change, over configurations, in mm: height {}, settlement of the plate {}, of the \
+        "Without a change, over realisations, in mm: height {}, settlement of the plate {}, of the \
          surface {}{left_out}.",
         spread(default.poured_height_mm),
         spread(default.plate_settlement_mm),

@@ -61,11 +61,11 @@ fn times(of: &Sweep) -> Table {
     })
 }
 
-const HOW_TO_READ: &str = "Every point is run in the same configurations, each a new random \
+const HOW_TO_READ: &str = "Every point is run in the same realisations, each a new random \
      arrangement of the same grains. Intervals are 95 % confidence intervals of the mean over \
-     configurations, by Student's t; sweep.json has those of the bootstrap as well. A change for \
-     one unit is the slope of a line through each configuration's own results, its mean and \
-     interval over configurations; where values were drawn from ranges, it is the coefficient in a \
+     realisations, by Student's t; sweep.json has those of the bootstrap as well. A change for \
+     one unit is the slope of a line through each realisation's own results, its mean and \
+     interval over realisations; where values were drawn from ranges, it is the coefficient in a \
      linear model of all of them. Factors that change together in all runs cannot be told apart: \
      none of them has a change of its own. Numbers of seed and configuration only name realisations: nothing \
      changes for one unit of them, and their points differ by chance. The test by ranks (Page 1963) \
@@ -74,7 +74,7 @@ const HOW_TO_READ: &str = "Every point is run in the same configurations, each a
      no run-time check found anything, and grains had settled where heights are read. Means and \
      effects leave out runs that are not valid, \
      and runs of which too many grains are missing (docs/accuracy.md); each point says how many. \
-     Configurations needed: the number that would show a slope of this size among this scatter with \
+     Realisations needed: the number that would show a slope of this size among this scatter with \
      a probability of 80 %, where at least three were run. Every run stands in sweep.csv, the \
      scenario that all of them share in scenario.json, the numbers of this page in sweep.json.";
 
@@ -107,7 +107,7 @@ fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
     let lead = format!(
         "{} in {}: {done} of {} {} results{}{}{}.{}",
         counted(of.points.len(), "point"),
-        counted(of.configurations as usize, "configuration"),
+        counted(of.configurations as usize, "realisation"),
         counted(of.planned, "run"),
         in_number(done, "has", "have"),
         against.collect::<String>(),
@@ -177,7 +177,7 @@ fn effects(of: &Sweep) -> Table {
         "change for one unit" => Cell::number(slope(e, &of.factors)),
         "p" => probability(e.slope_p),
         "p by ranks" => probability(e.page_p),
-        "configurations needed" => match e.configurations_needed {
+        "realisations needed" => match e.configurations_needed {
             Some(n) => Cell::from(n),
             None => Cell::number(dash()),
         },
@@ -362,7 +362,7 @@ mod tests {
         };
         let page = super::page(&valid, vec![]);
         let lead = page.markdown().lines().nth(2).unwrap_or_default().to_owned();
-        assert!(lead.contains("1 point in 4 configurations"), "law: one of them, got {lead}");
+        assert!(lead.contains("1 point in 4 realisations"), "law: one of them, got {lead}");
         assert!(lead.ends_with("1 of 1 run has results."), "law: nothing to warn of, got {lead}");
         assert!(page.html().contains("p class=\"lead\""), "law: no banner");
     }

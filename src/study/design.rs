@@ -14,7 +14,7 @@ pub struct SpecimenDesign {
     /// Changes that every run has, each `path=value` as after `--set`.
     #[serde(default)]
     pub changes: Vec<String>,
-    /// Number of configurations, each a new random arrangement of the same grains,
+    /// Number of realisations, each a new random arrangement of the same grains,
     /// unless the command says otherwise. One gives no scatter.
     #[schemars(range(min = 1, max = 1000))]
     pub configurations: u32,

@@ -432,7 +432,7 @@ mod tests {
         assert_eq!(failed, [plan.runs[0].stages[1]], "law: the pour fails");
         let told = heard.told();
         let of_filling = |text: &&String| {
-            text.starts_with("configuration 1, fill the funnel: warning: ")
+            text.starts_with("realisation 1, fill the funnel: warning: ")
                 && text.contains("had not settled")
         };
         assert_eq!(told.iter().filter(of_filling).count(), 1, "law: said once, got {told:?}");

@@ -76,7 +76,7 @@ pub struct Node {
     pub grains: Arc<GrainSet>,
     /// Whether it may take longer than one segment, and can go on from their ends.
     pub has_segments: bool,
-    /// For people: `configuration 1, pour from 50 mm`.
+    /// For people: `realisation 1, pour from 50 mm`.
     pub label: String,
     /// Simulated time expected, in s.
     pub expected: f64,
@@ -169,7 +169,7 @@ impl Plan {
                     grains: grains.clone(),
                     has_segments: segment_steps.is_some(),
                     label: format!(
-                        "configuration {}, {}",
+                        "realisation {}, {}",
                         scenario.configuration,
                         stage_label(stage, index == scenario.stages.len())
                     ),

@@ -75,7 +75,7 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
     };
     let interval = beyond(of);
     let caption = format!(
-        "Rings: every run{left_out}. Discs: means.{line}{interval} The same configurations stand at \
+        "Rings: every run{left_out}. Discs: means.{line}{interval} The same realisations stand at \
          every value.{identity} {}.",
         capital(&of.statement)
     );

@@ -134,7 +134,7 @@ fn against_rate(of: &Convergence, lines: &[Ladder], shown: &Shown) -> Result<Fig
     }
     limits.into_iter().for_each(|(label, at)| plot.mark_level(label, at));
     let caption = format!(
-        "{} Means over configurations; upright lines: ± standard error. One line a ladder of rates.",
+        "{} Means over realisations; upright lines: ± standard error. One line a ladder of rates.",
         shown.caption
     );
     Figure::new(shown.stem, shown.title, caption, &[plot], &table)
@@ -193,7 +193,7 @@ fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
     }
     let title = "Deviation of every setting from the finest of its ladder";
     let caption = format!(
-        "Deviations from the finest rung of each ladder, paired by configuration, ± standard \
+        "Deviations from the finest rung of each ladder, paired by realisation, ± standard \
          error. Dotted: {} % for the height; dashed and dotted: {} % for the settlements.",
         of.height_limit_percent, of.settlement_limit_percent
     );

@@ -30,7 +30,7 @@ pub(in crate::report) fn of_sensitivity(of: &Sensitivity) -> Result<Figure, Repo
         }
     }
     let caption = "Change from the default at either end of each parameter's range, the largest \
-                   first; thin lines: ± standard error over configurations. A bar no longer than \
+                   first; thin lines: ± standard error over realisations. A bar no longer than \
                    its thin line is scatter; the table says which effects lie inside it.";
     let title = "What each parameter moves over its range";
     Figure::new("sensitivity", title, caption, &with_one_legend(panels), &table)

@@ -97,13 +97,13 @@ fn effect_figure(
 /// What a caption says of the means of some effects, where there are any.
 fn of_means(of: &Sweep, effects: &[&SweepEffect]) -> String {
     if effects.iter().all(|effect| effect.means.is_empty()) {
-        return "No means: no configuration has runs that count at every value.".to_owned();
+        return "No means: no realisation has runs that count at every value.".to_owned();
     }
-    let all = counted(of.configurations as usize, "configuration");
-    // Of a configuration that lacks a value, or has one that is left out, none is in a mean.
+    let all = counted(of.configurations as usize, "realisation");
+    // Of a realisation that lacks a value, or has one that is left out, none is in a mean.
     let counts = || effects.iter().flat_map(|effect| &effect.means).map(|(_, e)| e.count);
     let over = match (counts().min(), counts().max()) {
-        _ if of.runs.len() < of.planned => "the configurations run so far".to_owned(),
+        _ if of.runs.len() < of.planned => "the realisations run so far".to_owned(),
         (Some(least), Some(most)) if least < of.configurations as usize => {
             let whole =
                 if least == most { least.to_string() } else { format!("{least} to {most}") };
@@ -194,7 +194,7 @@ fn pair_figure(of: &Sweep, a: usize, b: usize) -> Result<Option<Figure>, ReportE
         }
         panels.push(plot);
     }
-    let caption = "Means over configurations, and over all values of any further factor. Lines that \
+    let caption = "Means over realisations, and over all values of any further factor. Lines that \
                    run beside each other: the two factors act each by itself.";
     let stem = stem("pair", &format!("{}-{}", first.path, second.path));
     let title = format!("{} and {} together", first.path, second.path);
@@ -250,17 +250,17 @@ mod tests {
     }
 
     /// Law: a caption speaks of what is drawn: of intervals where there are any, of runs left out and
-    /// of other factors likewise, and of the configurations that were run.
+    /// of other factors likewise, and of the realisations that were run.
     #[test]
     fn a_caption_is_of_what_is_drawn() {
         let figure = |sweep: &Sweep| of_sweep(sweep).expect("figures").remove(0);
         let whole = figure(&sweep(2));
-        let expected = "Rings: every run. Discs: means over 2 configurations. Bars: the 95 % \
+        let expected = "Rings: every run. Discs: means over 2 realisations. Bars: the 95 % \
                         confidence of the mean by Student's t.";
         assert_eq!(whole.caption, expected, "law: nothing is left out, and no other factor");
         assert!(whole.svg.contains("Means, 95 % confidence"), "law: the key likewise");
         let begun = figure(&sweep(1));
-        let expected = "Rings: every run. Discs: means over the configurations run so far. No bars: \
+        let expected = "Rings: every run. Discs: means over the realisations run so far. No bars: \
                         one value gives no interval.";
         assert_eq!(begun.caption, expected, "law: half of the runs");
         assert!(!begun.svg.contains("95 %"), "law: no interval is drawn");
@@ -275,7 +275,7 @@ mod tests {
         fewer.effects[0].means = sweep(1).effects[0].means.clone();
         let got = figure(&fewer).caption;
         let said =
-            "Discs: means over 1 of 2 configurations (the others lack runs that count). No bars";
+            "Discs: means over 1 of 2 realisations (the others lack runs that count). No bars";
         assert!(got.contains(said), "law: expected `{said}`, got `{got}`");
         let mut single = sweep(2);
         single.design = "one_at_a_time";

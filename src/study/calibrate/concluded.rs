@@ -191,7 +191,7 @@ fn notes(of: &Calibration, kept: &Kept) -> Vec<String> {
     let failed = of.runs.iter().filter(|r| r.result.is_none()).count();
     if failed > 0 && of.ending != Ending::Failed {
         notes.push(format!(
-            "{failed} of {} {} no result and {} left out, with their configuration in the line",
+            "{failed} of {} {} no result and {} left out, with their realisation in the line",
             counted(of.runs.len(), "run"),
             in_number(failed, "has", "have"),
             in_number(failed, "is", "are")
@@ -200,7 +200,7 @@ fn notes(of: &Calibration, kept: &Kept) -> Vec<String> {
     let left_out: Vec<&CalibrationRun> = of.runs.iter().filter(|r| r.is_left_out()).collect();
     if let (Some(first), true) = (left_out.first(), of.ending != Ending::Failed) {
         notes.push(format!(
-            "{}, with their configuration in the line, as runs that failed are; the first, {}: {}",
+            "{}, with their realisation in the line, as runs that failed are; the first, {}: {}",
             left_out_in_words(left_out.len(), of.runs.len() - failed).unwrap_or_default(),
             first.run,
             first.left_out_of_means.as_deref().unwrap_or_default()
