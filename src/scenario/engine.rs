@@ -18,7 +18,7 @@ pub enum Backend {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ContactSolver {
-    /// Bullet's own collision algorithms and sequential impulse solver.
+    /// The collision algorithms and the sequential impulse solver of stock Bullet.
     Stock,
     /// Contact points that are kept from step to step, from our own hull–hull test, and the native
     /// solver.

@@ -3,9 +3,9 @@
 use super::*;
 
 parts! {
-/// How contacts yield in the native contact solver: an implicit spring and
+/// How soft contacts are in the native contact solver: an implicit spring and
 /// damper in every contact point. The rate and the speed below which nothing
-/// rebounds are those of the engine settings; its `iterations` are Bullet's own.
+/// rebounds are those of the engine settings; its `iterations` are for stock Bullet contacts.
 #[serde(default)]
 pub struct NativeSettings {
     /// Sub-steps of the solver in a second of simulated time, at least:
