@@ -277,7 +277,7 @@ impl ApproachArrested {
         let lost = motion.iter().any(|m| m.1.is_nan());
         let mut outcome = Outcome::new("Time since the floor rises (s)", "Height over it (mm)");
         outcome.note = Some(format!(
-            "rises by {:.3} mm from the floor, by the law {:.3}",
+            "rises by {:.3} mm from the floor, analytically {:.3}",
             to_mm(rise),
             to_mm(0.5 * leaves * leaves / g)
         ));

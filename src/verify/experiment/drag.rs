@@ -87,7 +87,7 @@ impl Dragged {
         let mean = law.mean(from_mm(self.distance_mm));
         let mut outcome = Outcome::new("Pushed by (mm)", "Force / μ m g");
         outcome.note = Some(format!(
-            "{got:.4}, by the law {mean:.4}; {:.4} mm lower at the end, tilted by {:.2}° at most, by the law {:.2}°",
+            "{got:.4}, analytically {mean:.4}; {:.4} mm lower at the end, tilted by {:.2}° at most, analytically {:.2}°",
             to_mm(down),
             tilt.min(1.0).asin().to_degrees(),
             (law.step / law.tips()).asin().to_degrees()

@@ -55,7 +55,7 @@ pub(super) fn tumbling(bench: &Bench, rate: Vector, duration: f64, quantity: Tum
         curve.push((time, change));
     })?;
     let law = vec![(0.0, 0.0), (scene.time(), 0.0)];
-    Ok(Outcome::over_time("Relative change (%)", curve, "Law", law).got(worst))
+    Ok(Outcome::over_time("Relative change (%)", curve, "Known solution", law).got(worst))
 }
 
 /// Spin about each body axis by Euler's equations, integrated by the classical
@@ -160,7 +160,7 @@ pub(super) fn collision(bench: &Bench, speed: f64, friction: f64, restitution: f
     }
     outcome.measured("Linear", of_linear);
     outcome.measured("Angular, over 10 mm", of_angular);
-    outcome.law("Law", vec![(0.0, 0.0), (scene.time(), 0.0)]);
+    outcome.law("Known solution", vec![(0.0, 0.0), (scene.time(), 0.0)]);
     Ok(outcome.got(worst))
 }
 

@@ -60,7 +60,7 @@ impl Incline {
             });
             outcome.measured(format!("{degrees}°"), curve);
         }
-        outcome.law("Law", vec![(0.0, 0.0), (duration, end)]);
+        outcome.law("Known solution", vec![(0.0, 0.0), (duration, end)]);
         let error = |got: f64| match quantity {
             Quantity::Drift => got,
             Quantity::Acceleration => (got - 1.0).abs(),

@@ -127,7 +127,7 @@ impl ImpactTilted {
             format!("({:.3}, {:.3}, {:.3})", p.x, p.y, p.z)
         };
         let words = format!(
-            "impulse {} m |v|, by the law {}; angular momentum off by {:.2} %",
+            "impulse {} m |v|, analytically {}; angular momentum off by {:.2} %",
             share(impulse),
             share(law),
             100.0 * off_turning

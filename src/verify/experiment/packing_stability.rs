@@ -18,7 +18,7 @@ impl OfGrains {
         let curve: Vec<_> = heights.iter().map(|(t, height)| (*t, to_mm(start - height))).collect();
         let lost = curve.last().map_or(0.0, |last| last.1);
         let mut outcome = Outcome::new("Time at rest (s)", "Mean grain height lost (mm)");
-        outcome.law("Law", vec![(0.0, 0.0), (self.duration_s, 0.0)]);
+        outcome.law("Known solution", vec![(0.0, 0.0), (self.duration_s, 0.0)]);
         outcome.measured("Engine", curve);
         Ok(outcome.got(lost))
     }
@@ -75,7 +75,7 @@ impl OfGrains {
             curve.push((time, share));
         })?;
         let mut outcome = Outcome::new("Time (s)", "Share of the mass inside");
-        outcome.law("Law", vec![(0.0, 1.0), (self.duration_s, 1.0)]);
+        outcome.law("Known solution", vec![(0.0, 1.0), (self.duration_s, 1.0)]);
         outcome.measured("Engine", curve);
         Ok(outcome.got(share))
     }
@@ -84,7 +84,7 @@ impl OfGrains {
     /// packings of the same grains: how hard a grain is pressed against a wall is chance.
     pub(super) fn beyond(&self, bench: &Bench) -> Measured {
         let mut outcome = Outcome::new("Time (s)", "Furthest vertex beyond a wall (mm)");
-        outcome.law("Law", vec![(0.0, 0.0), (self.duration_s, 0.0)]);
+        outcome.law("Known solution", vec![(0.0, 0.0), (self.duration_s, 0.0)]);
         let (mut furthest, mut notes) = (0.0_f64, Vec::new());
         for order in 0..ORDERS {
             let (mut curve, mut worst) = (Vec::new(), 0.0_f64);

@@ -101,7 +101,7 @@ impl Pivot {
         let late = scene.integration_step() / 2.0;
         let got = reaches(&curve, to).ok_or(VerifyError::NoEvent("a fall"))? + late;
         let note = format!(
-            "{got:.4} s, by the law {expected:.4} s; the pivot slips by {:.3} mm of {:.1}",
+            "{got:.4} s, analytically {expected:.4} s; the pivot slips by {:.3} mm of {:.1}",
             1e3 * slip,
             1e3 * radius
         );

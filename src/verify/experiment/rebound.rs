@@ -41,7 +41,7 @@ pub(super) fn rebound(bench: &Bench, restitution: f64, height: f64, rates: &[f64
         found.push(got);
     }
     let law = |t: f64| to_mm(rebounding(height, GRAVITY, restitution, t));
-    outcome.law("Law", over(fall + rise, 200, law));
+    outcome.law("Known solution", over(fall + rise, 200, law));
     let worst = worst_of(&found, |e| (e - restitution).abs());
     Ok(outcome.said(notes.join(", ")).got(worst))
 }

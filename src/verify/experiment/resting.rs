@@ -24,7 +24,7 @@ fn movement(y: &str, mut scene: Scene, ids: &[BodyId], settle: f64, duration: f6
 fn steady(y: &str, level: f64, name: &str, curve: Points) -> Outcome {
     let mut outcome = Outcome::new("Time (s)", y);
     if let (Some(first), Some(last)) = (curve.first(), curve.last()) {
-        outcome.law("Law", vec![(first.0, level), (last.0, level)]);
+        outcome.law("Known solution", vec![(first.0, level), (last.0, level)]);
     }
     outcome.measured(name, curve);
     outcome

@@ -138,7 +138,7 @@ impl RockingBlock {
         let lowest = motion.iter().map(|m| m.1).fold(0.0_f64, f64::min);
         let (rise, expected) = (-lowest.to_degrees(), next.to_degrees());
         Ok(Outcome::over_time("Tilt (°)", curve, "Impact and peaks by Housner’s law", peaks)
-            .said(format!("rises to {rise:.3}°, by the law {expected:.3}°"))
+            .said(format!("rises to {rise:.3}°, analytically {expected:.3}°"))
             .got(ratio))
     }
 

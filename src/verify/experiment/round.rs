@@ -68,10 +68,10 @@ impl BallOnPlane {
         })?;
         let (got, got_spin) = (at_end(&speeds), at_end(&spins));
         let mut outcome = Outcome::new("Time (s)", "Speed (m/s)");
-        outcome.note = Some(format!("at the end rω is {got_spin:.4} m/s, by the law {spin:.4}"));
+        outcome.note = Some(format!("at the end rω is {got_spin:.4} m/s, analytically {spin:.4}"));
         outcome.measured("v", speeds);
         outcome.measured("rω", spins);
-        outcome.law("v by the law", over(self.duration_s, 100, |time| self.law(time).0));
+        outcome.law("v, known solution", over(self.duration_s, 100, |time| self.law(time).0));
         // Whichever is farther off.
         Ok(outcome.got(worst_of(&[got / end, got_spin / spin], |got| (got - 1.0).abs())))
     }
@@ -143,7 +143,7 @@ impl SlidesOff {
                 let law = vec![(0.0, expected), (scene.time(), expected)];
                 let y = "Horizontal velocity (m/s)";
                 return Ok(Outcome::over_time(y, curve, "After leaving", law)
-                    .said(format!("{got:.4} m/s, by the law {expected:.4}"))
+                    .said(format!("{got:.4} m/s, analytically {expected:.4}"))
                     .got(got / expected));
             }
         }

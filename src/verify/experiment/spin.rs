@@ -103,8 +103,8 @@ impl SpinSlide {
         let angle = angle + half_step * self.spin_rad_per_s;
         let time = stop(&motion).ok_or(VerifyError::NoEvent("a stop"))?;
         let note = format!(
-            "{:.2} mm, {angle:.3} rad, {time:.4} s; by the law {:.2} mm, {:.3} rad, {:.4} s; \
-             {} mm aside, by the law {}; on {:.1} points",
+            "{:.2} mm, {angle:.3} rad, {time:.4} s; analytically {:.2} mm, {:.3} rad, {:.4} s; \
+             {} mm aside, analytically {}; on {:.1} points",
             to_mm(distance),
             to_mm(law.displacement.norm()),
             law.angle,
@@ -136,7 +136,7 @@ impl SpinSlides {
                 "{:?} mm, μ = {}, {} m/s, {} rad/s",
                 block.sides_mm, block.friction, block.speed_m_per_s, block.spin_rad_per_s
             );
-            notes.push(format!("{name}: {:.4}, by the law {law:.4}", one.got));
+            notes.push(format!("{name}: {:.4}, analytically {law:.4}", one.got));
             for mut curve in one.curves {
                 curve.name = format!("{name}: {}", curve.name);
                 outcome.curves.push(curve);

@@ -114,7 +114,7 @@ impl ImpactAtSeveralPoints {
         let gyration = (inertia.y / mass).sqrt();
         let got = velocity.norm().max(gyration * turning.norm()) / down;
         let words = format!(
-            "velocity ({:.4}, {:.4}, {:.4}) m/s and {:.3} rad/s, by the law ({:.4}, 0, {:.4}) and {:.3}",
+            "velocity ({:.4}, {:.4}, {:.4}) m/s and {:.3} rad/s, analytically ({:.4}, 0, {:.4}) and {:.3}",
             state.linear_velocity.x,
             state.linear_velocity.y,
             state.linear_velocity.z,

@@ -65,6 +65,11 @@ fn comes_out(settings: Vec<Setting>) {
     .expect("the suite runs");
     let surprises = surprises(&verdicts);
     assert!(surprises.is_empty(), "cases that came out otherwise than they say:\n{surprises}");
+    for verdict in &verdicts {
+        let said = verdict.remarks();
+        let is_so = !said.contains("by the law");
+        assert!(is_so, "law: {} speaks of the analytical solution, got `{said}`", verdict.id);
+    }
 }
 
 /// The native contacts at the default rate, in the precision that is linked; and all others.
