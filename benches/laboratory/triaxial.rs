@@ -11,7 +11,8 @@ use super::{
     bench::{Bench, Point, Run},
     row::{Found, Row},
     standard_tests::{
-        CriticalState, Triaxial, angle_of_ratio, critical_state, inertial_number, peak_ratio,
+        CriticalState, Triaxial, angle_of_ratio, critical_state, inertial_number,
+        mean_stress_deviation, peak_ratio,
     },
 };
 
@@ -298,6 +299,7 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
     let change: Read = |test| test.whole.void_ratio - test.between[0].void_ratio;
     let peak: Read = |test| angle_of_ratio(test.peak).to_degrees();
     let angle: Read = |test| angle_of_ratio(test.end.ratio).to_degrees();
+    let deviation: Read = |test| 100.0 * mean_stress_deviation(&test.moments).unwrap_or(f64::NAN);
     let still = |kind: usize| {
         let mean = pluvia::measure::statistics::mean(&values(kind, |test| test.end.dilation));
         mean.map_or(String::new(), |slope| {
@@ -330,6 +332,10 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
     let (how, highest, plates) = (how.as_str(), highest.as_str(), plates.as_str());
     let mut rows = vec![less("begin", "void ratio", "at the beginning", begin, &made_both, 3)];
     rows.extend(each("begin", "void ratio", "at the beginning", begin, made, 3));
+    let kept = "root mean square deviation of the mean stress";
+    let since = "from that at the beginning, %";
+    let regulated = format!("{region}. Few grains bear it, and each of their shifts shows in it");
+    rows.extend(each("kept", kept, since, deviation, [&regulated; 2], 0));
     rows.push(less("end-difference", "void ratio", "at the end", void_ratio, how, 3));
     rows.extend(each("end", "void ratio", "at the end", void_ratio, at_end, 3));
     let all = "void ratio between the plates";
@@ -406,21 +412,21 @@ fn chart(tests: &[Test]) -> Chart {
     )
 }
 
-/// The path in the plane of p and q.
+/// The path in the plane of p and q, and p by itself.
 fn path(tests: &[Test]) -> Chart {
-    let axes =
+    let [p, q] =
         ["Mean stress p (kPa)", "Deviator stress q (kPa)"].map(|of| Axis::linear(of).from_zero());
+    let strain = Axis::linear("Axial strain (%)").from_zero();
+    let core: fn(&Test) -> &[Triaxial] = |test| &test.moments;
+    let mean: fn(&Triaxial) -> f64 = |m| to_kpa(m.mean());
     Chart::new(
         "triaxial-path",
         "Stress paths of loose and dense specimens",
-        "Deviator stress against mean stress of an inner region, each realisation a line: p is \
-         kept by the forces at the sides, once these can follow.",
-        vec![plot(
-            tests,
-            axes,
-            |test| &test.moments,
-            |m| to_kpa(m.mean()),
-            |m| to_kpa(m.deviator()),
-        )],
+        "Deviator stress against mean stress of an inner region, and that mean stress against axial \
+         strain, each realisation a line: the forces at the sides keep p, once they can follow.",
+        vec![
+            plot(tests, [p.clone(), q], core, mean, |m| to_kpa(m.deviator())),
+            plot(tests, [strain, p], core, |m| 100.0 * m.strain, mean),
+        ],
     )
 }

@@ -27,7 +27,9 @@ pub use shear::{
     ShearStrength, Sheared, between_samples, friction_angle, inertial_number, shear_strength,
 };
 pub use tilt::{Borne, Tilted, Turned, carried_up, sliding_tilt};
-pub use triaxial::{CriticalState, Triaxial, angle_of_ratio, critical_state, peak_ratio};
+pub use triaxial::{
+    CriticalState, Triaxial, angle_of_ratio, critical_state, mean_stress_deviation, peak_ratio,
+};
 
 /// Mean of some numbers; NaN of none.
 fn mean_of(values: impl Iterator<Item = f64>) -> f64 {

@@ -66,6 +66,14 @@ pub fn peak_ratio(moments: &[Triaxial], together: usize) -> Option<f64> {
     means.max_by(f64::total_cmp)
 }
 
+/// How far p is from what it was at the first moment, as the root of the mean square over all
+/// moments, over what it was. `None` without moments.
+pub fn mean_stress_deviation(moments: &[Triaxial]) -> Option<f64> {
+    let before = moments.first()?.mean();
+    let squares = moments.iter().map(|m| (m.mean() / before - 1.0).powi(2));
+    Some(mean_of(squares).sqrt())
+}
+
 /// Friction angle in rad of M = q/p in triaxial compression: sin φ = 3M/(6 + M).
 pub fn angle_of_ratio(ratio: f64) -> f64 {
     (3.0 * ratio / (6.0 + ratio)).asin()
@@ -87,6 +95,17 @@ mod tests {
         near("600/3", one.mean(), 200.0);
         near("q/p", one.ratio(), 1.5);
         near("isotropic", moment(0.0, 100.0, 0.8).ratio(), 0.0);
+    }
+
+    #[test]
+    fn a_mean_stress_that_is_kept_deviates_by_nothing() {
+        // p is 200 with an axial stress of 400, 300 with 700.
+        let kept = [moment(0.0, 400.0, 0.6), moment(0.1, 400.0, 0.7)];
+        let risen = [moment(0.0, 400.0, 0.6), moment(0.1, 700.0, 0.7)];
+        near("kept", mean_stress_deviation(&kept).expect("moments"), 0.0);
+        let half = mean_stress_deviation(&risen).expect("moments");
+        near("half as much again in one of two", half, 0.5 / 2.0f64.sqrt());
+        assert_eq!(mean_stress_deviation(&[]), None, "law: nothing is kept without moments");
     }
 
     #[test]
