@@ -130,8 +130,9 @@ class Run:
 
     @cached_property
     def series(self) -> pd.DataFrame:
-        """The course of the run, `series.csv`: one row every 0.08 s of simulated time, with `time_s`,
-        `mean_surface_mm`, `settlement_mm`, `kinetic_energy_j` and more."""
+        """The course of the run, `series.csv`: one row per sample (every 0.08 s, or
+        `sample_interval_s`), with `time_s`, `mean_surface_mm`, `settlement_mm`, `kinetic_energy_j`
+        and more."""
         try:
             return _table.read(self.folder / "series.csv")
         except OSError as error:

@@ -39,7 +39,7 @@ pub(super) struct ExportArgs {
     #[arg(long, allow_negative_numbers = true)]
     stage: Option<String>,
     /// Least time between two frames in simulated seconds, for vtk and --animate [default: 0.4 for
-    /// vtk, every frame for --animate; frames are kept every 0.08 s]
+    /// vtk, every frame for --animate; frames are kept at every sample]
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     every: Option<f64>,
     /// With glb: how everything moved, as an animation

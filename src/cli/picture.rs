@@ -75,7 +75,7 @@ pub(super) struct PictureArgs {
     /// Leave out the key and the notes beside the picture
     #[arg(long)]
     no_key: bool,
-    /// Simulated time between two frames of an animation; frames are kept every 0.08 s
+    /// Simulated time between two frames of an animation; frames are kept at every sample
     #[arg(
         long,
         value_name = "S",

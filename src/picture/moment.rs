@@ -13,8 +13,8 @@ pub struct At {
     pub frame: usize,
 }
 
-/// How far from a frame a time may lie, in s: one interval of frames.
-const NEAR: f64 = 0.0801;
+/// How much farther from a frame than one interval of frames a time may lie, in s: rounding.
+const BEYOND: f64 = 1e-4;
 
 /// The moment of a run at a time in s since it began, in a stage named by its
 /// number from 0 or its name. Without a time it is the end of the stage, without
@@ -30,9 +30,10 @@ pub fn at(run: &Playback, stage: Option<&str>, time: Option<f64>) -> Result<At, 
         let frame = run.stages[last].frames.len().checked_sub(1).ok_or_else(nothing)?;
         return Ok(At { stage: last, frame });
     };
+    let near = run.setup.observed_every().max(run.setup.look_interval) + BEYOND;
     let off = |at: &At| (frame_at(run, *at).time - time).abs();
     let nearest = frames_of(run, chosen).into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-    nearest.filter(|at| off(at) <= NEAR).ok_or_else(|| {
+    nearest.filter(|at| off(at) <= near).ok_or_else(|| {
         let kept = stages_of(run, chosen).map(|n| {
             let stage = &run.stages[n];
             let end = |f: Option<&Frame>| f.map_or(f64::NAN, |f| f.time);

@@ -47,7 +47,7 @@ impl Observer for Seen {
 
 fn go(specimen: Specimen, value: Value) -> (Result<StageOutcome, StageError>, Seen) {
     let mut setup = Setup::new(&scenario()).expect("a laboratory");
-    setup.sample_interval = 0.02;
+    setup.look_interval = 0.02;
     let (mut seen, never) = (Seen::default(), AtomicBool::new(false));
     let make = &crate::world::create;
     (run(&setup, make, specimen, &stage(value), None, &mut seen, &never), seen)

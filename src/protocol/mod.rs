@@ -97,6 +97,10 @@ pub trait Observer {
     /// Called at the start of a stage, then every sample interval, then at its end.
     fn observe(&mut self, specimen: &Specimen, moment: Moment);
 
+    /// Called at every look and at the end of a stage, in s since it began, however finely or coarsely
+    /// it is sampled; after what was observed there.
+    fn look(&mut self, _specimen: &Specimen, _stage_time: f64) {}
+
     /// Called at the end of every segment but the last, after what was observed there, with what
     /// the stage can go on from. `Break` ends the stage as if it had been cancelled.
     fn seam(&mut self, _midway: &Midway) -> ControlFlow<()> {
@@ -150,7 +154,7 @@ pub struct StageOutcome {
     pub warnings: Vec<String>,
     /// What was watched about its motion.
     pub watch: Watch,
-    /// Solver residuals, one a sample (see `World::solver_residual`); none of an
+    /// Solver residuals, one a look (see `World::solver_residual`); none of an
     /// engine that does not say.
     pub residuals: Vec<f64>,
     /// The engine's settings as read back.

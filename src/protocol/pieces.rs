@@ -14,11 +14,35 @@ pub(super) struct Drive {
     pub motion: PieceMotion,
 }
 
-/// Impulse and its moment since a sample, in N s and N m s.
+/// Impulse and its moment, in N s and N m s.
 #[derive(Debug, Clone, Copy, Default)]
 struct Load {
     impulse: Vector,
     moment: Vector,
+}
+
+/// What grains did to each piece in a number of steps.
+struct Loads {
+    of_pieces: Vec<Load>,
+    steps: u32,
+}
+
+impl Loads {
+    fn of(pieces: usize) -> Self {
+        Self { of_pieces: vec![Load::default(); pieces], steps: 0 }
+    }
+
+    /// Writes the mean force and moment into a state, and begins anew; steps have a length in s.
+    fn take(&mut self, state: &mut SpecimenState, step: f64) {
+        let time = f64::from(self.steps) * step;
+        for (piece, load) in state.pieces.iter_mut().zip(&mut self.of_pieces) {
+            let load = std::mem::take(load);
+            if time > 0.0 {
+                (piece.force_n, piece.moment_n_m) = (load.impulse / time, load.moment / time);
+            }
+        }
+        self.steps = 0;
+    }
 }
 
 /// A piece that is pressed: its number, its body, and where that is in its frame.
@@ -42,8 +66,9 @@ pub(super) struct Pieces {
     reach: Vec<(bool, f64)>,
     /// Where each was at the beginning of the last step.
     before: Vec<Pose>,
-    loads: Vec<Load>,
-    steps: u32,
+    /// What grains did to the pieces since the last look, and since the last sample.
+    loads: Loads,
+    sampled: Loads,
     /// Work of the pieces on the grains since it was taken, in J.
     pub(super) work: f64,
     /// Those that are pressed, and the work done on them since it was taken, in J.
@@ -108,8 +133,8 @@ impl Pieces {
             drive,
             began: began.to_vec(),
             before: state.pieces.iter().map(|piece| piece.pose).collect(),
-            loads: vec![Load::default(); state.pieces.len()],
-            steps: 0,
+            loads: Loads::of(state.pieces.len()),
+            sampled: Loads::of(state.pieces.len()),
             work: 0.0,
             pressed,
             pressed_work: 0.0,
@@ -299,9 +324,11 @@ impl Pieces {
             for (body, impulse) in [(contact.a, contact.impulse), (contact.b, -contact.impulse)] {
                 let Some(&n) = self.of_body.get(&body) else { continue };
                 let now = state.pieces[n].pose;
-                let load = &mut self.loads[n];
-                load.impulse += impulse;
-                load.moment += (contact.point - now.translation.vector).cross(&impulse);
+                let moment = (contact.point - now.translation.vector).cross(&impulse);
+                for loads in [&mut self.loads, &mut self.sampled] {
+                    loads.of_pieces[n].impulse += impulse;
+                    loads.of_pieces[n].moment += moment;
+                }
                 for (_, felt) in self.watched.iter_mut().filter(|(of, _)| of.contains(&n)) {
                     *felt += impulse;
                 }
@@ -316,22 +343,21 @@ impl Pieces {
             }
         }
         self.contacts = contacts;
-        self.steps += 1;
+        self.loads.steps += 1;
+        self.sampled.steps += 1;
         Ok(())
     }
 
-    /// Writes the mean force and moment since the sample before into a state, and begins anew; or since
+    /// Writes the mean force and moment since the look before into a state, and begins anew; or since
     /// these bodies were added, where that was later. A segment hands no loads on to the next: a piece
     /// that is pressed after it was held begins from the last of these means, which keeps its bits.
     pub(super) fn take_loads(&mut self, state: &mut SpecimenState, step: f64) {
-        let time = f64::from(self.steps) * step;
-        for (piece, load) in state.pieces.iter_mut().zip(&mut self.loads) {
-            let load = std::mem::take(load);
-            if time > 0.0 {
-                (piece.force_n, piece.moment_n_m) = (load.impulse / time, load.moment / time);
-            }
-        }
-        self.steps = 0;
+        self.loads.take(state, step);
+    }
+
+    /// The same since the sample before, into a state that is only shown.
+    pub(super) fn take_sampled_loads(&mut self, state: &mut SpecimenState, step: f64) {
+        self.sampled.take(state, step);
     }
 
     /// A piece that is pressed and stands in another, which it does not feel: both by number.

@@ -27,8 +27,9 @@ pub struct Midway {
     pub steps: u64,
     /// Height of the funnel's collar in m.
     pub collar_m: f64,
-    /// Time since the stage began at which the next observation is due, in s.
-    pub next_sample_s: f64,
+    /// Time since the stage began at which the next look is due, in s.
+    #[serde(rename = "next_sample_s")]
+    pub next_look_s: f64,
     /// Time since the stage began from which on everything was slow enough to
     /// count as settled, in s; none where something is not.
     pub calm_since_s: Option<f64>,
@@ -39,7 +40,7 @@ pub struct Midway {
     /// What was watched so far; not in a checkpoint of before this was.
     #[serde(default)]
     pub watch: Watch,
-    /// Solver residuals, one a sample (see `World::solver_residual`).
+    /// Solver residuals, one a look (see `World::solver_residual`).
     #[serde(default)]
     pub residuals: Vec<f64>,
     /// The grains still in the spout of slow pluviation.
@@ -93,7 +94,7 @@ impl Midway {
             pieces_began: state.pieces.clone(),
             state,
             collar_m,
-            next_sample_s: setup.sample_interval,
+            next_look_s: setup.look_interval,
             ..Self::default()
         }
     }

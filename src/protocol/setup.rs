@@ -3,12 +3,8 @@
 use super::*;
 use crate::apparatus;
 use crate::scale::Scale;
-use crate::scenario::{ContactSpec, FunnelSpec, MeasuresSpec, Scenario};
+use crate::scenario::{ContactSpec, FunnelSpec, MeasuresSpec, SAMPLE_INTERVAL, Scenario};
 use crate::world::PairCoefficients;
-
-/// Interval between observations in s (paper, section 4: "continuously
-/// monitored every 0.08 seconds").
-const SAMPLE_INTERVAL: f64 = 0.08;
 
 /// The laboratory as the stages see it.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,8 +35,11 @@ pub struct Setup {
     pub seed: u64,
     /// Which realisation, counted from 1.
     pub configuration: u32,
-    /// Interval between observations in s.
-    pub sample_interval: f64,
+    /// Interval in s between looks beside the checks: stages settle, grains leave and are let go, and
+    /// loads are averaged by them, whatever is recorded.
+    pub look_interval: f64,
+    /// Interval between observations in s; where it is none, each look is one.
+    pub sample_interval: Option<f64>,
 }
 
 /// When a specimen counts as settled, in SI units.
@@ -89,8 +88,22 @@ impl Setup {
             },
             seed: scenario.seed,
             configuration: scenario.configuration,
-            sample_interval: SAMPLE_INTERVAL,
+            look_interval: SAMPLE_INTERVAL,
+            sample_interval: scenario.sample_interval_s.filter(|s| *s != SAMPLE_INTERVAL),
         })
+    }
+
+    /// Interval in s at which a stage is observed.
+    pub fn observed_every(&self) -> f64 {
+        self.sample_interval.unwrap_or(self.look_interval)
+    }
+
+    /// Whether an observation is due at a step of a length in s; at a look it is, unless the
+    /// observations have an interval of their own.
+    pub(super) fn is_sampled(&self, step: u64, dt: f64, at_look: bool) -> bool {
+        let Some(every) = self.sample_interval else { return at_look };
+        let samples = |step: u64| ((step as f64 + 0.5) * dt / every).floor();
+        step > 0 && samples(step) > samples(step - 1)
     }
 
     /// Number of a piece by its name.

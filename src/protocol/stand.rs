@@ -240,14 +240,18 @@ impl<'a> Stand<'a> {
             stepped?;
             self.pieces.gather(self.world.as_ref(), &mut self.specimen.state)?;
 
-            let due = time >= self.midway.next_sample_s - dt / 2.0;
+            let looks = time >= self.midway.next_look_s - dt / 2.0;
+            let sampled = self.setup.is_sampled(step, dt, looks);
             let regular = step.is_multiple_of(check_every);
-            if !(regular || due || step == last_step || Some(step) == shaken) {
+            if !(regular || looks || step == last_step || Some(step) == shaken) {
                 if look_every.is_some_and(|n| step.is_multiple_of(n)) {
                     self.world.read(&mut self.snapshot);
                     let now = self.tally();
                     let time = self.midway.began_s + time;
                     self.midway.watch.follow(&now, table_velocity(step as f64 * dt), time);
+                }
+                if sampled {
+                    self.show(observer, time, table_velocity(time));
                 }
                 continue;
             }
@@ -276,15 +280,20 @@ impl<'a> Stand<'a> {
             if regular && let Some(text) = self.keep_mean_stress(check_every as f64 * dt) {
                 observer.warn(&text);
             }
-            if due || step == last_step || Some(step) == shaken || settled || stuck {
-                if due {
-                    self.midway.next_sample_s += self.setup.sample_interval;
-                }
+            let is_end = step == last_step || Some(step) == shaken || settled || stuck;
+            if looks {
+                self.midway.next_look_s += self.setup.look_interval;
+            }
+            if looks || is_end {
                 self.pieces.take_loads(&mut self.specimen.state, dt);
                 self.look_at_presses(time)?;
                 self.midway.residuals.extend(self.world.solver_residual());
-                let moment = self.moment(time, table_velocity(time));
-                self.show(observer, moment);
+            }
+            if sampled || is_end {
+                self.show(observer, time, table_velocity(time));
+            }
+            if looks || is_end {
+                observer.look(&self.specimen, time);
             }
             if settled || stuck {
                 break;
@@ -309,18 +318,6 @@ impl<'a> Stand<'a> {
 
     fn moment(&self, stage_time: f64, table_velocity: Vector) -> Moment {
         Moment { stage_time, table_velocity, balance: self.midway.watch.balance }
-    }
-
-    /// Shows the specimen; with the contacts of the moment, where stresses are measured.
-    fn show(&mut self, observer: &mut dyn Observer, moment: Moment) {
-        let stresses = !self.setup.measures.regions.is_empty();
-        if stresses {
-            self.specimen.state.contacts = self.contacts();
-        }
-        observer.observe(&self.specimen, moment);
-        if stresses {
-            self.specimen.state.contacts.clear();
-        }
     }
 
     /// Takes the stage out of the world, to go on in another.

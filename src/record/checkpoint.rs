@@ -345,7 +345,7 @@ pub(super) mod tests {
             began_s: 0.0,
             steps,
             collar_m: 0.0,
-            next_sample_s: 0.08,
+            next_look_s: 0.08,
             calm_since_s: None,
             engine_s: 0.0,
             warnings: Vec::new(),

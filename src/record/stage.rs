@@ -36,7 +36,7 @@ pub struct StageRecord {
     /// What its checks found; none where the stage was stored before this was recorded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub checks: Option<StageChecks>,
-    /// Solver residuals, one a sample; empty of an engine that does not say.
+    /// Solver residuals, one a look; empty of an engine that does not say.
     #[serde(default)]
     pub solver_residuals: Vec<f64>,
     /// Engine settings as read back.

@@ -56,7 +56,7 @@ fn lay_over(document: &mut Document, overrides: &[Override]) {
 }
 
 /// What a scenario says beside its grains.
-const BESIDE_GRAINS: [&str; 10] = [
+const BESIDE_GRAINS: [&str; 11] = [
     "apparatus",
     "pieces",
     "measures",
@@ -67,6 +67,7 @@ const BESIDE_GRAINS: [&str; 10] = [
     "gravity_m_per_s2",
     "stages",
     "rest_test_s",
+    "sample_interval_s",
 ];
 
 /// Whether what stands at a path says nothing of the grains, under its name of today or an old one.

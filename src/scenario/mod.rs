@@ -198,6 +198,10 @@ pub struct Scenario {
     /// Length in seconds of the rest test, which measures the numerical creep
     /// of the finished specimen when nothing moves; 0 leaves it out.
     pub rest_test_s: f64, else "default_rest_test", from 0.0 to 600.0;
+    /// Interval in seconds between the rows of `series.csv`, and between frames: at least one step of
+    /// the engine and, above 0.08 s, at most a quarter of each rest. Left out, it is 0.08 s. Grains
+    /// move the same whatever it is.
+    pub sample_interval_s: Option<f64>, skip "Option::is_none", above 0.0 to 10.0;
     /// Sizes, density and number of grains that have no sieve table, as they were found
     /// when the scenario was loaded; it is no part of what is written.
     #[serde(skip)]
@@ -217,6 +221,10 @@ defaults! {
     default_configuration: u32 = 1;
     default_rest_test: f64 = 2.0;
 }
+
+/// Interval between samples in s where a scenario gives none (paper, section 4: "continuously
+/// monitored every 0.08 seconds").
+pub const SAMPLE_INTERVAL: f64 = 0.08;
 
 /// Where the grains come from: cut from sieve data, read from a file, or with
 /// the shapes of meshes.

@@ -53,7 +53,7 @@ impl LaboratoryRecorder {
     }
 
     /// Adds up what has passed since it last looked.
-    fn look_at_flow(&mut self, specimen: &Specimen, series: &mut LaboratorySeries) {
+    pub(super) fn look_at_flow(&mut self, specimen: &Specimen, series: &mut LaboratorySeries) {
         if !self.observes || self.openings.is_empty() {
             return;
         }

@@ -134,7 +134,7 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
             sinking.begin();
         }
         let middle = f64::midpoint(from, to.min(self.stage.longest()));
-        let near = (stage_time - middle).abs() <= 2.0 * self.setup.sample_interval;
+        let near = (stage_time - middle).abs() <= 2.0 * self.setup.observed_every();
         let there = there.iter().map(|&grain| (grain, specimen.centroid(grain).z)).collect();
         sinking.note(self.start + stage_time, there, is_first || near);
     }
@@ -256,9 +256,15 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
             work_input_j: moment.balance.input,
             dissipated_j: moment.balance.dissipated,
         });
-        let at = moment.stage_time;
-        let of = (self.stage, &self.setup.scale);
-        let found = look_at_overlap(&mut self.observed.overlap, of, specimen, at, row.time_s);
+    }
+
+    fn look(&mut self, specimen: &Specimen, stage_time: f64) {
+        let specimen = &*specimen.on_level_table();
+        if self.setup.sample_interval.is_some() {
+            self.laboratory.look_at_flow(specimen, &mut self.observed.laboratory);
+        }
+        let (of, time) = ((self.stage, &self.setup.scale), self.start + stage_time);
+        let found = look_at_overlap(&mut self.observed.overlap, of, specimen, stage_time, time);
         if let Some(text) = found {
             (self.on_finding)(&text);
         }

@@ -34,6 +34,9 @@ struct StageKey<'a> {
     pieces: &'a [PieceSpec],
     #[serde(skip_serializing_if = "MeasuresSpec::is_empty")]
     measures: &'a MeasuresSpec,
+    /// Where it is not that of the paper: rows of the series are part of the result.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sample_interval_s: Option<f64>,
     /// The sieves of the grains, where the stage chooses grains by them: of grains from a file they
     /// do not follow from shapes, and a sieve of a table may be another without another grain.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -72,6 +75,7 @@ pub(super) fn identity(
         configuration: scenario.configuration,
         pieces: &scenario.pieces,
         measures: &scenario.measures,
+        sample_interval_s: setup.sample_interval,
         sieves_sha256: by_sieve.then(|| sieves_hash(grains)),
         parent: after.unwrap_or(grains_sha256),
         stage,

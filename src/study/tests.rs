@@ -148,15 +148,19 @@ fn runs_share_the_stages_they_have_in_common_and_no_others() {
     let same = first(&|s| {
         s.name = "another".into();
         s.notes = vec!["note".into()];
+        s.sample_interval_s = Some(0.08);
         s.stages.pop();
     });
     assert_eq!(same, plan.nodes[0].key(), "names, notes and later stages do not act on a stage");
-    let changes: [&dyn Fn(&mut Scenario); 6] = [
+    let field = plan.nodes[0].identity.determined_by.get("sample_interval_s");
+    assert_eq!(field, None, "law: keys of samples at the paper's interval stay as they were");
+    let changes: [&dyn Fn(&mut Scenario); 7] = [
         &|s| s.seed = 2,
         &|s| s.configuration = 2,
         &|s| s.engine.rate_hz = 960.0,
         &|s| s.contact.restitution = 0.3,
         &|s| s.gravity_m_per_s2 = 9.8,
+        &|s| s.sample_interval_s = Some(0.04),
         &|s| s.stages[0] = StageSpec::FillFunnel { time_limit_s: 3.0 },
     ];
     for (index, change) in changes.into_iter().enumerate() {

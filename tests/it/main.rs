@@ -52,6 +52,7 @@ mod repose;
 mod reproduce;
 mod results;
 mod same;
+mod sampling;
 mod sanitizers;
 mod scale;
 mod scenario;

@@ -68,7 +68,7 @@ fn filled(scenario: &Scenario, larger: f64) -> Vec<Vec<(Pose, Vector, Vector)>> 
     let grains = Arc::new(grains::generate(sieved, scenario.seed).expect("grains"));
     let state = SpecimenState::before_everything(grains.grains.len());
     let mut setup = Setup::new(scenario).expect("a laboratory");
-    setup.sample_interval = 0.025 * larger.sqrt();
+    setup.look_interval = 0.025 * larger.sqrt();
     let mut seen = Seen::default();
     protocol::run(
         &setup,

@@ -462,3 +462,24 @@ fn a_fraction_too_wide_for_cells_is_reported() {
     let gap = [[40.0, 20.0, 50.0], [20.0, 6.0, 0.0], [6.0, 4.0, 50.0]];
     assert_eq!(said("cells", &gap), none, "law: where no grains are, none are missing");
 }
+
+/// Law: where the table vibrates faster than the paper's, samples too far apart to show it are warned
+/// of, with an interval that shows it.
+#[test]
+fn samples_that_do_not_show_a_vibration_are_warned_of() {
+    let said = |frequency_hz: f64, every: Option<f64>| -> Vec<String> {
+        let mut scenario = small::scenario(30.0, 1.0, 1.0);
+        scenario["stages"][3]["frequency_hz"] = json!(frequency_hz);
+        scenario["stages"][3]["amplitude_mm"] = json!(2);
+        if let Some(every) = every {
+            scenario["sample_interval_s"] = json!(every);
+        }
+        reported(&scenario).into_iter().filter(|text| text.contains("sample_interval_s")).collect()
+    };
+    assert_eq!(said(3.0, None), [""; 0], "law: the paper's vibration as it was read");
+    assert_eq!(said(10.0, Some(0.0125)), [""; 0], "law: eight samples a cycle");
+    let told = said(10.0, None);
+    assert_eq!(told.len(), 1, "law: said once, got {told:?}");
+    let words = ["sample_interval_s", "10 Hz has 1.25 samples a cycle", "found 0.08", "0.012"];
+    assert_holds(&told[0], &words);
+}

@@ -1,12 +1,61 @@
 //! Reads the world back into the specimen, and watches what it finds.
 
 use super::{
-    BodyId, BodyState, Fate, Grain, GrainState, HashMap, Party, SavedContact, Specimen, Stand,
-    Tally, Vector, WorldError, grain_name, level, name_of, spring_energy,
+    BodyId, BodyState, Fate, Grain, GrainState, HashMap, Moment, Observer, Party, SavedContact,
+    Specimen, Stand, Tally, Vector, WorldError, grain_name, level, name_of, spring_energy,
 };
 use crate::plain::components;
 
 impl Stand<'_> {
+    /// Shows the specimen at a time in s since the stage began; with the contacts of the moment, where
+    /// stresses are measured.
+    pub(super) fn show(&mut self, observer: &mut dyn Observer, time: f64, table: Vector) {
+        let stresses = !self.setup.measures.regions.is_empty();
+        if self.setup.sample_interval.is_some() {
+            let Some((mut shown, moment)) = self.sample(time, table) else { return };
+            if stresses {
+                shown.state.contacts = self.contacts();
+            }
+            observer.observe(&shown, moment);
+            return;
+        }
+        if stresses {
+            self.specimen.state.contacts = self.contacts();
+        }
+        observer.observe(&self.specimen, self.moment(time, table));
+        if stresses {
+            self.specimen.state.contacts.clear();
+        }
+    }
+
+    /// The specimen as it is now, and what was given and taken until now: in copies, so that looks and
+    /// checks find what they find without samples between them. None where what is read is unphysical,
+    /// which the next check reports.
+    fn sample(&mut self, time: f64, table: Vector) -> Option<(Specimen, Moment)> {
+        self.world.read(&mut self.snapshot);
+        let now_s = self.midway.began_s + time;
+        let name = |index: usize| self.name_of(BodyId(index as u32));
+        self.check.check(&self.snapshot, now_s, name).ok()?;
+        let mut watch = self.midway.watch.clone();
+        watch.given(self.pieces.work);
+        watch.pressed(self.pieces.pressed_work);
+        watch.follow(&self.tally(), table, now_s);
+        let mut shown = self.specimen.clone();
+        let body = |id: &Option<BodyId>| self.snapshot.get((*id)?.0 as usize).copied().flatten();
+        for (grain, id) in shown.state.bodies.iter_mut().zip(&self.grains) {
+            if let Some(body) = body(id) {
+                grain.body = body;
+            }
+        }
+        if let Some(plate) = body(&self.plate) {
+            shown.state.top_plate = Some(plate);
+        }
+        shown.state.time = now_s;
+        self.pieces.take_sampled_loads(&mut shown.state, self.world.time_step());
+        let balance = watch.balance;
+        Some((shown, Moment { stage_time: time, table_velocity: table, balance }))
+    }
+
     /// The loaded contacts between what is still present.
     pub(super) fn contacts(&self) -> Vec<SavedContact> {
         let mut contacts = Vec::new();

@@ -12,6 +12,7 @@ mod mean_stress;
 mod motion;
 mod moves;
 mod pieces;
+mod sampling;
 mod stages;
 mod time_step;
 mod until;
@@ -44,6 +45,7 @@ struct Parts {
     settle: Option<SettleSpec>,
     gravity: Option<f64>,
     rest_test_s: Option<f64>,
+    sample_interval_s: Option<f64>,
     /// Stages that a specimen of another run has been through, where one is begun with; none of one
     /// that could not be looked up.
     begun_after: Option<Vec<String>>,
@@ -97,6 +99,7 @@ impl Parts {
             settle: read_or_default(value, "/settle"),
             gravity: number("gravity_m_per_s2", super::default_gravity()),
             rest_test_s: number("rest_test_s", super::default_rest_test()),
+            sample_interval_s: number("sample_interval_s", SAMPLE_INTERVAL),
             begun_after: value.get("begin").map(|begin| {
                 let begin: Option<BeginSpec> = read(begin);
                 begin.map(|begin| begin.after).unwrap_or_default()
@@ -187,17 +190,19 @@ pub(super) fn faults(value: &Value, found: Option<&Grading>) -> Vec<Fault> {
     motion::check(&parts, faults);
     engine::check(&parts, faults);
     time_step::check(&parts, faults);
+    sampling::check(&parts, faults);
     found
 }
 
 /// What a valid scenario's results must be read with: values that are typed and far from what the
-/// grains ask for, apparatus that does not suit them, and steps that cannot resolve the motion but
-/// that `engine.allow_coarse_steps` lets pass.
+/// grains ask for, apparatus that does not suit them, samples that do not show a vibration, and steps
+/// that cannot resolve the motion but that `engine.allow_coarse_steps` lets pass.
 pub fn warnings(scenario: &Scenario) -> Vec<String> {
     let Ok(value) = serde_json::to_value(scenario) else { return Vec::new() };
     let parts = Parts::of(&value, scenario.found.as_ref());
     let unusual = unusual::unusual(scenario, &value);
     let mut warnings: Vec<String> = unusual.iter().map(ToString::to_string).collect();
+    warnings.extend(sampling::coarse(&parts).iter().map(ToString::to_string));
     if parts.engine.as_ref().is_some_and(|e| e.allow_coarse_steps) {
         let mut coarse = Vec::new();
         time_step::find_coarse_steps(&parts, &mut Faults::of(&mut coarse));

@@ -100,7 +100,7 @@ pub(super) fn find_coarse_steps(parts: &Parts, faults: &mut Faults) {
 
 /// Cycles per second of a stage's fastest sinusoid, of the table or of pieces; 0 of every other
 /// stage, and of a recorded motion, of which only the speed is judged.
-fn cycles_per_s(stage: &StageSpec) -> f64 {
+pub(super) fn cycles_per_s(stage: &StageSpec) -> f64 {
     if let StageSpec::Move(MoveSpec { sine: Some(sine), .. }) = stage {
         return sine.frequency_hz;
     }

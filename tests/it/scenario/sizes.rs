@@ -16,6 +16,29 @@ fn impossible_sizes_are_refused() {
     expect_at("engine.length_scale", json!(1e6), &["out of range", "10000"]);
 }
 
+/// Law: samples are a step of the engine apart or more, and close enough for the rests whose numerical
+/// creep is read off them.
+#[test]
+fn intervals_of_samples_are_bounded() {
+    for outside in [0.0, -1.0, 10.1] {
+        let words = ["out of range", "a number above 0 and at most 10"];
+        expect_at("sample_interval_s", json!(outside), &words);
+    }
+    let words = ["more samples than steps", "one step of the engine"];
+    expect_at("sample_interval_s", json!(1e-5), &words);
+    let words = ["too few samples in a rest of 2 s (rest_test_s)", "at most 0.5 s"];
+    expect_at("sample_interval_s", json!(0.6), &words);
+    let mut coarse = sound();
+    coarse["rest_test_s"] = json!(40);
+    for (rest, at_fault) in [(40.0, 0), (8.0, 1)] {
+        let stages = json!([{ "stage": "fill_funnel" }, { "stage": "rest", "duration_s": rest }]);
+        coarse["stages"] = stages;
+        coarse["sample_interval_s"] = json!(10);
+        let found = faults(&coarse);
+        assert_eq!(found.len(), at_fault, "law: a quarter of a rest of {rest} s, got {found:#?}");
+    }
+}
+
 #[test]
 fn sieve_tables_that_make_no_sense_are_refused() {
     let passing = "grains.sieve_table[1].passing_mm";
