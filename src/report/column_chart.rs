@@ -2,7 +2,10 @@
 //! axes.
 
 use super::*;
-use super::{columns::quantity_and_unit, plot::Series};
+use super::{
+    columns::quantity_and_unit,
+    plot::{Series, aligned},
+};
 use crate::in_order::each_once;
 
 /// A column: its name and its numbers, row by row.
@@ -54,9 +57,14 @@ impl ColumnChart {
     /// # Errors
     /// A sentence on what has no place on the axes or cannot be drawn.
     pub fn svg(&self) -> Result<String, String> {
+        stacked(&self.panels()?)
+    }
+
+    /// The panels, from the top.
+    fn panels(&self) -> Result<Vec<Plot>, String> {
         let units = each_once(self.y.iter().map(|column| column.quantity_and_unit().1));
         let plots = units.iter().map(|unit| self.panel(unit));
-        stacked(&plots.collect::<Result<Vec<Plot>, String>>()?)
+        Ok(aligned(plots.collect::<Result<_, String>>()?))
     }
 
     /// The columns of one unit.
@@ -216,6 +224,20 @@ mod tests {
         assert_eq!(svg.matches("Time (s)").count(), 2, "law: a panel for each unit");
         assert!(svg.contains("Core void ratio"), "law: what has no unit has its name");
         assert!(!svg.contains("Core void ratio ("), "law: and nothing in brackets");
+    }
+
+    /// Law: panels line up: what one has no numbers of is empty in it, and a place across the figure is
+    /// one value in all.
+    #[test]
+    fn panels_line_up() {
+        let late = column("settlement_mm", &[None, None, Some(1.0), Some(2.0)]);
+        let wide = column("force_n", &[Some(0.0), Some(1e6), Some(2e6), Some(1_234_567.0)]);
+        let panels = chart(vec![late, wide]).panels().expect("drawn");
+        let [upper, lower] = &panels[..] else { panic!("law: a panel for each unit") };
+        let [above, below] = [upper, lower].map(|plot| plot.scales().0);
+        assert_eq!(above, below, "law: one horizontal axis (left: above, right: below)");
+        let [above, below] = [upper, lower].map(Plot::left);
+        assert_eq!(above, below, "law: frames begin at one place (left: above, right: below)");
     }
 
     /// Law: a stage is marked where something is drawn, so that no axis begins long before its curves.

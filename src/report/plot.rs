@@ -154,6 +154,8 @@ pub struct Plot {
     pub series: Vec<Series>,
     /// Height of the frame in SVG units.
     pub frame_height: u32,
+    /// Space left of the frame in SVG units, at least.
+    least_left: i32,
 }
 
 impl Plot {
@@ -274,6 +276,23 @@ impl Plot {
         let y = points.map(|p| p.1).chain(edges.flat_map(|e| [e.1, e.2])).chain(bands);
         (self.x.scale(x), self.y.scale(y.chain(marks(false))))
     }
+}
+
+/// Plots over the same quantity, to stand one below the other: their horizontal axes reach to what any
+/// of them draws, and their frames begin at the same place.
+pub fn aligned(mut plots: Vec<Plot>) -> Vec<Plot> {
+    if plots.len() < 2 {
+        return plots;
+    }
+    let points = plots.iter().flat_map(|plot| &plot.series).flat_map(|series| &series.points);
+    let marks = plots.iter().flat_map(|plot| &plot.marks).filter(|mark| mark.upright);
+    let drawn: Vec<f64> = points.map(|p| p.0).chain(marks.map(|mark| mark.at)).collect();
+    let left = plots.iter().map(Plot::left).max().unwrap_or(0);
+    for plot in &mut plots {
+        plot.x = std::mem::take(&mut plot.x).holding(drawn.iter().copied());
+        plot.least_left = left;
+    }
+    plots
 }
 
 /// Plots that are read alike, one below the other, with one legend: that of the last, which has the

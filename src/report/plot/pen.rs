@@ -19,18 +19,13 @@ impl Plot {
     /// A sentence on what plotters could not draw.
     pub fn svg(&self) -> Result<String, String> {
         let (x, y) = self.scales();
-        let names = self.y_names.clone();
-        let y_numbers = names.unwrap_or_else(|| y.ticks.iter().map(|t| y.number(*t)).collect());
-        let width = |number: &String| style::text_width(number, style::NUMBERS);
-        let widest = y_numbers.iter().map(width).fold(0.0, f64::max);
+        let y_numbers = self.y_numbers(&y);
         // How far the number of a tick at the right end reaches over it; names stay below their share.
         let is_at_end = |tick: &f64| x.place(*tick).is_some_and(|place| place > 0.98);
         let at_end = x.ticks.iter().filter(|t| self.x_names.is_none() && is_at_end(t));
         let over = at_end.map(|t| (width(&x.number(*t)) / 2.0) as i32 + 10).max().unwrap_or(0);
-        let name = if self.y.name.is_empty() { 0 } else { style::UPRIGHT_NAME };
-        let left = (widest as i32 + name + 50).max(style::LEFT);
         let frame = Frame {
-            left,
+            left: self.left(),
             right: style::WIDTH as i32 - over.max(style::RIGHT),
             top: style::TOP,
             bottom: style::TOP + self.frame_height as i32,
@@ -52,6 +47,20 @@ impl Plot {
             }
             pen.legend(&rows, legend_top)
         })
+    }
+
+    /// Space left of the frame in SVG units, for numbers and the vertical axis' name.
+    pub(in crate::report) fn left(&self) -> i32 {
+        let numbers = self.y_numbers(&self.scales().1);
+        let widest = numbers.iter().map(|number| width(number)).fold(0.0, f64::max);
+        let name = if self.y.name.is_empty() { 0 } else { style::UPRIGHT_NAME };
+        (widest as i32 + name + 50).max(style::LEFT).max(self.least_left)
+    }
+
+    /// What stands at each tick of the vertical axis.
+    fn y_numbers(&self, y: &Scale) -> Vec<String> {
+        let names = self.y_names.clone();
+        names.unwrap_or_else(|| y.ticks.iter().map(|t| y.number(*t)).collect())
     }
 
     /// What stands at each tick of the horizontal axis, and its size: numbers, or names that stand
@@ -112,6 +121,11 @@ impl Plot {
         }
         rows
     }
+}
+
+/// Width in SVG units of what stands at a tick.
+fn width(number: &str) -> f64 {
+    style::text_width(number, style::NUMBERS)
 }
 
 const LEGEND_ROW: i32 = 66;
