@@ -1,5 +1,5 @@
-// Colours of numbers and of sieve fractions, as red, green and blue from 0 to 1
-// in sRGB.
+// Colours of numbers, as red, green and blue from 0 to 1 in sRGB; those of sieve
+// fractions and of the plate come with the run.
 
 // Matplotlib's viridis at eleven points: even steps look even, also in grey
 // and to eyes that do not tell red from green. Its dark end is lifted, so that
@@ -9,12 +9,9 @@ const VIRIDIS = ["#440154", "#482475", "#414487", "#355f8d", "#2a788e", "#21918c
 // Its inferno without the black end, for forces.
 const INFERNO = ["#57106e", "#7f1e6c", "#a52c60", "#c73e4c", "#e25734", "#f37819", "#fca50a", "#f6d746", "#fcffa4"];
 
-// Fractions from the coarsest to the finest: gravel in daylight.
-const FRACTIONS = ["#a2543f", "#cf8349", "#e8b95c", "#efe0a6", "#b3c9a0", "#6aa9a0", "#4083a3", "#3d5a92", "#5d4b80"];
-
 export const UNKNOWN = [0.62, 0.62, 0.62];
 
-const parsed = (hex) => [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16) / 255);
+export const parsed = (hex) => [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16) / 255);
 const lifted = (rgb, k, all) => rgb.map((c) => c + 0.22 * (1 - k / (all.length - 1)) * (1 - c));
 const scales = { viridis: VIRIDIS.map(parsed).map(lifted), inferno: INFERNO.map(parsed) };
 
@@ -28,14 +25,6 @@ function blended(stops, place) {
 export function colourAt(name, share) {
   const stops = scales[name];
   return blended(stops, Math.min(Math.max(share, 0), 1) * (stops.length - 1));
-}
-
-// The colour of a fraction, by its number among all of them: those of the list, and between them where
-// there are more fractions.
-export function fractionColour(n, count) {
-  const all = FRACTIONS.length;
-  const place = count === 1 ? 2 : (n * (all - 1)) / (count - 1);
-  return count <= all ? parsed(FRACTIONS[Math.round(place)]) : blended(FRACTIONS.map(parsed), place);
 }
 
 export const css = (rgb) => `rgb(${rgb.map((c) => Math.round(255 * c)).join(" ")})`;

@@ -1,7 +1,7 @@
 // Puts the parts together, and keeps the picture up to date.
 
 import { Camera } from "./camera.js";
-import { UNKNOWN, colourAt, linear } from "./colours.js";
+import { UNKNOWN, colourAt, linear, parsed } from "./colours.js";
 import { CYLINDER, FUNNEL, LID, PLATE, loadRun, placeOf } from "./data.js";
 import { MODES, Measures, niceAbove } from "./measures.js";
 import { slab } from "./meshes.js";
@@ -14,7 +14,7 @@ import { Timeline } from "./timeline.js";
 const $ = (id) => document.getElementById(id);
 const UPRIGHT = [0, 0, 0, 1];
 // Colours of the apparatus in sRGB.
-const METAL = [0.72, 0.75, 0.78], GLASS = [0.55, 0.68, 0.76], PLATE_COLOUR = [0.62, 0.66, 0.7], TABLE = { light: [0.6, 0.62, 0.64], dark: [0.34, 0.37, 0.4] };
+const METAL = [0.72, 0.75, 0.78], GLASS = [0.55, 0.68, 0.76], TABLE = { light: [0.6, 0.62, 0.64], dark: [0.34, 0.37, 0.4] };
 // A link that bears the largest force has this radius in m among grains of the paper's size; the
 // section grows with the force. It and other lengths grow with the grains (`run.scale`).
 const THICKEST = 0.0022;
@@ -318,7 +318,7 @@ class Viewer {
     if (header.base) renderer.setBody(body("base"), now.stage.base, [shift, 0, 0], UPRIGHT, linear(METAL));
     const plate = now.flags & PLATE ? now.plate : null;
     const at = plate ? [plate.position[0] + shift, plate.position[1], plate.position[2]] : null;
-    renderer.setBody(body("top_plate"), plate !== null, at, plate?.turn, colourOf("plate", PLATE_COLOUR));
+    renderer.setBody(body("top_plate"), plate !== null, at, plate?.turn, colourOf("plate", parsed(header.plate_colour)));
     now.pieces.forEach((place, k) => {
       const at = place && [place[0] + shift, place[1], place[2]];
       renderer.setBody(body(`piece_${k}`), place !== null, at, place?.slice(3), colourOf("cylinder", METAL));

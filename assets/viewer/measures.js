@@ -1,6 +1,6 @@
 // What grains are coloured by: a number of each, its unit and its range.
 
-import { UNKNOWN, colourAt, fractionColour } from "./colours.js";
+import { UNKNOWN, colourAt, parsed } from "./colours.js";
 import { placeOf } from "./data.js";
 
 export const MODES = ["fraction", "displacement", "speed", "height", "coordination"];
@@ -34,6 +34,7 @@ export class Measures {
     this.run = run;
     this.playback = playback;
     this.ranges = new Map();
+    this.fractionColours = run.fractions.map((f) => parsed(f.colour));
     this.mostNeighbours = run.stages.reduce((most, s) => s.coordination.reduce((a, b) => Math.max(a, b), most), 1);
   }
 
@@ -95,7 +96,7 @@ export class Measures {
   colour(mode, n) {
     const value = this.value(mode, n);
     if (!Number.isFinite(value)) return UNKNOWN;
-    if (mode === "fraction") return fractionColour(value, this.run.fractions.length);
+    if (mode === "fraction") return this.fractionColours[value];
     const [low, high] = this.range(mode);
     const share = mode === "speed"
       ? Math.log(Math.max(value, low) / low) / Math.log(high / low)
@@ -107,7 +108,7 @@ export class Measures {
   legend(mode) {
     if (mode === "fraction") {
       const rows = this.run.fractions.map((f, n) => ({
-        colour: fractionColour(n, this.run.fractions.length),
+        colour: this.fractionColours[n],
         text: `${f.retained_mm} to ${f.passing_mm} mm`,
         count: f.grains,
       }));

@@ -94,6 +94,16 @@ mod tests {
         assert!((middle - 0.5).abs() < 0.005, "law: byte 188 is half the light, got {middle}");
     }
 
+    /// Law: no two of some fractions have one colour, however many there are.
+    #[test]
+    fn steps_are_told_apart() {
+        for count in [1, 4, 5, 9, 20] {
+            let colours: std::collections::BTreeSet<String> =
+                (0..count).map(|n| step(n, count).to_hex()).collect();
+            assert_eq!(colours.len(), count, "law: {count} colours, got {colours:?}");
+        }
+    }
+
     #[test]
     fn the_scale_gets_steadily_lighter() {
         let light = |share: f64| {

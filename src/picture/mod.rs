@@ -26,7 +26,7 @@ pub use figures::of_run;
 pub use image::{Background, Image};
 pub use loose::{VIEW as LOOSE_VIEW, loose_grains};
 pub use moment::{At, at};
-pub use paint::ColourBy;
+pub use paint::{ColourBy, palette};
 pub use scenery::Walls;
 pub use shot::{SIDES, Shot, picture};
 

@@ -115,16 +115,30 @@ pub fn upper_end(values: &[Option<f64>]) -> f64 {
     round_up(sorted.get(place.saturating_sub(1)).copied().unwrap_or(0.0))
 }
 
-fn by_fraction(grains: &GrainSet, now: &Frame) -> (Vec<Colour>, Key) {
-    // From small to large, whatever the order of the table.
+/// The colour of each sieve fraction, and of the top plate, as pages write them: `#rrggbb`.
+pub fn palette(grains: &GrainSet) -> (Vec<String>, String) {
+    let of_fractions = fractions(grains).1.into_iter().map(Colour::to_hex);
+    (of_fractions.collect(), Colour::PLATE.to_hex())
+}
+
+/// The fractions that have grains, from small to large, whatever the order of the table; and the
+/// colour of each fraction.
+fn fractions(grains: &GrainSet) -> (Vec<usize>, Vec<Colour>) {
     let has_grains = |&fraction: &usize| grains.grains.iter().any(|g| g.fraction == fraction);
     let mut order: Vec<usize> = (0..grains.blocks.len()).filter(has_grains).collect();
     order.sort_by(|&a, &b| grains.blocks[a].retained.total_cmp(&grains.blocks[b].retained));
     let mut colours = vec![Colour::GRAIN; grains.blocks.len()];
-    let mut steps = Vec::new();
     for (n, &fraction) in order.iter().enumerate() {
-        let block = &grains.blocks[fraction];
         colours[fraction] = step(n, order.len());
+    }
+    (order, colours)
+}
+
+fn by_fraction(grains: &GrainSet, now: &Frame) -> (Vec<Colour>, Key) {
+    let (order, colours) = fractions(grains);
+    let mut steps = Vec::new();
+    for &fraction in &order {
+        let block = &grains.blocks[fraction];
         let there = grains.grains.iter().zip(&now.grains);
         let count = there.filter(|(g, pose)| g.fraction == fraction && pose.is_some()).count();
         let sizes =

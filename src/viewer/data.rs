@@ -37,6 +37,7 @@ use crate::export::{
 };
 use crate::grains::sieve_size;
 use crate::measure::neighbours;
+use crate::picture::palette;
 use crate::plain::plain;
 use crate::protocol::{Setup, base_pieces};
 use crate::specimen::{SavedContact, Specimen};
@@ -126,10 +127,12 @@ fn encode(run: &Playback, ends: &[Specimen]) -> Result<RunData, ApparatusError> 
     let stages: Vec<Value> =
         run.stages.iter().zip(ends).map(|(stage, end)| body.stage(stage, end)).collect();
 
+    let (colours, plate_colour) = palette(set);
     let fractions = set.blocks.iter().enumerate().map(|(n, block)| {
         let grains = set.grains.iter().filter(|g| g.fraction == n).count();
         let (passing, retained) = (to_typed_mm(block.passing), to_typed_mm(block.retained));
-        json!({ "passing_mm": passing, "retained_mm": retained, "grains": grains })
+        let colour = &colours[n];
+        json!({ "passing_mm": passing, "retained_mm": retained, "grains": grains, "colour": colour })
     });
     let pieces = || setup.pieces.iter();
     let header = json!({
@@ -140,6 +143,7 @@ fn encode(run: &Playback, ends: &[Specimen]) -> Result<RunData, ApparatusError> 
         "grains": set.grains.len(),
         "frame_bytes": frame_bytes(run),
         "fractions": fractions.collect::<Vec<_>>(),
+        "plate_colour": plate_colour,
         "cylinder": cylinder(setup),
         "funnel": { "top_radius_m": funnel.top_radius, "height_m": funnel.top_height },
         // Of the floor under a pile; null where there is none.

@@ -104,6 +104,10 @@ fn everything_of_the_run_is_in_the_block() {
     let read = Read::new(&data.bytes);
     assert_eq!(read.text["stages"][0]["name"], "pour \"it\"");
     assert_eq!(read.text["fractions"][0]["grains"], 3);
+    let got = (&read.text["fractions"][0]["colour"], &read.text["plate_colour"]);
+    let (of_fractions, of_plate) = palette(&playback.grains);
+    let expected = (&json!(of_fractions[0]), &json!(of_plate));
+    assert_eq!(got, expected, "law: the colours of pictures (got left, expected right)");
 
     let constants = read.floats("/constants");
     assert_eq!(constants.len(), 3 * CONSTANTS);

@@ -27,7 +27,7 @@ const ROWS: [&[&str]; 10] = [
 ];
 
 /// Uses allowed within a row, as (user, used).
-const SAME_ROW: [(&str, &str); 10] = [
+const SAME_ROW: [(&str, &str); 11] = [
     ("geometry", "units"),
     ("motion", "geometry"),
     ("motion", "units"),
@@ -37,6 +37,7 @@ const SAME_ROW: [(&str, &str); 10] = [
     ("picture", "export"),
     ("study", "picture"),
     ("viewer", "export"),
+    ("viewer", "picture"),
     ("main", "cli"),
 ];
 

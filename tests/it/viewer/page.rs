@@ -346,21 +346,6 @@ fn what_cannot_be_shown_is_said() {
     browser.assert_content("what is missing is no error, it is said");
 }
 
-/// Law: no two sieve fractions have one colour, however many there are.
-#[test]
-fn fractions_are_told_apart() {
-    let Some(mut browser) = Browser::start("fractions_are_told_apart") else { return };
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/viewer/colours.js");
-    let source = fs::read_to_string(file).expect("the script").replace("export ", "");
-    for count in [1, 9, 10, 20] {
-        let got = browser.number(&format!(
-            "(() => {{ {source}\nreturn new Set(Array.from({{ length: {count} }}, (_, n) => \
-             css(fractionColour(n, {count})))).size; }})()"
-        ));
-        assert_eq!(got, f64::from(count), "law: expected {count} colours, got {got}");
-    }
-}
-
 pub(super) fn copy_without_frames(from: &Path, to: &Path) {
     copy(from, to);
     for stage in stored(to) {
