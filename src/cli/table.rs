@@ -173,8 +173,8 @@ pub(super) fn of_summary(summary: &Summary) -> String {
             text
         }
         Site::Cylinder => format!(
-            "{in_cylinder} in the cylinder, {spilled} spilled, {left_in_funnel} left in the funnel, \
-             {escaped} escaped through walls"
+            "{in_cylinder} in the cylinder, {spilled} spilled, {}, {escaped} escaped through walls",
+            grains.taken_with_funnel()
         ),
     };
     rows.add("", places);
@@ -454,6 +454,10 @@ mod tests {
         for hidden in ["poured", "creep", "settlement, surface"] {
             assert!(!text.contains(hidden), "`{hidden}` does not apply, in:\n{text}");
         }
+        let grains = GrainsSummary { heaped_above_rim: Some(1), ..summary.grains };
+        let text = paint::colourless(&of_summary(&Summary { grains, ..summary.clone() }));
+        let shown = "1 spilled, 0 left in the funnel, 1 heaped above the rim, 0 escaped";
+        assert!(text.contains(shown), "law: expected `{shown}`, got\n{text}");
         let laboratory = json!({
             "pieces": [{ "name": "lid", "present": true, "force_n": [0.0, -2e-7, 1.5e-4],
                 "moment_n_m": [0.0, 0.0, 0.0], "at_mm": [0.0, 0.0, 0.0] }],

@@ -4,6 +4,7 @@
 use std::sync::atomic::AtomicBool;
 
 use super::*;
+use crate::plain::{counted, in_number};
 use crate::scenario::{PlaceTopPlateSpec, SlowPluviationSpec};
 use crate::specimen::FunnelState;
 
@@ -122,20 +123,31 @@ impl Laboratory<'_> {
         // The funnel is taken away, with what hangs in it.
         let cylinder = &self.setup.cylinder;
         let (rim, radius) = (cylinder.height, cylinder.radius);
-        let mut hanging = 0;
+        let (mut hanging, mut heaped) = (0, 0);
         let bodies = stand.specimen.state.bodies.iter_mut();
         for grain in bodies.filter(|s| s.fate == Fate::Present) {
             let at = grain.body.pose.translation.vector;
             if let Some(fate) = above_rim(&at, rim, radius, opening_height) {
                 grain.fate = fate;
-                hanging += usize::from(fate == Fate::LeftInFunnel);
+                let taken = fate == Fate::LeftInFunnel;
+                let is_heap = taken && is_below_funnel(&at, opening_height);
+                hanging += usize::from(taken && !is_heap);
+                heaped += usize::from(is_heap);
             }
         }
         stand.take_funnel_away();
+        let when = if settled { "everything had come to rest" } else { "the stage ended" };
         if hanging > 0 {
-            let (noun, were) = if hanging == 1 { ("grain", "was") } else { ("grains", "were") };
-            let when = if settled { "everything had come to rest" } else { "the stage ended" };
-            stand.warn(format!("{hanging} {noun} {were} left hanging in the funnel when {when}"));
+            let (who, were) = (counted(hanging, "grain"), in_number(hanging, "was", "were"));
+            stand.warn(format!("{who} {were} left hanging in the funnel when {when}"));
+        }
+        if heaped > 0 {
+            let (who, were) = (counted(heaped, "grain"), in_number(heaped, "was", "were"));
+            let them = in_number(heaped, "it", "them");
+            stand.warn(format!(
+                "{who} lay heaped above the rim when {when}, and {were} taken away with the funnel: \
+                 the cylinder is too low for {them}"
+            ));
         }
         Ok(came_to_rest(stand, settled, 0.0, limit))
     }
@@ -191,6 +203,12 @@ fn came_to_rest(stand: Stand<'_>, settled: bool, after: f64, limit_s: f64) -> St
 fn above_rim(at: &Vector, rim: f64, radius: f64, opening_height: f64) -> Option<Fate> {
     let on_wall = at.z < opening_height && at.xy().norm() > radius;
     (at.z > rim).then_some(if on_wall { Fate::Spilled } else { Fate::LeftInFunnel })
+}
+
+/// Whether a grain that is taken away with the funnel lay below its opening, on the heap above the
+/// rim, and did not hang in it.
+fn is_below_funnel(at: &Vector, opening_height: f64) -> bool {
+    at.z < opening_height
 }
 
 #[cfg(test)]

@@ -245,6 +245,30 @@ fn pouring_lifts_the_funnel_and_counts_what_hangs_in_it() {
     );
 }
 
+/// Law: grains above the rim and below the funnel's opening are said to lie on a heap that the cylinder
+/// is too low for, and not to hang in the funnel, which a wider one would help.
+#[test]
+fn a_heap_above_the_rim_does_not_hang_in_the_funnel() {
+    let mut specimen = in_funnel();
+    // Lifted by 50 mm, the first lies 10 mm above the rim, at 200 mm, and the rest above the opening.
+    let first = &mut specimen.state.bodies[0];
+    first.body.pose.translation.vector.z = 0.16;
+    let stage = StageSpec::Pour { falling_height_mm: 50.0, time_limit_s: 1.0 };
+    let (outcome, _) = carry_out(still(), specimen, &stage);
+    let outcome = outcome.expect("poured");
+    let bodies = &outcome.specimen.state.bodies;
+    assert!(bodies.iter().all(|grain| grain.fate == Fate::LeftInFunnel), "law: the fate stays");
+    for expected in [
+        format!("{} grains were left hanging in the funnel when", bodies.len() - 1),
+        "1 grain lay heaped above the rim when everything had come to rest, and was taken away with \
+         the funnel: the cylinder is too low for it"
+            .to_owned(),
+    ] {
+        let said = outcome.warnings.iter().any(|warning| warning.starts_with(&expected));
+        assert!(said, "law: expected `{expected}`, got {:?}", outcome.warnings);
+    }
+}
+
 /// Law: what is taken away with the funnel bears nothing any more: the contacts that a pour leaves are
 /// those of grains in the cylinder, and the next stage begins from them.
 #[test]

@@ -308,6 +308,7 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
             escaped: 0,
             spilled: usize::from(fh > 150.0),
             left_in_funnel: 1,
+            heaped_above_rim: None,
             missing: Some(2),
         },
         sieve_analysis: Some(sieve_summary()),

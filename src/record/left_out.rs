@@ -113,12 +113,12 @@ impl GrainsSummary {
         }
         (missing as f64 > MOST_MISSING * self.count as f64).then(|| {
             format!(
-                "{missing} of {} {} missing in the specimen, of which {:.0} % may be: {} left in the \
-                 funnel, {} spilled, {} escaped",
+                "{missing} of {} {} missing in the specimen, of which {:.0} % may be: {}, {} spilled, {} \
+                 escaped",
                 counted(self.count, "grain"),
                 in_number(missing, "is", "are"),
                 100.0 * MOST_MISSING,
-                self.left_in_funnel,
+                self.taken_with_funnel(),
                 self.spilled,
                 self.escaped
             )
@@ -223,6 +223,21 @@ mod tests {
         let grains = GrainsSummary { count: 0, missing: Some(0), ..run(None).grains };
         let few = Summary { grains, ..run(None) };
         assert!(few.counts_in_means(), "law: nothing poured, nothing missing");
+    }
+
+    /// Law: of grains that are missing those heaped above the rim are counted apart from those left in
+    /// the funnel, whose number a file keeps.
+    #[test]
+    fn a_heap_above_the_rim_is_counted_apart() {
+        let of = GrainsSummary { left_in_funnel: 31, spilled: 2, ..run(Some(200)).grains };
+        for (heaped_above_rim, expected) in [
+            (None, "31 left in the funnel, 2 spilled"),
+            (Some(29), "2 left in the funnel, 29 heaped above the rim, 2 spilled"),
+        ] {
+            let grains = GrainsSummary { heaped_above_rim, ..of };
+            let said = grains.too_few_in_place(false).expect("too few are in place");
+            assert!(said.contains(expected), "law: expected `{expected}`, got `{said}`");
+        }
     }
 
     /// Law: what a check of the energy finds spoils a run, whether it meets the accuracy standard

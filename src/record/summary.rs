@@ -231,13 +231,26 @@ pub struct GrainsSummary {
     pub escaped: usize,
     /// Grains that fell outside over the rim, or off a pile's base.
     pub spilled: usize,
-    /// Grains left in the funnel, or never fed.
+    /// Grains left in the funnel, or never fed; with those of `heaped_above_rim`.
     pub left_in_funnel: usize,
+    /// Those of `left_in_funnel` that lay heaped above the cylinder's rim, below the funnel's opening,
+    /// and were taken away with it; missing where there were none, or another run poured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub heaped_above_rim: Option<usize>,
     /// Grains that were to lie in the specimen at the end and do not: left in the funnel or
     /// the spout, spilled or escaped. What rolled off a pile's base is not missing. In a laboratory
     /// of pieces, grains that deposits let fall beside its container, which was not full. Null where
     /// nothing was poured, or grains may fall out by design.
     pub missing: Option<usize>,
+}
+
+impl GrainsSummary {
+    /// What went with the funnel, in words.
+    pub fn taken_with_funnel(&self) -> String {
+        let heaped = self.heaped_above_rim.unwrap_or(0);
+        let hung = format!("{} left in the funnel", self.left_in_funnel.saturating_sub(heaped));
+        if heaped == 0 { hung } else { format!("{hung}, {heaped} heaped above the rim") }
+    }
 }
 
 /// Height of the specimen above the floor, by three definitions, in mm; NaN, and null in files,

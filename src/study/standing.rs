@@ -245,6 +245,19 @@ pub(super) fn passed_before(begun: &SpecimenState) -> usize {
     begun.bodies.iter().filter(|grain| grain.fate == Fate::ThroughWall).count()
 }
 
+/// Grains that lay heaped above the rim when the funnel was taken away, below its opening; none where
+/// there were none, or another run poured, from a height that is not known here.
+pub(super) fn heaped_above_rim(
+    scenario: &Scenario,
+    setup: &Setup,
+    state: &SpecimenState,
+) -> Option<usize> {
+    let opening = setup.cylinder.height + from_mm(scenario.falling_height_mm()?);
+    let taken = state.bodies.iter().filter(|grain| grain.fate == Fate::LeftInFunnel);
+    let heaped = taken.filter(|grain| grain.body.pose.translation.z < opening).count();
+    (heaped > 0).then_some(heaped)
+}
+
 /// Thickness of walls and floors in m, as grains on their way are held to have passed them.
 pub(super) fn wall(setup: &Setup) -> f64 {
     from_mm(setup.funnel.wall_thickness_mm)
@@ -278,6 +291,23 @@ mod tests {
         begun.bodies[1].fate = Fate::ThroughWall;
         begun.bodies[2].fate = Fate::Spilled;
         assert_eq!(passed_before(&begun), 2, "law: two of three that are gone");
+    }
+
+    /// Law: of the grains that went with the funnel those below its opening were heaped above the rim.
+    #[test]
+    fn grains_below_the_funnels_opening_were_heaped() {
+        let scenario = scenario(50.0);
+        let setup = Setup::new(&scenario).expect("a laboratory");
+        let mut state = SpecimenState::before_everything(4);
+        for (grain, above_rim) in state.bodies.iter_mut().zip([0.01, 0.049, 0.051, 0.01]) {
+            grain.fate = Fate::LeftInFunnel;
+            grain.body.pose = Pose::translation(0.0, 0.0, setup.cylinder.height + above_rim);
+        }
+        state.bodies[3].fate = Fate::Spilled;
+        let got = heaped_above_rim(&scenario, &setup, &state);
+        assert_eq!(got, Some(2), "law: two of three, the opening is 50 mm above the rim");
+        state.bodies.truncate(0);
+        assert_eq!(heaped_above_rim(&scenario, &setup, &state), None, "law: none, no field");
     }
 
     /// Law: grains that are still in the funnel do not stand 0 mm high: they have no height, and

@@ -6,8 +6,8 @@ use super::{
     described::secondary_sieve,
     laboratory::laboratory_summary,
     standing::{
-        Standing, angle_of_repose, empty_above, height_unless, passed_before, pressed_through,
-        wall, withheld_figures, withheld_in_words,
+        Standing, angle_of_repose, empty_above, heaped_above_rim, height_unless, passed_before,
+        pressed_through, wall, withheld_figures, withheld_in_words,
     },
 };
 use crate::grains::MeshRecord;
@@ -172,7 +172,9 @@ pub fn summarise(
     let fates = fates_of(&specimen, &container, setup);
     let grains = grains_summary(&run.grains, &specimen, &container, &fates);
     let beside = || fallen::beside_container(scenario, &run.grains, &stages);
-    let grains = GrainsSummary { missing: grains.missing.or_else(beside), ..grains };
+    let missing = grains.missing.or_else(beside);
+    let heaped_above_rim = heaped_above_rim(scenario, setup, &specimen.state);
+    let grains = GrainsSummary { missing, heaped_above_rim, ..grains };
     warnings.extend(grains.too_few_in_place(laboratory.is_some()));
     warnings.extend(fallen::unexplained(scenario, nodes.begun.as_deref(), &stages, rest_test));
     warnings.extend(withheld_in_words(&withheld));
@@ -382,6 +384,7 @@ fn grains_summary(
         escaped: count(&[Fate::ThroughWall]),
         spilled,
         left_in_funnel: count(&[Fate::LeftInFunnel, Fate::Waiting]),
+        heaped_above_rim: None,
         missing: poured.map(|there| grains.grains.len().saturating_sub(there)),
     }
 }
