@@ -126,6 +126,15 @@ impl GrainSet {
         Self { grains: Vec::new(), blocks: Vec::new(), density, meshes: Vec::new() }
     }
 
+    /// Whether a grain is of a sieve fraction between two openings in m, where there are any.
+    pub fn is_between(&self, grain: usize, openings: Option<[f64; 2]>) -> bool {
+        let block = &self.blocks[self.grains[grain].fraction];
+        // Openings are typed in mm, and may be a rounding off in m.
+        openings.is_none_or(|[low, high]| {
+            block.retained >= low * (1.0 - 1e-9) && block.passing <= high * (1.0 + 1e-9)
+        })
+    }
+
     /// The distribution that the grains were made from: their sieve table. `None` of meshes that
     /// keep their own size, and of grains whose blocks are no sieve fractions.
     pub fn specified(&self) -> Option<ParticleSizeDistribution> {

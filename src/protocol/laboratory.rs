@@ -93,13 +93,7 @@ impl Laboratory<'_> {
     ) -> Vec<usize> {
         let set = &specimen.grains;
         let mixed = grains::mix(set, self.setup.seed, self.setup.configuration);
-        let fits = |grain: usize| {
-            let block = &set.blocks[set.grains[grain].fraction];
-            // Openings are typed in mm, and may be a rounding off in m.
-            sizes.is_none_or(|[low, high]| {
-                block.retained >= low * (1.0 - 1e-9) && block.passing <= high * (1.0 + 1e-9)
-            })
-        };
+        let fits = |grain: usize| set.is_between(grain, sizes);
         let mut taken = 0.0;
         let waits = |grain: &usize| specimen.state.bodies[*grain].fate == Fate::Waiting;
         let chosen = mixed.order.into_iter().filter(waits).filter(|grain| fits(*grain));

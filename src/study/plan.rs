@@ -9,7 +9,9 @@ use super::{
     begin::Begun,
     stage_key::{grains_hash, identity},
 };
+use crate::plain::four_digits;
 use crate::protocol::segments;
+use crate::scenario::{DepositKind, DepositSpec};
 
 /// A run to run.
 #[derive(Debug, Clone)]
@@ -159,7 +161,8 @@ impl Plan {
                 if node < next {
                     continue;
                 }
-                let expected = expected_time(stage);
+                let before = &scenario.stages[..index];
+                let expected = expected_time(stage, before, setup, grains);
                 plan.nodes.push(Node {
                     identity,
                     parent,
@@ -263,9 +266,12 @@ pub fn stage_label(stage: &StageSpec, is_rest_test: bool) -> String {
     match stage {
         StageSpec::FillFunnel { .. } => "fill the funnel".into(),
         StageSpec::SlowPluviation(stage) => {
-            format!("slow pluviation of {} grains a second", stage.feed_rate_grains_per_s)
+            let rate = four_digits(stage.feed_rate_grains_per_s);
+            format!("slow pluviation of {rate} grains a second")
         }
-        StageSpec::Pour { falling_height_mm, .. } => format!("pour from {falling_height_mm} mm"),
+        StageSpec::Pour { falling_height_mm, .. } => {
+            format!("pour from {} mm", four_digits(*falling_height_mm))
+        }
         StageSpec::PlaceTopPlate(stage) => match stage.placement {
             0 => "place the top plate".into(),
             placement => format!("place the top plate, placement {placement}"),
@@ -288,9 +294,26 @@ pub fn stage_label(stage: &StageSpec, is_rest_test: bool) -> String {
     }
 }
 
-/// Simulated time a stage is expected to take, in s; stages that end when the
-/// grains have settled usually take half of their limit.
-fn expected_time(stage: &StageSpec) -> f64 {
+/// How long grains take to settle once the last has been fed, in times that everything must be at rest
+/// to count as settled: about 1 s for the paper's gravel.
+const SETTLES_WITHIN: f64 = 4.0;
+
+/// Simulated time a stage is expected to take, in s. What is fed at a rate takes its time; other stages
+/// that end when the grains have settled usually take half of their limit. `before` are the stages of
+/// the run before it.
+fn expected_time(stage: &StageSpec, before: &[StageSpec], setup: &Setup, grains: &GrainSet) -> f64 {
+    let fed_s = match stage {
+        StageSpec::SlowPluviation(pile) => {
+            Some(grains.grains.len() as f64 / pile.feed_rate_grains_per_s)
+        }
+        StageSpec::Deposit(deposit) if deposit.how == DepositKind::Rain => {
+            deposit.rate_g_per_s.map(|rate| deposited_g(deposit, before, grains) / rate)
+        }
+        _ => None,
+    };
+    if let Some(fed_s) = fed_s {
+        return (fed_s + SETTLES_WITHIN * setup.settle.hold).min(stage.longest());
+    }
     match *stage {
         StageSpec::Rest { duration_s } => duration_s,
         StageSpec::Vibrate { .. } | StageSpec::Move { .. } => {
@@ -300,10 +323,67 @@ fn expected_time(stage: &StageSpec) -> f64 {
     }
 }
 
+/// Mass in g that a deposit lets go: what it asks for, at most what earlier ones of its sizes left.
+fn deposited_g(deposit: &DepositSpec, before: &[StageSpec], grains: &GrainSet) -> f64 {
+    let sizes = deposit.sizes_mm.map(|sizes| sizes.map(from_mm));
+    let chosen = (0..grains.grains.len()).filter(|grain| grains.is_between(*grain, sizes));
+    let all = to_g(chosen.map(|grain| grains.grains[grain].mass).sum());
+    let earlier = before.iter().filter_map(|stage| match stage {
+        StageSpec::Deposit(earlier) if earlier.sizes_mm == deposit.sizes_mm => {
+            Some(earlier.mass_g.unwrap_or(all))
+        }
+        _ => None,
+    });
+    let left = (all - earlier.sum::<f64>()).max(0.0);
+    deposit.mass_g.map_or(left, |mass| mass.min(left))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::study::tests::planned;
+
+    /// Law: what is fed at a rate takes its mass, or its number, over that rate, and 1 s to settle; at
+    /// most its limit. A lattice takes half of it.
+    #[test]
+    fn what_is_fed_is_expected_to_take_its_time() {
+        let scenario: Scenario = serde_json::from_value(json!({
+            "name": "s",
+            "grains": { "total_mass_g": 40, "density_kg_per_m3": 2673.9, "sieve_table":
+                [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }] },
+            "stages": [{ "stage": "fill_funnel" }]
+        }))
+        .expect("a scenario");
+        let setup = Setup::new(&scenario).expect("a laboratory");
+        assert_eq!(setup.settle.hold, 0.25, "the check has the paper's gravel");
+        let grains = planned(scenario).grains;
+        let (count, rate) = (grains.grains.len() as f64, 1000.0_f64.sqrt());
+        let stage =
+            |fields: Value| -> StageSpec { serde_json::from_value(fields).expect("a stage") };
+        let pile = |limit: f64| {
+            stage(json!({ "stage": "slow_pluviation", "feed_rate_grains_per_s": rate,
+                "base_diameter_mm": 100, "time_limit_s": limit }))
+        };
+        let deposit = |how: &str, rate: Option<f64>, mass_g: Option<f64>| {
+            stage(json!({ "stage": "deposit", "how": how, "at_mm": [0, 0, 90],
+                "area_mm": [40, 40], "rate_g_per_s": rate, "mass_g": mass_g }))
+        };
+        let layer = deposit("rain", Some(10.0), Some(15.0));
+        for (stage, before, expected) in [
+            (pile(120.0), &[][..], count / rate + 1.0),
+            (pile(1.1), &[], 1.1),
+            (layer.clone(), &[], 2.5),
+            (deposit("rain", Some(10.0), None), &[], 5.0),
+            (deposit("rain", Some(10.0), None), std::slice::from_ref(&layer), 3.5),
+            (deposit("rain", Some(1.0), None), &[], 10.0),
+            (deposit("lattice", None, None), &[], 5.0),
+        ] {
+            let got = expected_time(&stage, before, &setup, &grains);
+            let off = (got - expected).abs();
+            assert!(off < 1e-6, "law: {stage:?} takes {expected} s, got {got} s");
+        }
+        assert_eq!(stage_label(&pile(1.0), false), "slow pluviation of 31.62 grains a second");
+    }
 
     /// Law: a stage `rest` is not taken for the rest test.
     #[test]
