@@ -114,6 +114,7 @@ mod until;
 mod unusual;
 mod validate;
 mod volumes_of_pieces;
+mod wide_deposits;
 
 pub use begin::BeginSpec;
 pub use cells::{CellShape, LEAST_ROUNDING, SievedShape};

@@ -243,7 +243,7 @@ impl super::VaneSpec {
 
 impl super::HopperSpec {
     /// Height of its slope in mm.
-    fn height_mm(&self) -> f64 {
+    pub(super) fn height_mm(&self) -> f64 {
         (self.top_diameter_mm - self.opening_diameter_mm).max(0.0)
             / 2.0
             / self.half_angle_deg.to_radians().tan()

@@ -56,6 +56,7 @@ pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
         judged.check_deposits(&grading, faults);
         unusual_apparatus(scenario, &grading, faults);
         unusual_pieces(scenario, &grading, faults);
+        wide_deposits::check(scenario, &grading, faults);
     }
     // The run that they are of has reported them.
     let taken_over = scenario.begin.as_ref().map_or(&[][..], |begin| &begin.taken_over);
