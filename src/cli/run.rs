@@ -41,6 +41,7 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
     let scenario = &loaded.scenario;
     tracing::info!(files = ?loaded.files, "the scenario `{}` is sound", scenario.name);
     tell_warnings([scenario], context.progress.as_ref());
+    loaded.notes.iter().for_each(|note| context.progress.message(&format!("warning: {note}")));
     // Not even an empty folder is left among the runs of a study.
     earlier_run::refuse_run_of_study(&args.out)?;
     earlier_run::refuse_beginning(&args.out, scenario)?;

@@ -9,6 +9,8 @@ pub struct Loaded {
     pub scenario: Scenario,
     /// The files it was read from: its own first, then the one it extends, and so on.
     pub files: Vec<PathBuf>,
+    /// What the files say and nothing reads, for who wrote them.
+    pub notes: Vec<String>,
 }
 
 /// Tells of grains that have no sieve table what values follow from; `None` where they
@@ -124,6 +126,7 @@ fn load_document_with(
     counts: fn(&str) -> bool,
 ) -> Result<Loaded, ScenarioErrors> {
     let mut faults = std::mem::take(&mut document.faults);
+    let notes = idle_apparatus(&document).into_iter().collect();
     let astray = named_files::faults(&document);
     if !astray.is_empty() {
         faults.extend(astray);
@@ -165,7 +168,29 @@ fn load_document_with(
         return Err(ScenarioErrors::Faults(left));
     };
     scenario.found = grading.filter(|_| scenario.grading_by_sieves().is_none());
-    Ok(Loaded { scenario, files: document.files })
+    Ok(Loaded { scenario, files: document.files, notes })
+}
+
+/// Says that nothing reads an `apparatus` in a file with `pieces`, which stand in its place. It is no
+/// fault, as it may come from what a file extends, also merged into one file where a sweep keeps it; of
+/// the scenario that a manifest has, which gives every field, it is not said.
+fn idle_apparatus(document: &Document) -> Option<String> {
+    let value = &document.value;
+    let typed = value.get("apparatus")?.as_object().filter(|typed| !typed.is_empty())?;
+    let has_pieces = value.get("pieces")?.as_array().is_some_and(|pieces| !pieces.is_empty());
+    let in_one_file = document.origin("apparatus") == document.origin("pieces");
+    let all = serde_json::to_value(ApparatusSpec::default()).ok()?;
+    let is_whole = all.as_object()?.iter().all(|(part, fields)| {
+        let given = typed.get(part).and_then(Value::as_object);
+        given.is_some_and(|given| {
+            fields.as_object().into_iter().flatten().all(|(field, _)| given.contains_key(field))
+        })
+    });
+    (has_pieces && in_one_file && !is_whole).then(|| {
+        "apparatus: it means nothing with `pieces`, which stand in place of the funnel, the cylinder \
+         and the top plate (allowed: the field left out)"
+            .to_owned()
+    })
 }
 
 /// A scenario's JSON as its files give it: after `extends`, before defaults and

@@ -23,7 +23,7 @@ pub fn compare(
     changes: &[Override],
     backends: &[Backend],
 ) -> Result<Study<CompareRecord>, StudyError> {
-    let Loaded { scenario, files } = loaded;
+    let Loaded { scenario, files, .. } = loaded;
     let each: Vec<Scenario> = backends.iter().map(|b| with(&scenario, *b)).collect();
     each.iter().try_for_each(|own| check_in(own, files.first(), changes))?;
     let question = json!({ "scenario": in_question(&scenario), "backends": backends });

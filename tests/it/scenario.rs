@@ -1,6 +1,7 @@
 //! Scenario files: those of the project load, and faulty ones are answered
 //! with every fault, its place and what is allowed there.
 
+mod beside_pieces;
 mod from_file;
 mod grains_alone;
 mod hostile;
