@@ -122,18 +122,20 @@ fn a_run_that_cannot_begin_leaves_no_folder() {
     assert!(Path::new(out).exists(), "law: one that was there stays");
 }
 
-/// Law: a pattern that no file matches is a fault of a scenario, which is named.
+/// Law: a pattern that no file matches ends a command as the name of a file does that is not there.
 #[test]
-fn meshes_that_are_not_there_name_their_scenario() {
+fn meshes_that_are_not_there_end_commands_alike() {
     let folder = Folder::new();
-    let grains = json!({ "meshes": ["none/*.stl"], "mesh_unit": "mm", "density_kg_per_m3": 2650 });
     let stages = json!([{ "stage": "fill_funnel" }]);
-    let scenario = json!({ "name": "lost", "grains": grains, "stages": stages });
-    let scenario = folder.scenario("lost.json", &scenario);
-    for command in ["grains", "run"] {
-        let words = ["lost: grains.meshes[0]: no file has such a name", "none/*.stl"];
-        refused(&[command, &scenario, "--out", &folder.out("out")], 2, &words);
-        assert!(!folder.path("out").exists(), "law: `{command}` leaves no folder");
+    for (name, why) in [("none/*.stl", "no file has such a name"), ("none/a.stl", "No such file")] {
+        let grains = json!({ "meshes": [name], "mesh_unit": "mm", "density_kg_per_m3": 2650 });
+        let scenario = json!({ "name": "lost", "grains": grains, "stages": stages });
+        let scenario = folder.scenario("lost.json", &scenario);
+        for command in ["grains", "run"] {
+            let words = ["cannot read", name, why, "(grains.meshes names it)"];
+            refused(&[command, &scenario, "--out", &folder.out("out")], 4, &words);
+            assert!(!folder.path("out").exists(), "law: `{command}` leaves no folder");
+        }
     }
 }
 

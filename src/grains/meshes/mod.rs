@@ -54,7 +54,7 @@ pub fn from_meshes(spec: &MeshGrains, seed: u64) -> Result<GrainSet, ScenarioErr
     let mut unreadable: Vec<(PathBuf, String)> = Vec::new();
     let mut prototypes = Vec::new();
     let mut records = Vec::new();
-    for path in read::files(&spec.meshes, &mut faults) {
+    for path in read::files(&spec.meshes, &mut faults, &mut unreadable) {
         let objects = match read::objects(&path) {
             Ok(objects) => objects,
             Err(ReadError::Unreadable(reason)) => {

@@ -4,8 +4,13 @@ use super::*;
 use crate::input;
 
 /// The files that names and patterns stand for, in the order given, those of a
-/// pattern in the order of their names; a file that is met again is left out.
-pub(super) fn files(entries: &[String], faults: &mut Vec<Fault>) -> Vec<PathBuf> {
+/// pattern in the order of their names; a file that is met again is left out. A pattern that no file
+/// matches is a name that is not there.
+pub(super) fn files(
+    entries: &[String],
+    faults: &mut Vec<Fault>,
+    unreadable: &mut Vec<(PathBuf, String)>,
+) -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> = Vec::new();
     for (index, entry) in entries.iter().enumerate() {
         let fault = |message: String| {
@@ -23,7 +28,7 @@ pub(super) fn files(entries: &[String], faults: &mut Vec<Fault>) -> Vec<PathBuf>
             Ok(paths) => {
                 let found: Vec<PathBuf> = paths.flatten().filter(|path| path.is_file()).collect();
                 if found.is_empty() {
-                    faults.push(fault("no file has such a name".into()));
+                    unreadable.push((PathBuf::from(entry), "no file has such a name".to_owned()));
                 }
                 files.extend(found);
             }

@@ -189,7 +189,8 @@ fn all_faults_at_once_and_files_that_are_not_there() {
         "bad.obj",
         "missing.stl: the file cannot be read",
         "open.obj: object 1",
-        "grains.meshes[3]",
+        "*.ply: the file cannot be read: no file has such a name",
+        "grains.meshes[4]",
         "no pattern",
     ] {
         assert!(said.contains(words), "`{words}` in: {said}");
