@@ -8,7 +8,7 @@ use std::iter;
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_json::Number;
 
-use super::json_text::{column_shown, hint, line, without_comments};
+use super::json_text::{column_shown, encoding_fault, hint, line, without_comments};
 use super::*;
 
 /// Longest chain of files that extend each other.
@@ -252,7 +252,9 @@ fn parse(file: &Path, text: &[u8], faults: &mut Vec<Fault>) -> Result<Value, Sce
         let place = format!("line {}, column {}", error.line(), column_shown(row, column));
         let hint = hint(row, column);
         let message = format!("this is not JSON: {message}{hint}");
-        faults.push(Fault::new(message, "", "").at(place).of(&label));
+        let fault = encoding_fault(text, error.line());
+        let fault = fault.unwrap_or_else(|| Fault::new(message, "", "").at(place));
+        faults.push(fault.of(&label));
         ScenarioErrors::Faults(std::mem::take(faults))
     })
 }
