@@ -444,6 +444,24 @@ fn pieces_that_are_let_go_are_checked_and_refused_where_no_engine_can() {
     assert_told(&faults(&thick), &format!("pieces[{last}].shape.vane.blade_mm"), "");
 }
 
+/// Law: a hopper that no coarse grain can leave is refused as the funnel is, but not where it is turned
+/// over, nor where deposits choose among sizes.
+#[test]
+fn a_hopper_narrower_than_a_grain_is_refused() {
+    let hopper = |opening: f64| {
+        json!({ "hopper": { "opening_diameter_mm": opening, "top_diameter_mm": 90,
+            "half_angle_deg": 30 } })
+    };
+    let of = |opening: f64| changed(sound(), "pieces[1].shape", hopper(opening));
+    let path = "pieces[1].shape.hopper.opening_diameter_mm";
+    assert_one(&of(5.0), path, "no grain of the coarsest fraction can leave the hopper");
+    assert_eq!(faults(&of(40.0)), [], "law: one that they can leave is sound");
+    let turned = changed(of(5.0), "pieces[1].rotation_deg", json!([180, 0, 0]));
+    assert_eq!(faults(&turned), [], "law: of a roof nothing is said");
+    let chosen = changed(of(5.0), "stages[0].sizes_mm", json!([0, 100]));
+    assert_eq!(faults(&chosen), [], "law: the coarsest grains may not come to it");
+}
+
 #[test]
 fn what_does_not_suit_is_reported_and_pieces_in_each_other_are_refused() {
     let of = |value: Value| -> Scenario { serde_json::from_value(value).expect("a scenario") };

@@ -70,7 +70,28 @@ fn check_pieces(parts: &Parts, faults: &mut Faults) {
         }
         check_place(parts, piece.at_mm, &mut faults);
         check_shape(&piece.shape, &mut faults);
+        check_passage(parts, piece, &mut faults);
     }
+}
+
+/// An upright hopper that the coarsest grains cannot leave, as the funnel of the built-in apparatus must
+/// let them. Not where deposits choose among sizes, whose coarsest may be kept from it, nor of the pieces
+/// of a begun specimen.
+fn check_passage(parts: &Parts, piece: &PieceSpec, faults: &mut Faults) {
+    let Some(hopper) = &piece.shape.hopper else { return };
+    let [about_x, about_y, _] = piece.rotation_deg;
+    let chooses = |spec: &StageSpec| matches!(spec, StageSpec::Deposit(d) if d.sizes_mm.is_some());
+    let is_judged = about_x == 0.0
+        && about_y == 0.0
+        && parts.begun_after.is_none()
+        && !parts.specs().any(|(_, spec)| chooses(spec));
+    let Some(coarsest) = parts.coarsest_mm().filter(|_| is_judged) else { return };
+    let opening = hopper.opening_diameter_mm;
+    let least = as_typed(coarsest);
+    let allowed = format!("more than {least} mm, and 7 to 8 grains wide against jams");
+    let why = "no grain of the coarsest fraction can leave the hopper";
+    let wrong = opening <= coarsest;
+    faults.add_if(wrong, "shape.hopper.opening_diameter_mm", opening, allowed, why);
 }
 
 /// A place that is near enough to the origin for what is there to be simulated.
