@@ -50,6 +50,10 @@ pub struct Summary {
     pub settlement_mm: Option<Settlement>,
     /// Settlement of the mean surface since the first vibration of this run began, where vibrated.
     pub surface_settlement_mm: Option<Settlement>,
+    /// Tilt of the top plate, where it was vibrated with one; missing where it was not, or the summary
+    /// is of before this was recorded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plate_tilt_deg: Option<PlateTilt>,
     /// The stages that vibrate: when, how, and how everything came to rest; empty where nothing
     /// was vibrated, or the summary is of before this was recorded.
     #[serde(default)]
@@ -299,6 +303,16 @@ pub struct Settlement {
     pub share_after_5_s: Option<f64>,
     /// After each period of vibration, read in the rest that follows, in mm.
     pub after_each_period: Vec<f64>,
+}
+
+/// Tilt of the top plate from the horizontal, in degrees.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PlateTilt {
+    /// At the end of the run's last stage, with the table at rest.
+    #[serde(rename = "final")]
+    pub final_deg: f64,
+    /// At the last sample of the last period, while everything still moves.
+    pub end_of_shaking: Option<f64>,
 }
 
 /// Slope of a pile, measured as `docs/repose.md` says.

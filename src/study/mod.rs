@@ -35,6 +35,7 @@ mod sweep;
 mod targets;
 #[cfg(test)]
 mod tests;
+mod tilt;
 mod told;
 mod variations;
 

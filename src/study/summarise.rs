@@ -91,6 +91,7 @@ pub fn summarise(
     let with_plate = specs().filter(|(_, stage)| begins_with_plate(stage));
     let shaken: Vec<[f64; 2]> = with_plate.flat_map(|(spec, stage)| periods(spec, stage)).collect();
     let plate = settlement(&series, &shaken, |r| r.plate_height_mm)?;
+    let plate_tilt = shaken.last().and_then(|[_, end]| tilt::plate_tilt(&series, end + ROUNDING));
     let sunk = rest_test.map_or(&[][..], |stage| &stage.record.sunk);
     let rest_test_figures = self::rest_test(&rest_rows, sunk);
     let creep = checks::creep_um_per_s(&rest_rows, sunk).filter(|_| !members.is_empty());
@@ -100,6 +101,9 @@ pub fn summarise(
     warnings.extend(scenario::warnings(scenario));
     warnings.extend(lids::too_wide(scenario));
     warnings.extend(of_grains(scenario, &run.grains));
+    let settled = plate_tilt.zip(plate.as_ref()).zip(surface.as_ref());
+    warnings
+        .extend(settled.and_then(|((lies, plate), surface)| tilt::warning(lies, plate, surface)));
     warnings.extend(MeshRecord::notes(&run.grains.meshes));
     let angle_of_repose = angle_of_repose(&specimen)?.transpose().unwrap_or_else(|why| {
         warnings.push(format!("there is no angle of repose: {why}"));
@@ -197,6 +201,7 @@ pub fn summarise(
         porosity: end.porosity,
         settlement_mm: plate,
         surface_settlement_mm: surface,
+        plate_tilt_deg: plate_tilt,
         vibrations: vibrations(&scenario.stages, &stages, setup),
         angle_of_repose,
         laboratory,
