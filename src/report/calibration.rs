@@ -72,7 +72,7 @@ pub struct CalibrationValue {
     pub standard_deviation: Option<f64>,
     /// Half the 95 % confidence interval of the mean, by Student's t.
     pub half_width_95: Option<f64>,
-    /// Whether the final line was fitted to it.
+    /// Whether the final line was fitted to it; of none where there is no solution.
     pub in_fit: bool,
 }
 

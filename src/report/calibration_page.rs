@@ -69,9 +69,10 @@ pub fn found(of: &Calibration) -> Vec<(String, String)> {
         row("scatter of a single run (standard deviation, at all values)", unit(scatter));
     }
     if let Some(tolerance) = of.tolerance {
-        let whence = match of.tolerance_given {
-            true => "given",
-            false => "scatter of a single run at the values of the line",
+        let whence = match (of.tolerance_given, of.solution) {
+            (true, _) => "given",
+            (false, Some(_)) => "scatter of a single run at the values of the line",
+            (false, None) => "scatter of a single run",
         };
         row("tolerance", format!("{} ({whence})", unit(tolerance)));
     }

@@ -56,6 +56,10 @@ pub(super) fn conclude(
     found.statement = statement(&found);
     let notes = notes(&found, &answer.kept);
     found.notes.extend(notes);
+    // Which values a search ended with is said; without a solution no line goes through them.
+    if found.solution.is_none() {
+        found.values.iter_mut().for_each(|value| value.in_fit = false);
+    }
     found
 }
 
@@ -401,6 +405,16 @@ mod tests {
         let level = concluded(target, Ending::Flat, &level, 0.5).statement;
         let words = "angle of repose does not depend on friction between grains in 0.1..1.5 beyond";
         assert!(level.starts_with(words), "law: `{words}`, got `{level}`");
+        let found =
+            concluded("settlement_mm.final=9", Ending::Found, &[(0.1, 8.0), (1.5, 10.0)], 0.1);
+        for (of, expected) in [(&of, 0), (&found, 2)] {
+            let got = of.values.iter().filter(|v| v.in_fit).count();
+            assert_eq!(
+                got, expected,
+                "law: values of a line only where there is one: {:?}",
+                of.ending
+            );
+        }
     }
 
     /// Law: the number of runs is that of those made.
