@@ -329,18 +329,27 @@ fn all_at_once(faults: Vec<String>) -> Result<(), CliError> {
 
 fn list(context: &Context, path: PathBuf, rows: &ColumnTable) -> Result<ExitStatus, CliError> {
     let columns = rows.ranges();
-    let mut lines = vec![["column", "rows", "smallest", "largest"].map(str::to_owned)];
-    let number = |n: Option<f64>| n.map_or_else(|| "-".to_owned(), short);
-    for column in &columns {
-        let [smallest, largest] = match column.texts.is_empty() {
-            true => [number(column.smallest), number(column.largest)],
-            false => [column.texts.join(", "), String::new()],
-        };
-        lines.push([column.name.clone(), column.numbers.to_string(), smallest, largest]);
-    }
     let count = counted(rows.len(), "row");
-    let text = format!("{}, {count}\n{}", plain_path(&path), table::columns(&lines));
+    let text = format!("{}, {count}\n{}", plain_path(&path), table::columns(&lines(&columns)));
     context.done_asked(&plain_lines(&text), &Listed { table: path, rows: rows.len(), columns })
+}
+
+/// What columns hold, one a line: ranges of numbers and, last as they may be long, texts where any
+/// column has some.
+fn lines(columns: &[ColumnRange]) -> Vec<Vec<String>> {
+    let has_texts = columns.iter().any(|column| !column.texts.is_empty());
+    let number = |n: Option<f64>| n.map_or_else(|| "-".to_owned(), short);
+    let line = |cells: [String; 4], texts: String| {
+        cells.into_iter().chain(has_texts.then_some(texts)).collect::<Vec<String>>()
+    };
+    let head = ["column", "rows", "smallest", "largest"].map(str::to_owned);
+    let mut lines = vec![line(head, "texts".to_owned())];
+    lines.extend(columns.iter().map(|column| {
+        let [smallest, largest] = [column.smallest, column.largest].map(number);
+        let cells = [column.name.clone(), column.numbers.to_string(), smallest, largest];
+        line(cells, column.texts.join(", "))
+    }));
+    lines
 }
 
 /// A number to five digits.
@@ -368,6 +377,23 @@ mod tests {
         ] {
             assert_eq!(short(number), expected, "law: {number} to five digits");
         }
+    }
+
+    /// Law: texts stand in the last column, and move no range of numbers.
+    #[test]
+    fn texts_are_listed_behind_ranges() {
+        let listed = |csv: &[u8]| {
+            let rows = ColumnTable::read(Path::new("sweep.csv"), csv).expect("a table");
+            table::columns(&lines(&rows.ranges()))
+        };
+        let got = listed(b"run,e\npoint-0001-c1,0.5\npoint-0002-c1,0.75\n");
+        let expected = "column  rows  smallest  largest  texts\n\
+                        run     0     -         -        point-0001-c1, point-0002-c1\n\
+                        e       2     0.5       0.75\n";
+        assert_eq!(got, expected, "law: texts last (got left)");
+        let got = listed(b"e\n0.5\n");
+        let expected = "column  rows  smallest  largest\ne       1     0.5       0.5\n";
+        assert_eq!(got, expected, "law: no column of texts where there are none (got left)");
     }
 
     /// Law: no line leads over stages that are left out.
