@@ -23,6 +23,7 @@ pub(crate) mod style;
 mod sweep;
 mod sweep_outcomes;
 mod sweep_page;
+mod sweep_reasons;
 pub(crate) mod table;
 mod targets;
 pub(crate) mod text;
@@ -54,7 +55,7 @@ use {
     plot::{stacked, with_one_legend},
     style::{Dash, Marker},
     sweep::{NO_UNIT, shown},
-    sweep_outcomes::in_words,
+    sweep_outcomes::{in_words, withheld_in_words},
     table::{
         Cell, Record, Table, besides, dash, from_to, mean_within, missing, row, scattered, table,
     },

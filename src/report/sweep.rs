@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::measure::{bootstrap_interval, inference::MeanTest};
+use crate::record::Withheld;
 use crate::scenario::Scenario;
 
 /// What is varied.
@@ -54,6 +55,9 @@ pub struct SweepRun {
     pub left_out_of_means: Option<String>,
     /// Why it has no result.
     pub failure: Option<String>,
+    /// Results that its summary does not give, each with the reason.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub withheld: Vec<Withheld>,
 }
 
 /// How the reason ends of a run without result of which a stage has not been run so far.
@@ -68,6 +72,15 @@ impl SweepRun {
     /// Whether it counts in means and effects.
     pub fn counts_in_means(&self) -> bool {
         self.failure.is_none() && self.left_out_of_means.is_none()
+    }
+
+    /// Why its summary does not give a result, where it says so.
+    pub fn why_withheld(&self, outcome: &str) -> Option<&str> {
+        let is_of = |of: &&Withheld| {
+            let rest = outcome.strip_prefix(of.field.as_str());
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        };
+        self.withheld.iter().find(is_of).map(|of| of.reason.as_str())
     }
 }
 
@@ -138,6 +151,8 @@ pub struct SweepEffect {
     pub runs: usize,
     /// Runs that have the result and are left out.
     pub left_out: usize,
+    /// Runs that count and withhold the result.
+    pub withheld: usize,
     /// The mean at each value; empty where values were drawn.
     pub means: Vec<(Value, SweepEstimate)>,
     /// Change of the result for one unit of the factor: the mean over

@@ -135,6 +135,20 @@ pub(super) fn in_words(outcome: &str, names: &LaboratoryNames) -> String {
     }
 }
 
+/// In how many of the runs that count some main results are withheld that others give; nothing where
+/// none is.
+pub(super) fn withheld_in_words(of: &Sweep) -> Option<String> {
+    let counting = || of.runs.iter().filter(|run| run.counts_in_means());
+    let main = main_outcomes(&of.runs);
+    let said = main.into_iter().filter_map(|path| {
+        let without = counting().filter(|run| run.why_withheld(path).is_some()).count();
+        let words = in_words(path, &of.names);
+        (without > 0).then(|| format!("{words} in {without} of {}", counting().count()))
+    });
+    let said: Vec<String> = said.collect();
+    (!said.is_empty()).then(|| format!("withheld, and not at random: {}", said.join(", ")))
+}
+
 #[cfg(test)]
 mod tests {
     use serde_json::json;
@@ -152,6 +166,7 @@ mod tests {
             valid: Some(true),
             left_out_of_means: None,
             failure: None,
+            withheld: Vec::new(),
         }
     }
 

@@ -1,6 +1,7 @@
 //! The files of a sweep: tables, and the page as Markdown and as HTML.
 
 use super::sweep_outcomes::all_outcomes;
+use super::sweep_reasons::{if_not_all, reasons, withheld, withheld_in_row, without};
 use super::*;
 use crate::in_order::each_once;
 
@@ -38,8 +39,8 @@ fn table(of: &Sweep) -> Table {
     };
     let factors = of.factors.iter().map(|f| f.path.as_str()).filter(|path| *path != CONFIGURATION);
     let header = ["run", "point", CONFIGURATION].into_iter().chain(factors).chain(results());
-    let mut table =
-        Table::new(header.chain(["meets_standard", "valid", "left_out_of_means", "failure"]));
+    let last = ["meets_standard", "valid", "left_out_of_means", "failure", "withheld"];
+    let mut table = Table::new(header.chain(last));
     for run in &of.runs {
         let mut cells = row![&run.run, &run.point, realisation(run)];
         let others = run.values.iter().enumerate().filter(|(n, _)| Some(*n) != varied);
@@ -48,6 +49,7 @@ fn table(of: &Sweep) -> Table {
         let why = [&run.left_out_of_means, &run.failure].map(Clone::clone);
         cells.extend(row![run.meets_standard, run.valid]);
         cells.extend(why.map(Cell::from));
+        cells.push(withheld_in_row(run).into());
         table.row(cells);
     }
     table
@@ -74,6 +76,7 @@ const HOW_TO_READ: &str = "Every point is run in the same realisations, each a n
      no run-time check found anything, and grains had settled where heights are read. Means and \
      effects leave out runs that are not valid, \
      and runs of which too many grains are missing (docs/accuracy.md); each point says how many. \
+     Where others withhold a result, its mean says over how many runs it is. \
      Realisations needed: the number that would show a slope of this size among this scatter with \
      a probability of 80 %, where at least three were run. Every run stands in sweep.csv, the \
      scenario that all of them share in scenario.json, the numbers of this page in sweep.json.";
@@ -100,7 +103,7 @@ fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
         (not_valid, format!("; not valid: {not_valid} of {done}")),
     ];
     let against = against.into_iter().filter(|(count, _)| *count > 0).map(|(_, said)| said);
-    let together = together(of);
+    let (together, not_given) = (together(of), withheld_in_words(of));
     let apart = together.iter().map(|factors| {
         format!("; {} change together, and cannot be told apart", factors.join(" and "))
     });
@@ -111,17 +114,21 @@ fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
         counted(of.planned, "run"),
         in_number(done, "has", "have"),
         against.collect::<String>(),
-        left_out_in_words(left_out, done).map_or(String::new(), |said| format!("; {said}")),
+        [left_out_in_words(left_out, done), not_given.clone()]
+            .map(|said| said.map_or(String::new(), |said| format!("; {said}")))
+            .concat(),
         apart.collect::<String>(),
         shown_to_change(of),
     );
-    let is_well = without == 0 && not_valid == 0 && left_out == 0 && together.is_empty();
+    let is_whole = left_out == 0 && not_given.is_none();
+    let is_well = without == 0 && not_valid == 0 && is_whole && together.is_empty();
     let why_left_out = reasons(of, of.left_out(), |r| r.left_out_of_means.as_ref());
     let why_failed = reasons(of, of.failed(), |r| r.failure.as_ref());
     Page::new(format!("Sweep of {}", plain(&of.scenario)), [Block::lead(lead, is_well)])
         .section("effects", "What each factor moves", [Block::Table(effects(of))])
         .section("points", "Points", [Block::Table(points(of))])
         .section("left-out", "Runs left out of means", [Block::Table(why_left_out)])
+        .section("withheld", "Results withheld", withheld(of))
         .section("failures", "Runs without result", [Block::Table(why_failed)])
         .figures("figures", "Figures", figures)
         .section("reading", "How to read it", [Block::Text(HOW_TO_READ.to_owned())])
@@ -187,13 +194,16 @@ fn effects(of: &Sweep) -> Table {
 fn slope(of: &SweepEffect, factors: &[SweepFactor]) -> String {
     let factor = factors.iter().find(|factor| factor.path == of.factor);
     match of.slope.map(|slope| mean_within(slope, of.slope_half_width)) {
-        Some(shown) if of.left_out > 0 => format!("{shown} (left out: {})", of.left_out),
-        Some(shown) => shown,
+        Some(shown) => shown + &without(of),
         None if !of.together_with.is_empty() => {
             format!("none: it changes together with {}", of.together_with.join(", "))
         }
         None if factor.is_some_and(|factor| !factor.numeric) => NO_NUMBERS.to_owned(),
         None if factor.is_some_and(|factor| !factor.has_slope()) => NO_UNIT.to_owned(),
+        None if of.withheld > 0 => {
+            let counting = counted(of.runs + of.withheld, "run");
+            format!("{} (withheld in {} of {counting})", dash(), of.withheld)
+        }
         None if of.left_out > 0 && of.runs > 0 => "too few valid runs".to_owned(),
         None => missing(of.left_out > 0),
     }
@@ -202,7 +212,7 @@ fn slope(of: &SweepEffect, factors: &[SweepFactor]) -> String {
 fn estimate(of: &SweepPoint, e: Option<&SweepEstimate>) -> Cell {
     let shown = e.map(|e| mean_within(e.mean, e.t_high.map(|high| high - e.mean)));
     let none = || missing(of.left_out > 0 && of.left_out == of.runs);
-    Cell::number(shown.unwrap_or_else(none))
+    Cell::number(shown.unwrap_or_else(none) + &if_not_all(of, e.map_or(0, |e| e.count)))
 }
 
 fn points(of: &Sweep) -> Table {
@@ -224,23 +234,6 @@ fn points(of: &Sweep) -> Table {
         table.row(cells);
     }
     table
-}
-
-/// Runs with a reason each.
-fn reasons<'a>(
-    of: &Sweep,
-    runs: impl Iterator<Item = &'a SweepRun>,
-    why: impl Fn(&SweepRun) -> Option<&String>,
-) -> Table {
-    let values = |r: &SweepRun| {
-        let each = of.factors.iter().zip(&r.values);
-        each.map(|(f, v)| format!("{}={}", f.path, shown(v))).collect::<Vec<_>>().join(" ")
-    };
-    table!(runs, |r| {
-        "run" => &r.run,
-        "values" => values(r),
-        "why" => why(r),
-    })
 }
 
 #[cfg(test)]
@@ -266,6 +259,7 @@ mod tests {
             valid: state.map(|s| s.1),
             left_out_of_means: state.filter(|s| !s.1).map(|_| "not valid".to_owned()),
             failure: state.is_none().then(|| "it blew up".to_owned()),
+            withheld: Vec::new(),
         };
         Sweep {
             scenario: "s".into(),

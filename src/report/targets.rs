@@ -50,6 +50,8 @@ pub struct TargetFound {
     pub runs_counted: usize,
     /// All others: left out of means, failed, or without the result.
     pub runs_left_out: usize,
+    /// How many of these count in means, and lack the result.
+    pub runs_without_result: usize,
     /// How many of those that count meet it.
     pub runs_meeting: usize,
     /// 95 % interval of that share (Wilson 1927), in which runs of one specimen count as one.
@@ -186,6 +188,7 @@ impl TargetsFound {
         let pairs = pairs.map(|pair| (self.names(&pair.targets), pair.best));
         said.extend(excluded("Not met anywhere by itself", alone));
         said.extend(excluded("Targets that exclude each other", pairs));
+        said.extend(self.without_result());
         let is_of_one = |t: &&TargetFound| t.specimens == 1 && t.runs_counted > 1;
         let of_one: Vec<String> =
             self.targets.iter().filter(is_of_one).map(|t| t.target.title()).collect();
@@ -193,6 +196,25 @@ impl TargetsFound {
             said.push(format!("Of one specimen, and no measure of others: {}.", of_one.join(", ")));
         }
         said.join(" ")
+    }
+
+    /// Which targets are judged without runs that count, in a sentence or two; none where none is.
+    fn without_result(&self) -> Option<String> {
+        let without = self.targets.iter().filter(|t| t.runs_without_result > 0);
+        let each: Vec<String> = without
+            .map(|t| {
+                let counting = t.runs_counted + t.runs_without_result;
+                format!("{} in {} of {counting}", t.target.title(), t.runs_without_result)
+            })
+            .collect();
+        (!each.is_empty()).then(|| {
+            format!(
+                "Runs that count and lack a result: {}. All that is said of it is of the other \
+                 runs, and biased where it is withheld (column `withheld` of sweep.csv says why): \
+                 such runs are not random.",
+                each.join(", ")
+            )
+        })
     }
 
     /// A place that was found, each factor to at least a twentieth of its range.
@@ -225,7 +247,11 @@ impl TargetsFound {
             "smallest to largest" => t.values.map(|value| t.shown(value)).join(" to "),
             "runs that meet it" => share(t.runs_meeting, t.runs_counted, t.share_meeting),
             "specimens" => t.specimens,
-            "left out" => t.runs_left_out,
+            "left out" => Cell::number(format!(
+                "{}{}",
+                t.runs_left_out,
+                besides(t.runs_without_result, "of them without the result")
+            )),
             "fit" => format!("{:.2}, {} unseen", t.fit.explained, predicted(t)).replace('-', "−"),
             "best" => Cell::number(percent(t.best)),
         })
@@ -376,100 +402,5 @@ pub fn write_targets(out: &Path, found: &TargetsFound) -> Result<(), ReportError
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn found() -> TargetsFound {
-        let target = Target {
-            runs: "t".to_owned(),
-            result: "void_ratio".to_owned(),
-            share_of: None,
-            low: 0.6,
-            high: 0.7,
-        };
-        let fit = LinearFit {
-            count: 12,
-            residual_standard_deviation: 0.034_567,
-            explained: 0.81,
-            predicted: 0.67,
-        };
-        let at = |friction: f64, height: f64| -> BTreeMap<String, f64> {
-            let at = [("friction", friction), ("height", height)];
-            at.map(|(name, x)| (name.to_owned(), x)).into()
-        };
-        let effects = [("friction", (0.097_84, 0.038_99)), ("height", (0.009_282, 1.211))];
-        let target = TargetFound {
-            target,
-            runs_counted: 12,
-            runs_left_out: 0,
-            runs_meeting: 5,
-            share_meeting: [0.19, 0.68],
-            specimens: 12,
-            values: [0.574_123, 0.746_123],
-            fit,
-            effects: effects.map(|(name, effect)| (name.to_owned(), effect)).into(),
-            freedom: effects.map(|(name, _)| (name.to_owned(), 9.0)).into(),
-            within_specimens: Vec::new(),
-            best: 0.86,
-        };
-        let at_best = at(0.579_312, 21.560_1);
-        TargetsFound {
-            factors: [("friction", [0.3, 0.8]), ("height", [5.0, 30.0])]
-                .map(|(name, range)| (name.to_owned(), range))
-                .into(),
-            targets: vec![target],
-            correlations: None,
-            pairs: Vec::new(),
-            all: Together { targets: vec![0], mean: 0.48, best: 0.6, at: at_best, points: None },
-            met_at: vec![MetAt { at: at(0.3, 5.0), values: vec![0.606_812] }],
-            searched: 20_000,
-        }
-    }
-
-    /// Law: what runs or points have met is not said to be met nowhere or to be excluded, however
-    /// small the probability by the models is.
-    #[test]
-    fn what_was_met_is_not_excluded() {
-        let of = |met: usize| {
-            let mut found = found();
-            found.targets = vec![found.targets[0].clone(), found.targets[0].clone()];
-            for target in &mut found.targets {
-                (target.best, target.runs_meeting) = (0.01, met);
-            }
-            let points = PointsMet::new(met, 12, 12);
-            found.all = Together { targets: vec![0, 1], best: 0.01, points, ..found.all };
-            found.pairs = vec![found.all.clone()];
-            found.answer()
-        };
-        for (met, expected) in [(0, true), (1, false)] {
-            let answer = of(met);
-            for words in ["Not met anywhere by itself", "Targets that exclude each other"] {
-                let got = answer.contains(words);
-                assert_eq!(got, expected, "law: `{words}` where {met} of 12 meet them: {answer}");
-            }
-        }
-    }
-
-    /// Law: effects have the second digit of their interval, results that of their scatter, places
-    /// a twentieth of the range.
-    #[test]
-    fn a_page_has_the_digits_that_are_known() {
-        let page = found().page().markdown();
-        for shown in [
-            "0.098 ± 0.039 |",
-            "| 0.0 ± 1.2 |",
-            "| 0.574 to 0.746 |",
-            "| 0.3 | 5 | 0.607 |",
-            "at friction 0.58, height 22.",
-            "| friction 0.58, height 22 |",
-        ] {
-            assert!(page.contains(shown), "law: `{shown}` stands in\n{page}");
-        }
-        let mut exact = found();
-        exact.targets[0].fit.residual_standard_deviation = 0.0;
-        exact.factors.insert("friction".to_owned(), [0.579_3, 0.579_3]);
-        let page = exact.page().markdown();
-        assert!(page.contains("| 0.5741 to 0.7461 |"), "law: four digits without scatter\n{page}");
-        assert!(page.contains("at friction 0.5793"), "law: and without a range\n{page}");
-    }
-}
+#[path = "targets_tests.rs"]
+mod tests;

@@ -77,7 +77,9 @@ fn effect_figure(
             false => "",
         };
         format!(
-            "Every run at the value that was drawn; all other ranges were drawn from as well.{left_out}"
+            "Every run at the value that was drawn; all other ranges were drawn from as \
+             well.{left_out}{}",
+            of_withheld(of)
         )
     } else {
         let left_out = match is_left_out {
@@ -96,8 +98,9 @@ fn effect_figure(
 
 /// What a caption says of the means of some effects, where there are any.
 fn of_means(of: &Sweep, effects: &[&SweepEffect]) -> String {
+    let withheld = of_withheld(of);
     if effects.iter().all(|effect| effect.means.is_empty()) {
-        return "No means: no realisation has runs that count at every value.".to_owned();
+        return format!("No means: no realisation has runs that count at every value.{withheld}");
     }
     let all = counted(of.configurations as usize, "realisation");
     // Of a realisation that lacks a value, or has one that is left out, none is in a mean.
@@ -107,7 +110,11 @@ fn of_means(of: &Sweep, effects: &[&SweepEffect]) -> String {
         (Some(least), Some(most)) if least < of.configurations as usize => {
             let whole =
                 if least == most { least.to_string() } else { format!("{least} to {most}") };
-            format!("{whole} of {all} (the others lack runs that count)")
+            let why = match effects.iter().any(|effect| effect.withheld > 0) {
+                true => "runs that count, or values of theirs",
+                false => "runs that count",
+            };
+            format!("{whole} of {all} (the others lack {why})")
         }
         _ => all,
     };
@@ -119,7 +126,21 @@ fn of_means(of: &Sweep, effects: &[&SweepEffect]) -> String {
         true => "Bars: the 95 % confidence of the mean by Student's t.",
         false => "No bars: one value gives no interval.",
     };
-    format!("Discs: means over {over}{others}. {bars}")
+    let without = effects.iter().filter(|effect| effect.means.is_empty());
+    let without: Vec<String> = without.map(|effect| in_words(&effect.outcome, &of.names)).collect();
+    let without = match without.is_empty() {
+        true => String::new(),
+        false => {
+            format!(" No means of {}: no realisation has it at every value.", without.join(", "))
+        }
+    };
+    format!("Discs: means over {over}{others}. {bars}{without}{withheld}")
+}
+
+/// What a caption says of results that some runs withhold, where there are any.
+fn of_withheld(of: &Sweep) -> String {
+    let said = withheld_in_words(of);
+    said.map_or(String::new(), |said| format!(" {} runs that count.", capital(&said)))
 }
 
 /// Whether any mean of some effects has an interval.
@@ -198,7 +219,7 @@ fn pair_figure(of: &Sweep, a: usize, b: usize) -> Result<Option<Figure>, ReportE
                    run beside each other: the two factors act each by itself.";
     let stem = stem("pair", &format!("{}-{}", first.path, second.path));
     let title = format!("{} and {} together", first.path, second.path);
-    figure_of(&stem, &title, caption.to_owned(), panels, &table)
+    figure_of(&stem, &title, format!("{caption}{}", of_withheld(of)), panels, &table)
 }
 
 #[cfg(test)]
@@ -206,7 +227,10 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
-    use crate::{record::LaboratoryNames, report::SweepEstimate};
+    use crate::{
+        record::{LaboratoryNames, Withheld},
+        report::SweepEstimate,
+    };
 
     /// A sweep of one field over 1 and 2, in a number of configurations of two.
     fn sweep(configurations: u32) -> Sweep {
@@ -221,6 +245,7 @@ mod tests {
             valid: Some(true),
             left_out_of_means: None,
             failure: None,
+            withheld: Vec::new(),
         };
         let mean_of = |value: u32| {
             let values: Vec<f64> = (1..=configurations).map(|c| result(value, c)).collect();
@@ -246,6 +271,15 @@ mod tests {
                 ..SweepEffect::default()
             }],
             names: LaboratoryNames::default(),
+        }
+    }
+
+    /// An effect on the void ratio without numbers.
+    fn effect_of_voids() -> SweepEffect {
+        SweepEffect {
+            factor: "seed".into(),
+            outcome: "void_ratio".into(),
+            ..SweepEffect::default()
         }
     }
 
@@ -277,6 +311,22 @@ mod tests {
         let said =
             "Discs: means over 1 of 2 realisations (the others lack runs that count). No bars";
         assert!(got.contains(said), "law: expected `{said}`, got `{got}`");
+        let mut partly = sweep(2);
+        let why = Withheld { field: "void_ratio".to_owned(), reason: "it is low".to_owned() };
+        partly.runs[0].withheld = vec![why];
+        partly.runs[0].outcomes.clear();
+        let own = partly.effects.remove(0);
+        let other = SweepEffect { outcome: "angle_of_repose.degrees".into(), withheld: 0, ..own };
+        let lacking = SweepEffect { withheld: 1, means: Vec::new(), ..effect_of_voids() };
+        partly.effects = vec![other, lacking];
+        let got = figure(&partly).caption;
+        for said in [
+            "Discs: means over 2 realisations. ",
+            " No means of Void ratio: no realisation has it at every value.",
+            " Withheld, and not at random: Void ratio in 1 of 4 runs that count.",
+        ] {
+            assert!(got.contains(said), "law: expected `{said}`, got `{got}`");
+        }
         let mut single = sweep(2);
         single.design = "one_at_a_time";
         assert!(figure(&single).caption.starts_with("Rings: every run."), "law: of one factor");

@@ -125,6 +125,7 @@ mod tests {
                 valid: Some(true),
                 left_out_of_means: None,
                 failure: None,
+                withheld: Vec::new(),
             }
         };
         let each = [1, 2].into_iter().flat_map(|c| rows.iter().map(move |row| run(row, c)));

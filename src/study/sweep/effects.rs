@@ -64,11 +64,11 @@ pub(super) fn effects(
                 .iter()
                 .filter(|p| design != Design::OneAtATime || p.varies.is_none_or(|v| v == n))
                 .collect();
-            let all: Vec<&SweepRun> = runs
-                .iter()
-                .filter(|r| r.outcomes.contains_key(outcome))
-                .filter(|r| own.iter().any(|p| p.name == r.point))
-                .collect();
+            let of_own: Vec<&SweepRun> =
+                runs.iter().filter(|r| own.iter().any(|p| p.name == r.point)).collect();
+            let withheld = counting(&of_own).filter(|r| r.why_withheld(outcome).is_some()).count();
+            let all: Vec<&SweepRun> =
+                of_own.into_iter().filter(|r| r.outcomes.contains_key(outcome)).collect();
             let runs: Vec<&SweepRun> = counting(&all).collect();
             let found_here = match design {
                 Design::LatinHypercube(_) if factor.has_slope() => {
@@ -87,7 +87,7 @@ pub(super) fn effects(
                 }
             };
             let left_out = all.len() - runs.len();
-            found.push(SweepEffect { runs: runs.len(), left_out, ..found_here });
+            found.push(SweepEffect { runs: runs.len(), left_out, withheld, ..found_here });
         }
     }
     found
@@ -251,6 +251,7 @@ mod tests {
                 valid: Some(true),
                 left_out_of_means: None,
                 failure: None,
+                withheld: Vec::new(),
             }
         };
         (1..=3).flat_map(|c| points.iter().map(move |p| (p, c))).map(|(p, c)| of(p, c)).collect()
@@ -371,6 +372,25 @@ mod tests {
         let found = effects(Design::LatinHypercube(5), &factors, &drawn, &runs).remove(0);
         assert_slope(&found, 3.0);
         assert_eq!((found.runs, found.left_out), (14, 1), "law: drawn values, too");
+    }
+
+    /// Law: of a run that counts and withholds a result the effect says so, and its point has one value
+    /// less.
+    #[test]
+    fn a_withheld_result_is_counted() {
+        let over = ["a=1,2".parse().expect("a factor")];
+        let all = points(Design::Grid, &over, &[], &[], &base()).expect("points");
+        let factors = [factor("a", &[json!(1), json!(2)], false)];
+        let mut runs = runs(&all, &factors, |x, c| x[0] * f64::from(c));
+        runs[5].outcomes.clear();
+        runs[5].withheld =
+            vec![Withheld { field: RESULT.to_owned(), reason: "it is low".to_owned() }];
+        let found = effects(Design::Grid, &factors, &all, &runs).remove(0);
+        let got = (found.runs, found.left_out, found.withheld);
+        assert_eq!(got, (5, 0, 1), "law: runs, left out, withheld (got left)");
+        let row = &point_rows(&all, &runs)[1];
+        let got = (row.runs, row.left_out, row.outcomes[RESULT].count);
+        assert_eq!(got, (3, 0, 2), "law: runs, left out, values of the mean (got left)");
     }
 
     /// Law: of a factor varied by itself the slope is that between its ends, and

@@ -215,20 +215,21 @@ impl SweepStudy {
     /// A run with the numbers of its summary.
     fn run(&self, row: &RunRow, out: &Path) -> Result<SweepRun, StudyError> {
         let point = self.points.iter().find(|p| p.name == row.variation);
-        let outcomes = match row.failure {
-            Some(_) => BTreeMap::new(),
-            None => outcomes_in(&read_json(&folder_of(out, &row.run).join("summary.json"))?),
+        let summary: Value = match row.failure {
+            Some(_) => Value::Null,
+            None => read_json(&folder_of(out, &row.run).join("summary.json"))?,
         };
         Ok(SweepRun {
             run: row.run.clone(),
             point: row.variation.clone(),
             configuration: row.configuration,
             values: point.map_or_else(Vec::new, |p| p.values.clone()),
-            outcomes,
+            outcomes: outcomes_in(&summary),
             meets_standard: row.meets_standard,
             valid: row.valid,
             left_out_of_means: row.why_left_out(),
             failure: row.failure.clone(),
+            withheld: Vec::deserialize(&summary["withheld"]).unwrap_or_default(),
         })
     }
 }

@@ -383,6 +383,7 @@ fn model(target: &Target, table: &Runs) -> Result<(LinearModel, TargetFound), St
         target: target.clone(),
         runs_counted: rows.len(),
         runs_left_out: table.planned.len() - rows.len(),
+        runs_without_result: table.rows.len() - rows.len(),
         runs_meeting: meeting,
         specimens,
         share_meeting: wilson_interval(meeting as f64 / rows.len() as f64, specimens),
