@@ -23,6 +23,7 @@ pub(crate) mod style;
 mod sweep;
 mod sweep_outcomes;
 mod sweep_page;
+mod sweep_reading;
 mod sweep_reasons;
 pub(crate) mod table;
 mod targets;
@@ -81,7 +82,9 @@ pub use plot::{Look, Plot};
 pub use png::{Picture, draw as draw_svg, render as svg_to_png};
 pub use quality::Standard;
 pub use sensitivity::{Effect, ParameterRow, Sensitivity, write_sensitivity};
-pub use sweep::{NOT_STORED, Sweep, SweepEffect, SweepEstimate, SweepFactor, SweepPoint, SweepRun};
+pub use sweep::{
+    NOT_STORED, SPECIMEN, Sweep, SweepEffect, SweepEstimate, SweepFactor, SweepPoint, SweepRun,
+};
 pub use sweep_outcomes::{OUTCOMES, averaged_outcomes, main_outcomes, numbers_in, outcomes_in};
 pub use sweep_page::write_sweep;
 pub use targets::{MetAt, PointsMet, Target, TargetFound, TargetsFound, Together, write_targets};

@@ -5,6 +5,9 @@ use crate::measure::{bootstrap_interval, inference::MeanTest};
 use crate::record::Withheld;
 use crate::scenario::Scenario;
 
+/// The field that names the specimen that a run begins with, and its column in the table of runs.
+pub const SPECIMEN: &str = "begin.specimen";
+
 /// What is varied.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SweepFactor {
@@ -43,6 +46,9 @@ pub struct SweepRun {
     pub point: String,
     /// Which realisation, counted from 1.
     pub configuration: u32,
+    /// The specimen that it begins with, where specimens stand for realisations.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub specimen: Option<Value>,
     /// The value of each factor.
     pub values: Vec<Value>,
     /// Results by their path in `summary.json`; what was not measured is absent.
@@ -185,8 +191,12 @@ pub struct Sweep {
     pub design: &'static str,
     /// What is varied.
     pub factors: Vec<SweepFactor>,
-    /// Configurations of each point.
+    /// Realisations of each point: configurations, or specimens.
     pub configurations: u32,
+    /// The specimens that stand for realisations, in the order of their numbers; none where
+    /// configurations are the realisations.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub specimens: Vec<Value>,
     /// How many runs the plan has; fewer have been run so far, or failed.
     pub planned: usize,
     /// The runs.
@@ -201,6 +211,11 @@ pub struct Sweep {
 }
 
 impl Sweep {
+    /// What a realisation of a point is.
+    pub fn realisation(&self) -> &'static str {
+        if self.specimens.is_empty() { "realisation" } else { "specimen" }
+    }
+
     /// Runs whose results are left out of means and effects.
     pub fn left_out(&self) -> impl Iterator<Item = &SweepRun> {
         self.runs.iter().filter(|r| r.failure.is_none() && !r.counts_in_means())

@@ -167,6 +167,7 @@ mod tests {
             left_out_of_means: None,
             failure: None,
             withheld: Vec::new(),
+            specimen: None,
         }
     }
 

@@ -1,6 +1,7 @@
 //! The files of a sweep: tables, and the page as Markdown and as HTML.
 
 use super::sweep_outcomes::all_outcomes;
+use super::sweep_reading::how_to_read;
 use super::sweep_reasons::{if_not_all, reasons, withheld, withheld_in_row, without};
 use super::*;
 use crate::in_order::each_once;
@@ -38,11 +39,14 @@ fn table(of: &Sweep) -> Table {
         Cell::number(realisation.to_string())
     };
     let factors = of.factors.iter().map(|f| f.path.as_str()).filter(|path| *path != CONFIGURATION);
-    let header = ["run", "point", CONFIGURATION].into_iter().chain(factors).chain(results());
+    let specimen = (!of.specimens.is_empty()).then_some(SPECIMEN);
+    let first = ["run", "point", CONFIGURATION].into_iter().chain(specimen);
+    let header = first.chain(factors).chain(results());
     let last = ["meets_standard", "valid", "left_out_of_means", "failure", "withheld"];
     let mut table = Table::new(header.chain(last));
     for run in &of.runs {
         let mut cells = row![&run.run, &run.point, realisation(run)];
+        cells.extend(run.specimen.iter().map(|specimen| Cell::from(shown(specimen))));
         let others = run.values.iter().enumerate().filter(|(n, _)| Some(*n) != varied);
         cells.extend(others.map(|(_, value)| Cell::from(shown(value))));
         cells.extend(results().map(|path| run.outcomes.get(path).copied().into()));
@@ -62,24 +66,6 @@ fn times(of: &Sweep) -> Table {
         WALL_TIME => run.outcomes.get(WALL_TIME).copied(),
     })
 }
-
-const HOW_TO_READ: &str = "Every point is run in the same realisations, each a new random \
-     arrangement of the same grains. Intervals are 95 % confidence intervals of the mean over \
-     realisations, by Student's t; sweep.json has those of the bootstrap as well. A change for \
-     one unit is the slope of a line through each realisation's own results, its mean and \
-     interval over realisations; where values were drawn from ranges, it is the coefficient in a \
-     linear model of all of them. Factors that change together in all runs cannot be told apart: \
-     none of them has a change of its own. Numbers of seed and configuration only name realisations: nothing \
-     changes for one unit of them, and their points differ by chance. The test by ranks (Page 1963) \
-     asks whether results rise or fall from value to value without assuming a line, either of them \
-     (two-sided). A run is valid if it meets the accuracy standard, \
-     no run-time check found anything, and grains had settled where heights are read. Means and \
-     effects leave out runs that are not valid, \
-     and runs of which too many grains are missing (docs/accuracy.md); each point says how many. \
-     Where others withhold a result, its mean says over how many runs it is. \
-     Realisations needed: the number that would show a slope of this size among this scatter with \
-     a probability of 80 %, where at least three were run. Every run stands in sweep.csv, the \
-     scenario that all of them share in scenario.json, the numbers of this page in sweep.json.";
 
 fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
     let without = of.failed().count();
@@ -110,7 +96,7 @@ fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
     let lead = format!(
         "{} in {}: {done} of {} {} results{}{}{}.{}",
         counted(of.points.len(), "point"),
-        counted(of.configurations as usize, "realisation"),
+        counted(of.configurations as usize, of.realisation()),
         counted(of.planned, "run"),
         in_number(done, "has", "have"),
         against.collect::<String>(),
@@ -131,7 +117,7 @@ fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
         .section("withheld", "Results withheld", withheld(of))
         .section("failures", "Runs without result", [Block::Table(why_failed)])
         .figures("figures", "Figures", figures)
-        .section("reading", "How to read it", [Block::Text(HOW_TO_READ.to_owned())])
+        .section("reading", "How to read it", how_to_read(of))
 }
 
 /// Factors that no run tells apart, set by set, each in the order of the factors.
@@ -260,6 +246,7 @@ mod tests {
             left_out_of_means: state.filter(|s| !s.1).map(|_| "not valid".to_owned()),
             failure: state.is_none().then(|| "it blew up".to_owned()),
             withheld: Vec::new(),
+            specimen: None,
         };
         Sweep {
             scenario: "s".into(),
@@ -283,6 +270,7 @@ mod tests {
                 outcomes: BTreeMap::new(),
             }],
             effects: Vec::new(),
+            specimens: Vec::new(),
             names: LaboratoryNames::default(),
         }
     }
@@ -331,6 +319,24 @@ mod tests {
         let expected =
             ["1", "2", "101", "102"].map(|realisation| (realisation.to_owned(), "7".to_owned()));
         assert_eq!(got, expected, "law: realisation and seed of each run");
+    }
+
+    /// Law: where specimens are the realisations, table, page and first paragraph name them.
+    #[test]
+    fn specimens_that_are_realisations_are_named() {
+        let mut of = sweep();
+        of.specimens = ["a", "b", "c", "d"].map(Value::from).into();
+        for (run, specimen) in of.runs.iter_mut().zip(&of.specimens) {
+            run.specimen = Some(specimen.clone());
+        }
+        let written = String::from_utf8(table(&of).csv().expect("written")).expect("text");
+        for said in ["run,point,configuration,begin.specimen,seed,", "-c2,point-0001,2,b,1,"] {
+            assert!(written.contains(said), "law: `{said}`, got:\n{written}");
+        }
+        let text = page(&of, vec![]).markdown();
+        for said in ["1 point in 4 specimens", "begin.specimen=b seed=1 | not valid"] {
+            assert!(text.contains(said), "law: `{said}`, got:\n{text}");
+        }
     }
 
     #[test]

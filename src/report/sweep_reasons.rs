@@ -11,7 +11,9 @@ const NOT_RANDOM: &str = "Means and effects of these results rest on the other r
 /// The values of all factors of a run.
 fn values(of: &Sweep, run: &SweepRun) -> String {
     let each = of.factors.iter().zip(&run.values);
-    each.map(|(f, v)| format!("{}={}", f.path, shown(v))).collect::<Vec<_>>().join(" ")
+    let each = each.map(|(f, v)| format!("{}={}", f.path, shown(v)));
+    let specimen = run.specimen.iter().map(|specimen| format!("{SPECIMEN}={}", shown(specimen)));
+    specimen.chain(each).collect::<Vec<_>>().join(" ")
 }
 
 /// Runs with a reason each.
@@ -91,6 +93,7 @@ mod tests {
             left_out_of_means: None,
             failure: None,
             withheld: if withheld { vec![of(VOIDS), of("porosity")] } else { Vec::new() },
+            specimen: None,
         }
     }
 
@@ -109,6 +112,7 @@ mod tests {
             runs,
             points: Vec::new(),
             effects: Vec::new(),
+            specimens: Vec::new(),
             names: LaboratoryNames::default(),
         }
     }

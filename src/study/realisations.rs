@@ -16,8 +16,8 @@ pub(super) struct Asked {
 /// Of a study that may take one.
 pub(super) const CONFIGURATIONS: Asked = Asked {
     option: "--configurations",
-    instead: "take one, or begin with several specimens, as a sweep does with --over \
-              begin.specimen=RUN1,RUN2",
+    instead: "take one, or begin with several specimens, which a sweep takes for realisations: \
+              --over begin.specimen=RUN1,RUN2",
 };
 
 /// Of a calibration, which needs scatter.

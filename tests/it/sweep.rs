@@ -244,3 +244,43 @@ fn what_cannot_be_swept_is_told_before_anything_runs() {
     }
     assert!(!out.exists(), "law: nothing was made");
 }
+
+/// Law: a sweep over specimens that were made alike takes them for realisations: points that differ in
+/// them alone are one, its table names them, and their folder is found again.
+#[test]
+fn specimens_of_a_sweep_are_realisations() {
+    let folder = folder();
+    let begun = ["1", "2"].map(|number| {
+        let (out, set) = (folder.path(number), format!("configuration={number}"));
+        let small = folder.path("small.json");
+        let run = ["run", text(&small), "--out", text(&out), "--quiet", "--no-figures"];
+        program::done(&[&run[..], &["--set", &set]].concat());
+        text(&out).to_owned()
+    });
+    folder.scenario(
+        "rests.json",
+        &json!({
+            "name": "rests", "begin": { "specimen": begun[0] },
+            "stages": [{ "stage": "rest", "duration_s": 0.05 }], "rest_test_s": 0.05
+        }),
+    );
+    let (scenario, out) = (folder.path("rests.json"), folder.path("out"));
+    let specimens = format!("begin.specimen={}", begun.join(","));
+    let over = ["--over", "contact.restitution=0.2,0.3", "--over", &specimens];
+    for time in ["first", "second"] {
+        let found = swept(&scenario, &out, &over);
+        assert_eq!(found["specimens"], json!(begun), "law: the realisations, {time} time");
+        let names: Vec<&Value> = found["points"]
+            .as_array()
+            .expect("points")
+            .iter()
+            .map(|point| &point["point"])
+            .collect();
+        assert_eq!(names, ["point-0001", "point-0003"], "law: the points, {time} time");
+        let rows = rows(&out);
+        let first = ["run", "point", "configuration", "begin.specimen", "contact.restitution"];
+        assert_eq!(rows[0][..5], first, "law: a column that names the specimen, {time} time");
+        let last = ["point-0004-c1", "point-0003", "2", &begun[1], "0.3"];
+        assert_eq!(rows[4][..5], last, "law: the second specimen, {time} time");
+    }
+}

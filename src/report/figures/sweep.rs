@@ -100,13 +100,14 @@ fn effect_figure(
 fn of_means(of: &Sweep, effects: &[&SweepEffect]) -> String {
     let withheld = of_withheld(of);
     if effects.iter().all(|effect| effect.means.is_empty()) {
-        return format!("No means: no realisation has runs that count at every value.{withheld}");
+        let realisation = of.realisation();
+        return format!("No means: no {realisation} has runs that count at every value.{withheld}");
     }
-    let all = counted(of.configurations as usize, "realisation");
+    let all = counted(of.configurations as usize, of.realisation());
     // Of a realisation that lacks a value, or has one that is left out, none is in a mean.
     let counts = || effects.iter().flat_map(|effect| &effect.means).map(|(_, e)| e.count);
     let over = match (counts().min(), counts().max()) {
-        _ if of.runs.len() < of.planned => "the realisations run so far".to_owned(),
+        _ if of.runs.len() < of.planned => format!("the {}s run so far", of.realisation()),
         (Some(least), Some(most)) if least < of.configurations as usize => {
             let whole =
                 if least == most { least.to_string() } else { format!("{least} to {most}") };
@@ -130,9 +131,11 @@ fn of_means(of: &Sweep, effects: &[&SweepEffect]) -> String {
     let without: Vec<String> = without.map(|effect| in_words(&effect.outcome, &of.names)).collect();
     let without = match without.is_empty() {
         true => String::new(),
-        false => {
-            format!(" No means of {}: no realisation has it at every value.", without.join(", "))
-        }
+        false => format!(
+            " No means of {}: no {} has it at every value.",
+            without.join(", "),
+            of.realisation()
+        ),
     };
     format!("Discs: means over {over}{others}. {bars}{without}{withheld}")
 }
@@ -215,11 +218,15 @@ fn pair_figure(of: &Sweep, a: usize, b: usize) -> Result<Option<Figure>, ReportE
         }
         panels.push(plot);
     }
-    let caption = "Means over realisations, and over all values of any further factor. Lines that \
-                   run beside each other: the two factors act each by itself.";
+    let caption = format!(
+        "Means over {}s, and over all values of any further factor. Lines that run beside each \
+         other: the two factors act each by itself.{}",
+        of.realisation(),
+        of_withheld(of)
+    );
     let stem = stem("pair", &format!("{}-{}", first.path, second.path));
     let title = format!("{} and {} together", first.path, second.path);
-    figure_of(&stem, &title, format!("{caption}{}", of_withheld(of)), panels, &table)
+    figure_of(&stem, &title, caption, panels, &table)
 }
 
 #[cfg(test)]
@@ -246,6 +253,7 @@ mod tests {
             left_out_of_means: None,
             failure: None,
             withheld: Vec::new(),
+            specimen: None,
         };
         let mean_of = |value: u32| {
             let values: Vec<f64> = (1..=configurations).map(|c| result(value, c)).collect();
@@ -270,6 +278,7 @@ mod tests {
                 means: vec![mean_of(1), mean_of(2)],
                 ..SweepEffect::default()
             }],
+            specimens: Vec::new(),
             names: LaboratoryNames::default(),
         }
     }

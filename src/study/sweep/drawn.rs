@@ -126,6 +126,7 @@ mod tests {
                 left_out_of_means: None,
                 failure: None,
                 withheld: Vec::new(),
+                specimen: None,
             }
         };
         let each = [1, 2].into_iter().flat_map(|c| rows.iter().map(move |row| run(row, c)));

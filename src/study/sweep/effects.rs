@@ -252,6 +252,7 @@ mod tests {
                 left_out_of_means: None,
                 failure: None,
                 withheld: Vec::new(),
+                specimen: None,
             }
         };
         (1..=3).flat_map(|c| points.iter().map(move |p| (p, c))).map(|(p, c)| of(p, c)).collect()

@@ -8,6 +8,7 @@ mod plan_file;
 mod points;
 mod single;
 mod snakemake;
+mod specimens;
 mod tasks;
 mod twice;
 
@@ -20,8 +21,9 @@ pub use tasks::{SweepStage, SweepStatus, SweepTasks};
 use super::sensitivity::{Designed, read_design};
 use super::*;
 use crate::record::RunLock;
-use crate::report::{Sweep, SweepFactor, SweepRun, outcomes_in};
+use crate::report::{SPECIMEN, Sweep, SweepFactor, SweepRun, outcomes_in};
 use crate::scenario::gathered;
+use specimens::Specimens;
 
 /// What to vary, and how.
 pub struct SweepOptions {
@@ -91,6 +93,8 @@ pub struct SweepStudy {
     scenario: Scenario,
     points: Vec<Point>,
     varied: Varied,
+    /// The specimens that are realisations, or why those that are varied are not.
+    specimens: Result<Option<Specimens>, String>,
 }
 
 impl SweepStudy {
@@ -116,7 +120,8 @@ impl SweepStudy {
             points.iter().map(|point| Variation::new(&point.name, "sweep", point.changes.clone()));
         let varied = Varied::load(&options.scenario, &options.changes, variations.collect())?;
         refuse_repeats(&varied, CONFIGURATIONS, options.configurations)?;
-        Ok(Self { options, gathered, scenario, points, varied })
+        let specimens = specimens::realisations(&options, &points, &varied);
+        Ok(Self { options, gathered, scenario, points, varied, specimens })
     }
 
     /// Writes the plan, and the scenario as it was planned, into the output
@@ -138,6 +143,11 @@ impl SweepStudy {
                     "warning: rest_test_s is 0: runs without a rest test are not valid and count \
                      in no mean (allowed: above 0)",
                 );
+            }
+            if let Err(why) = &self.specimens {
+                run.progress.message(&format!(
+                    "{SPECIMEN}: its values are compared, not taken for realisations: {why}"
+                ));
             }
             plan.write(out, &self.gathered)
         })?;
@@ -194,20 +204,27 @@ impl SweepStudy {
     fn found(&self, rows: &[RunRow], out: &Path) -> Result<Sweep, StudyError> {
         let mut runs =
             rows.iter().map(|row| self.run(row, out)).collect::<Result<Vec<_>, StudyError>>()?;
+        let (mut factors, mut points) = (self.factors(), self.points.clone());
+        let specimens = self.specimens.as_ref().ok().and_then(Option::as_ref);
+        if let Some(specimens) = specimens {
+            (factors, points) = (specimens.without(&factors), specimens.points(&points));
+            runs = runs.into_iter().map(|run| specimens.realised(run, &points)).collect();
+        }
         // Whoever carried them out may have done so in another order.
-        let place = |run: &SweepRun| self.points.iter().position(|p| p.name == run.point);
+        let place = |run: &SweepRun| points.iter().position(|p| p.name == run.point);
         runs.sort_by_key(|run| (run.configuration, place(run)));
-        let factors = self.factors();
-        let effects = effects::effects(self.options.design, &factors, &self.points, &runs);
+        let effects = effects::effects(self.options.design, &factors, &points, &runs);
+        let configurations = self.options.configurations;
         Ok(Sweep {
             scenario: self.scenario.name.clone(),
             design: plan_file::name(self.options.design),
-            configurations: self.options.configurations,
-            planned: self.points.len() * self.options.configurations as usize,
-            points: effects::point_rows(&self.points, &runs),
+            configurations: specimens.map_or(configurations, Specimens::count),
+            planned: self.points.len() * configurations as usize,
+            points: effects::point_rows(&points, &runs),
             factors,
             runs,
             effects,
+            specimens: specimens.map_or_else(Vec::new, |of| of.names().to_vec()),
             names: laboratory::names(&self.scenario),
         })
     }
@@ -230,6 +247,7 @@ impl SweepStudy {
             left_out_of_means: row.why_left_out(),
             failure: row.failure.clone(),
             withheld: Vec::deserialize(&summary["withheld"]).unwrap_or_default(),
+            specimen: None,
         })
     }
 }
