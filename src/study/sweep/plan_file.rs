@@ -92,7 +92,7 @@ impl SweepStudy {
     /// # Errors
     /// When grains or apparatus of a point cannot be made.
     pub fn plan(&self) -> Result<SweepPlan, StudyError> {
-        let Self { options, gathered, scenario, points, varied } = self;
+        let Self { options, gathered, scenario, points, varied, specimens: _ } = self;
         let factors: Vec<String> = options.names().into_iter().map(str::to_owned).collect();
         let engines = varied.scenarios().map(|scenario| {
             let info = crate::world::info(scenario.engine.backend);
