@@ -15,8 +15,6 @@ ROOT = Path(__file__).resolve().parent.parent
 LICENCE, NOTICE = re.compile(r"(un)?licen[sc]e|copying", re.I), re.compile(r"copyright|notice|authors", re.I)
 NOT_TEXT = {".rs", ".toml", ".yml", ".yaml", ".json", ".py", ".sh"}
 ASIDE = {".github", "benches", "examples", "fuzz", "tests"}
-# Crates that Rust's standard library contains on Linux.
-STANDARD = "addr2line adler2 cfg-if foldhash gimli hashbrown libc memchr miniz_oxide object rustc-demangle".split()
 
 
 def fail(sentence, command):
@@ -38,10 +36,9 @@ def read(path):
         fail(f"{path} cannot be read: {error.strerror}", "rustup update stable")
 
 
-def linked(manifest):
+def linked(manifest, host):
     """What cargo metadata says of the linked crates."""
     common = ("--locked", "--manifest-path", manifest)
-    host = re.search(r"^host: (\S+)$", output("RUSTC", "-vV"), re.M)[1]
     metadata = json.loads(output("CARGO", "metadata", "--format-version", "1", "--filter-platform", host, *common))
     # Its graph holds features that only tests switch on; that of cargo tree does not.
     tree = ("tree", "--prefix", "none", "--format", "{p}", "--target", host, *common, "--edges")
@@ -79,29 +76,35 @@ def standard_text(package):
     fail(f"crate {of} has no licence file, and its text is not known", f"cargo tree --invert {package['name']}")
 
 
-def standard_library():
-    folder = Path(output("RUSTC", "--print", "sysroot").strip()) / "share/doc/rust"
+def standard_library(host):
+    """The crates of which Rust's standard library is made, and their texts."""
+    root = Path(output("RUSTC", "--print", "sysroot").strip())
+    folder = root / "share/doc/rust"
     own = read(folder / "COPYRIGHT-library.html").partition('id="in-tree-files">')[2].partition("<h2")[0]
     texts = ["Rust's standard library\n" + re.sub(r"\n\s*", "\n", re.sub(r"<[^>]*>", "", own))]
     texts += [read(folder / f"licenses/{name}.txt") for name in ("Apache-2.0", "MIT", "Unicode-3.0")]
+    libraries = {path.name[3:].rpartition("-")[0] for path in (root / f"lib/rustlib/{host}/lib").glob("lib*.rlib")}
     sections = read(folder / "COPYRIGHT.html").split("<h3>📦 ")[1:]
-    sections = [section for section in sections if re.split(r"-\d", section)[0] in STANDARD]
-    if not own or not sections:
+    named = [(re.split(r"-\d", section)[0], section) for section in sections]
+    named = [(name, section) for name, section in named if name.replace("-", "_") in libraries]
+    if not own or not named:
         fail(f"the notices in {folder} are of another form than scripts/notices.py knows", "rustup update stable")
-    texts += re.findall(r"<pre>(.*?)</pre>", "".join(sections), re.S)
-    return [html.unescape(text) for text in texts]
+    texts += re.findall(r"<pre>(.*?)</pre>", "".join(section for _, section in named), re.S)
+    return sorted({name for name, _ in named}), [html.unescape(text) for text in texts]
 
 
 def main(manifest, out):
-    found = [(package, *files(package)) for package in linked(manifest)]
+    host = re.search(r"^host: (\S+)$", output("RUSTC", "-vV"), re.M)[1]
+    found = [(package, *files(package)) for package in linked(manifest, host)]
     of_repository = {(package["repository"], package["license"]): texts for package, texts, _ in found if texts}
     entries = []
     for package, licences, notices in found:
         licences = licences or of_repository.get((package["repository"] or "?", package["license"]))
         title = f"{package['name']} {package['version']} | {package['license'] or 'see its text'}"
         entries.append((title, (licences or [standard_text(package)]) + notices))
-    title = f"std {output('RUSTC', '--version').split()[1]} with {', '.join(STANDARD)}"
-    entries.append((f"{title} | MIT OR Apache-2.0, and others", standard_library()))
+    within, texts = standard_library(host)
+    title = f"std {output('RUSTC', '--version').split()[1]} with {', '.join(within)}"
+    entries.append((f"{title} | MIT OR Apache-2.0, and others", texts))
 
     # Texts of the same words are one.
     texts, lines = {}, []
