@@ -64,6 +64,9 @@ const PEAK: &str = "FHWA-HRT-13-068 (2013): of AASHTO No. 8 aggregates from five
 const NOT_CRITICAL: &str = "none is published of this state: where the lid still rises (dilation \
     at the end) it is not the critical state. Of that, φ = 42° − 17° R (Cho, Dodds & Santamarina \
     2006, roundness R) is not checked against a source, not judged by";
+const WORK: &str = "an estimate of the critical state's angle before it is reached: the work equation \
+    of Taylor 1948, from memory, not judged by. Nor is φ = 42° − 17° R (Cho, Dodds & Santamarina \
+    2006, roundness R), which is not checked against a source";
 const FAR: &str = "none is published of this box. Dołżyk-Szypcio 2019, Int. J. Civ. Eng., abstract \
     seen at scribd.com/document/550894597: a large direct shear box, \"critical frictional state \
     angle Φ° = 41.2° of tested coarse granular soil is independent of soil moisture and \
@@ -144,6 +147,7 @@ pub fn of(id: &str) -> Reference {
         "density-gravel-range" => apart(GRAVEL_STATES),
         "direct-shear-peak" => unseen(range(43.0, 55.0), PEAK),
         "direct-shear-end" => unseen(Stated::Nothing, NOT_CRITICAL),
+        "direct-shear-friction" => unseen(Stated::Nothing, WORK),
         "direct-shear-far-end" => unseen(Stated::Nothing, FAR),
         "direct-shear-far-dilation-end" => unseen(value(0.0), FAR_DILATION),
         "triaxial-end-difference"

@@ -298,6 +298,16 @@ fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
             format!("{how}. The end is the {}{with_less}", design.at_the_end()),
         ),
         row(
+            "friction",
+            "direct shear, friction angle at the end less what lifts the lid, °",
+            &angles(ShearStrength::end_without_dilation),
+            format!(
+                "{how}. τ/σ less the rise of the lid over displacement, both of the {}: the work \
+                 that lifts the lid is none of friction (Taylor 1948)",
+                design.at_the_end()
+            ),
+        ),
+        row(
             "dilation",
             "direct shear, angle of dilation at the peak, 50 kPa, °",
             &each(TRIED, &rise),

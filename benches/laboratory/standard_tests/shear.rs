@@ -31,6 +31,15 @@ pub struct ShearStrength {
     pub dilation_at_end: f64,
 }
 
+impl ShearStrength {
+    /// The stress ratio at the end less that by which grains lift the lid: of the work τ du that
+    /// shears a layer, σ dh lifts it, and friction takes the rest (Taylor 1948, "Fundamentals of
+    /// Soil Mechanics"). It is the critical state's where friction takes as much as there.
+    pub fn end_without_dilation(&self) -> f64 {
+        self.end - self.dilation_at_end
+    }
+}
+
 impl Sheared {
     /// Shear over normal force: τ/σ, both on the same area.
     pub fn ratio(&self) -> f64 {
@@ -147,6 +156,15 @@ mod tests {
         assert_eq!(shear_strength(&moments, 8, 4e-3), None, "law: fewer moments than that");
         assert_eq!(shear_strength(&moments, 1, 5.5e-3), None, "law: one alone is no end state");
         assert_eq!(shear_strength(&[], 1, 0.0), None, "law: no test");
+    }
+
+    #[test]
+    fn what_lifts_the_lid_is_no_friction() {
+        let of =
+            |dilation_at_end| ShearStrength { peak: 1.2, dilation: 0.3, end: 1.0, dilation_at_end };
+        near("rising", of(0.2).end_without_dilation(), 0.8);
+        near("still", of(0.0).end_without_dilation(), 1.0);
+        near("sinking", of(-0.1).end_without_dilation(), 1.1);
     }
 
     #[test]
