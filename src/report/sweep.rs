@@ -38,7 +38,7 @@ impl SweepFactor {
 }
 
 /// One run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct SweepRun {
     /// Its name and that of its folder.
     pub run: String,
@@ -70,6 +70,12 @@ pub struct SweepRun {
 pub const NOT_STORED: &str = "is not stored";
 
 impl SweepRun {
+    /// One for tests that counts, without a name and values.
+    #[cfg(test)]
+    pub fn counted() -> Self {
+        Self { meets_standard: Some(true), valid: Some(true), ..Self::default() }
+    }
+
     /// Whether it has no result because it has not been run to its end, and did not fail either.
     pub fn is_to_be_run(&self) -> bool {
         self.failure.as_deref().is_some_and(|why| why.ends_with(NOT_STORED))

@@ -162,12 +162,7 @@ mod tests {
             configuration: 1,
             values: Vec::new(),
             outcomes: outcomes_in(summary),
-            meets_standard: Some(true),
-            valid: Some(true),
-            left_out_of_means: None,
-            failure: None,
-            withheld: Vec::new(),
-            specimen: None,
+            ..SweepRun::counted()
         }
     }
 

@@ -240,13 +240,11 @@ mod tests {
             point: "point-0001".into(),
             configuration: n,
             values: vec![1.into()],
-            outcomes: BTreeMap::new(),
             meets_standard: state.map(|s| s.0),
             valid: state.map(|s| s.1),
             left_out_of_means: state.filter(|s| !s.1).map(|_| "not valid".to_owned()),
             failure: state.is_none().then(|| "it blew up".to_owned()),
-            withheld: Vec::new(),
-            specimen: None,
+            ..SweepRun::default()
         };
         Sweep {
             scenario: "s".into(),

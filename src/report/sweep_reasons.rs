@@ -88,12 +88,8 @@ mod tests {
             configuration: number,
             values: vec![1.into()],
             outcomes: outcome.map(|value| (VOIDS.to_owned(), value)).into_iter().collect(),
-            meets_standard: Some(true),
-            valid: Some(true),
-            left_out_of_means: None,
-            failure: None,
             withheld: if withheld { vec![of(VOIDS), of("porosity")] } else { Vec::new() },
-            specimen: None,
+            ..SweepRun::counted()
         }
     }
 

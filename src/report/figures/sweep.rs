@@ -248,12 +248,7 @@ mod tests {
             configuration,
             values: vec![value.into()],
             outcomes: BTreeMap::from([("void_ratio".to_owned(), result(value, configuration))]),
-            meets_standard: Some(true),
-            valid: Some(true),
-            left_out_of_means: None,
-            failure: None,
-            withheld: Vec::new(),
-            specimen: None,
+            ..SweepRun::counted()
         };
         let mean_of = |value: u32| {
             let values: Vec<f64> = (1..=configurations).map(|c| result(value, c)).collect();

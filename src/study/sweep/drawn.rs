@@ -121,12 +121,7 @@ mod tests {
                 configuration,
                 values: row.iter().map(|value| Value::from(*value)).collect(),
                 outcomes: BTreeMap::from([(RESULT.to_owned(), result)]),
-                meets_standard: Some(true),
-                valid: Some(true),
-                left_out_of_means: None,
-                failure: None,
-                withheld: Vec::new(),
-                specimen: None,
+                ..SweepRun::counted()
             }
         };
         let each = [1, 2].into_iter().flat_map(|c| rows.iter().map(move |row| run(row, c)));

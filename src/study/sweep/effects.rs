@@ -247,12 +247,7 @@ mod tests {
                 configuration,
                 values: point.values.clone(),
                 outcomes: BTreeMap::from([(RESULT.to_owned(), rule(&numbers, configuration))]),
-                meets_standard: Some(true),
-                valid: Some(true),
-                left_out_of_means: None,
-                failure: None,
-                withheld: Vec::new(),
-                specimen: None,
+                ..SweepRun::counted()
             }
         };
         (1..=3).flat_map(|c| points.iter().map(move |p| (p, c))).map(|(p, c)| of(p, c)).collect()

@@ -232,12 +232,7 @@ mod tests {
                 "void_ratio".to_owned(),
                 2.0 * point.values[0].as_f64().expect("a number") + 0.1 * (n % 3) as f64,
             )]),
-            meets_standard: Some(true),
-            valid: Some(true),
-            left_out_of_means: None,
-            failure: None,
-            withheld: Vec::new(),
-            specimen: None,
+            ..SweepRun::counted()
         };
         let runs = points.iter().enumerate().map(run).map(|run| of.realised(run, &merged));
         let runs: Vec<SweepRun> = runs.collect();
