@@ -19,6 +19,7 @@ pub fn named(name: &str) -> Option<Work> {
         "engines" => engines,
         "convergence" => convergence,
         "settlement" => settlement,
+        "shaken" => shaken,
         "handed" => handed,
         "twins-means" => twins,
         "twins-differences" => twin_differences,
@@ -126,6 +127,13 @@ fn whole(mut rows: Rows) -> (Rows, usize) {
     (whole, jam.len())
 }
 
+/// The rows that count in means, and how many do not.
+fn counted(rows: Rows) -> (Rows, usize) {
+    let is_out = |row: &Map<String, Value>| says(row, "failure") || says(row, "left_out_of_means");
+    let (out, counted): (Rows, Rows) = rows.into_iter().partition(is_out);
+    (counted, out.len())
+}
+
 /// Pours by engine, friction and restitution, for [`engines`].
 const POURS: [(&str, &str, &str); 6] = [
     ("native", "native", ""),
@@ -191,8 +199,8 @@ fn setting(point: &Rows, first: &Rows) -> String {
         ("engine.native.contact_stiffness_n_per_m", |v| format!("{} kN/m", v / 1000.0)),
     ];
     let mut words = fields.iter().filter_map(|(field, word)| {
-        let (a, b) = (number(point.first()?, field)?, number(first.first()?, field)?);
-        (a != b).then(|| word(a))
+        let value = number(point.first()?, field)?;
+        (number(first.first()?, field) != Some(value)).then(|| word(value))
     });
     words.next().unwrap_or_else(|| "the default".to_owned())
 }
@@ -215,12 +223,23 @@ fn convergence(results: &Results) -> Result<Value, String> {
     Ok(points.iter().map(row).collect())
 }
 
-/// `docs/accuracy.md`: heights and settlements against the default's.
+/// `docs/accuracy.md`: heights and settlements of the quick specimen against the default's.
 fn settlement(results: &Results) -> Result<Value, String> {
-    let points = points(results, "native-settlement")?;
-    let default = whole(points.first().cloned().unwrap_or_default()).0;
+    Ok(against_first(&points(results, "native-settlement")?, whole))
+}
+
+/// `docs/accuracy.md`: settlements of the paper's specimen against the default's.
+fn shaken(results: &Results) -> Result<Value, String> {
+    let sources = ["shaken-tolerance", "shaken-rate"].map(|source| points(results, source));
+    let points: Vec<Vec<Rows>> = sources.into_iter().collect::<Result<_, _>>()?;
+    Ok(against_first(&points.concat(), counted))
+}
+
+/// Heights and settlements of points against those of the first, by rows that count.
+fn against_first(points: &[Rows], counting: impl Fn(Rows) -> (Rows, usize)) -> Value {
+    let default = counting(points.first().cloned().unwrap_or_default()).0;
     let row = |point: &Rows| {
-        let (rows, jam) = whole(point.clone());
+        let (rows, left) = counting(point.clone());
         let name = setting(point, &points[0]);
         let change = |field: &str| {
             let both = || pairs(&rows, &default, |a, b| (a, b), field);
@@ -229,13 +248,13 @@ fn settlement(results: &Results) -> Result<Value, String> {
         let [height, surface, plate] =
             ["poured_height_mm.mean_surface", "surface_settlement_mm.final", "settlement_mm.final"];
         json!({
-            "name": name, "count": rows.len(), "jammed": jam,
+            "name": name, "count": rows.len(), "left_out": left,
             "height_percent": change(height),
             "surface_mm": interval(&values(&rows, surface)), "surface_percent": change(surface),
             "plate_mm": interval(&values(&rows, plate)), "plate_percent": change(plate),
         })
     };
-    Ok(points.iter().map(row).collect())
+    points.iter().map(row).collect()
 }
 
 /// `docs/engines.md`: specimens handed over, by who poured and who shook, and differences.

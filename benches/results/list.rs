@@ -30,6 +30,16 @@ pub enum Made {
     Once(&'static str),
 }
 
+/// The specimens of `shaken`, as a sweep over them.
+macro_rules! shaken_specimens {
+    () => {
+        "--over begin.specimen=OUT/specimens/runs/point-0001-c1,OUT/specimens/runs/point-0002-c1,\
+         OUT/specimens/runs/point-0003-c1,OUT/specimens/runs/point-0004-c1,\
+         OUT/specimens/runs/point-0005-c1,OUT/specimens/runs/point-0006-c1,\
+         OUT/specimens/runs/point-0007-c1,OUT/specimens/runs/point-0008-c1"
+    };
+}
+
 /// All results, in the order in which they are made.
 pub const KEPT: &[Kept] = &[
     Kept {
@@ -271,6 +281,30 @@ pub const KEPT: &[Kept] = &[
                               --over engine.native.contact_stiffness_n_per_m=5000,20000 \
                               --out OUT"]),
         takes: "half an hour",
+    },
+    Kept {
+        name: "shaken",
+        what: "The paper's specimen under its plate, shaken for 5 s with one setting of the solver \
+               changed at a time, eight specimens",
+        files: &[
+            ("engines/shaken-tolerance.csv", "tolerance/sweep.csv"),
+            ("engines/shaken-rate.csv", "rate/sweep.csv"),
+        ],
+        made: Made::Pluvia(&[
+            "sweep scenarios/studies/settings/specimen.json --over configuration=1,2,3,4,5,6,7,8 \
+             --out OUT/specimens",
+            concat!(
+                "sweep scenarios/studies/settings/shaken.json ",
+                shaken_specimens!(),
+                " --over engine.native.solver_tolerance=0.002,1 --out OUT/tolerance"
+            ),
+            concat!(
+                "sweep scenarios/studies/settings/shaken.json ",
+                shaken_specimens!(),
+                " --over engine.rate_hz=240,960 --out OUT/rate"
+            ),
+        ]),
+        takes: "45 minutes",
     },
     Kept {
         name: "handed-over",

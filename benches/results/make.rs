@@ -258,15 +258,12 @@ impl Maker<'_> {
 
     /// Runs a command; what it prints.
     fn run(&self, command: &str, places: &[(&str, &Path)]) -> Result<Vec<u8>, String> {
+        // Files that are kept name what they are about by its place in the tree.
+        let within = |path: &Path| path.strip_prefix(self.root).unwrap_or(path).to_path_buf();
         let words = command.split_whitespace().map(|word| {
-            // The place itself, or a folder in it.
-            let (first, folder) = word.split_once('/').map_or((word, None), |(a, b)| (a, Some(b)));
-            let Some((_, path)) = places.iter().find(|(name, _)| *name == first) else {
-                return word.into();
-            };
-            // Files that are kept name what they are about by its place in the tree.
-            let within = path.strip_prefix(self.root).unwrap_or(path);
-            folder.map_or_else(|| within.into(), |folder| within.join(folder)).into_os_string()
+            places
+                .iter()
+                .fold(word.to_owned(), |word, (name, path)| placed(&word, name, &within(path)))
         });
         let output = Command::new(self.root.join(self.program))
             .current_dir(self.root)
@@ -279,6 +276,20 @@ impl Maker<'_> {
             Some(0 | 1) => Ok(output.stdout),
             _ => Err(format!("`pluvia {command}`: {}", output.status)),
         }
+    }
+}
+
+/// A word of a command with the place that `name` stands for, wherever a path in it begins with this.
+fn placed(word: &str, name: &str, place: &Path) -> String {
+    let path = |path: &str| match path.strip_prefix(name) {
+        Some("") => place.display().to_string(),
+        Some(rest) if rest.starts_with('/') => format!("{}{rest}", place.display()),
+        _ => path.to_owned(),
+    };
+    let list = |list: &str| list.split(',').map(path).collect::<Vec<_>>().join(",");
+    match word.split_once('=') {
+        Some((field, values)) => format!("{field}={}", list(values)),
+        None => path(word),
     }
 }
 

@@ -30,6 +30,8 @@ pub const SOURCES: &[(&str, &str)] = &[
     ("native-middle", "engines/native-friction-in-the-middle.csv"),
     ("native-convergence", "engines/native-convergence.csv"),
     ("native-settlement", "engines/native-settlement.csv"),
+    ("shaken-tolerance", "engines/shaken-tolerance.csv"),
+    ("shaken-rate", "engines/shaken-rate.csv"),
     ("handed-over", "engines/handed-over.csv"),
     ("size-sand", "scale/sand.csv"),
     ("size-gravel", "scale/gravel.csv"),

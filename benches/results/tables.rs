@@ -18,6 +18,7 @@ pub fn named(name: &str, results: &Results) -> Result<String, String> {
         "engines" => engines(&quote, results.source("engines")?.as_ref()),
         "handed-over" => handed(&quote),
         "settlement" => settlement(&quote, results.source("settlement")?.as_ref()),
+        "shaken" => shaken(&quote, results.source("shaken")?.as_ref()),
         "sizes" => sizes(&quote),
         "twins" => twins(&quote),
         "twins-differences" => {
@@ -247,6 +248,20 @@ fn settlement(quote: Cells, all: &Value) -> Result<String, String> {
         };
         let fields = "height_percent:+±.1 surface_mm:mean.1 surface_percent:+±.0 \
                       plate_mm:mean.1 plate_percent:+±.0";
+        text += &row(&[vec![name.clone()], cells(&at, fields)?].concat());
+    }
+    Ok(text)
+}
+
+fn shaken(quote: Cells, all: &Value) -> Result<String, String> {
+    let mut text = head(
+        "setting | specimens | settlement of the surface, mm | deviation, % | of the plate, mm | deviation, %",
+    );
+    for (n, (name, value)) in items(all).into_iter().enumerate() {
+        let at =
+            |path: &str, format: &str| cell(quote, value, "shaken", &format!("{n}/{path}"), format);
+        let fields =
+            "count surface_mm:mean.1 surface_percent:+±.0 plate_mm:mean.1 plate_percent:+±.0";
         text += &row(&[vec![name.clone()], cells(&at, fields)?].concat());
     }
     Ok(text)

@@ -48,6 +48,17 @@ pub struct SweepOptions {
 }
 
 impl SweepOptions {
+    /// Where specimens are varied that of the scenario is never run, and need not be there.
+    fn begin_with_one_of_its_specimens(&mut self) {
+        let is_its_own = |change: &Override| change.path() == SPECIMEN;
+        if self.design == Design::OneAtATime || self.changes.iter().any(is_its_own) {
+            return;
+        }
+        let varied = self.over.iter().find(|factor| factor.path == SPECIMEN);
+        self.changes
+            .extend(varied.and_then(|of| of.values.first()).map(|(_, change)| change.clone()));
+    }
+
     /// The sweep of a sensitivity design: its scenario, and each of its parameters by itself.
     ///
     /// # Errors
@@ -105,6 +116,7 @@ impl SweepStudy {
     /// [`StudyError::Scenario`] of what is varied, or of realisations that are all the same run.
     pub fn new(mut options: SweepOptions) -> Result<Self, StudyError> {
         twice::refuse(&options)?;
+        options.begin_with_one_of_its_specimens();
         let folder = &options.folder;
         let placed = |change: Override| change.naming_files_in(folder);
         options.changes = std::mem::take(&mut options.changes).into_iter().map(placed).collect();
