@@ -49,12 +49,18 @@ impl Context {
 
     /// From here on, Ctrl-C sets [`Context::cancel`]: of a command that stores finished stages.
     pub fn stop_on_ctrl_c(&self) {
-        self.on_ctrl_c("stopping; finished stages are kept. Ctrl-C again stops at once");
+        self.on_ctrl_c(stop::Words {
+            begins: "stopping; finished stages are kept. Ctrl-C again stops at once",
+            ends: "stopped; run the same command again to resume",
+        });
     }
 
     /// The same of a command that has no stages.
     pub(super) fn stop_without_stages(&self) {
-        self.on_ctrl_c("stopping. Ctrl-C again stops at once");
+        self.on_ctrl_c(stop::Words {
+            begins: "stopping. Ctrl-C again stops at once",
+            ends: "stopped; what is not written yet is left out",
+        });
     }
 
     /// Whether the user has asked to stop.
@@ -70,7 +76,7 @@ impl Context {
         if self.is_stopped() { Err(CliError::Stopped) } else { Ok(()) }
     }
 
-    fn on_ctrl_c(&self, words: &'static str) {
+    fn on_ctrl_c(&self, words: stop::Words) {
         if self.kept.is_none() {
             stop::on_ctrl_c(self.cancel.clone(), self.progress.clone(), words);
         }

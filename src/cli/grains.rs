@@ -67,9 +67,8 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
     context.stop_without_stages();
     let scenario = load_grains(&args.scenario, args.changes.overrides()?)?.scenario;
     asked::refuse(&args.out, "grains")?;
-    let new = output_folder::missing(&args.out);
     output_folder::prepare(&args.out)?;
-    let set = make_grains(&scenario).inspect_err(|_| output_folder::remove_empty(&new))?;
+    let set = make_grains(&scenario)?;
     let mut files = grain_files(&scenario, &set)?;
     let mut content = Vec::new();
     let written = match args.format {
@@ -82,7 +81,7 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
         written.map_err(|error| FileError::new("write", &args.out.join(name), error))?;
         files.push((name, content));
     }
-    context.go_on().inspect_err(|_| output_folder::remove_empty(&new))?;
+    context.go_on()?;
     // Grains take seconds, in which another command may have begun there.
     asked::refuse(&args.out, "grains")?;
     let files = output_folder::write_files(&args.out, &files, args.force)?;

@@ -24,3 +24,8 @@ pub(super) fn say(line: &str) {
     }
     let _ = writeln!(anstream::stderr(), "{}", paint::shown(line));
 }
+
+/// Says why a command has not done what it was asked.
+pub(super) fn say_error(what: &str) {
+    say(&format!("{}: {}", paint::bad("error"), plain_lines(what)));
+}

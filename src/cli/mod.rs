@@ -188,17 +188,18 @@ pub fn main() -> ExitCode {
     match done {
         Ok(status) => status.into(),
         Err(error) => {
-            let what = error.to_string();
-            say(&format!("{}: {}", paint::bad("error"), plain_lines(&what)));
+            say_error(&error.to_string());
             error.exit_code().into()
         }
     }
 }
 
-/// Carries a command out, whole: a panic is an error, and results are where they belong.
+/// Carries a command out, whole: a panic is an error, results are where they belong, and a command
+/// that fails leaves no folder that it made and wrote nothing into.
 fn carried_out(cli: &Cli, context: impl FnOnce() -> Context) -> Result<ExitStatus, CliError> {
     let done = caught(|| command(cli, &context()));
-    let status = done.unwrap_or_else(|what| Err(CliError::Fault(what)))?;
+    let done = done.unwrap_or_else(|what| Err(CliError::Fault(what)));
+    let status = done.inspect_err(|_| output_folder::made().remove_empty())?;
     output_folder::still_there()?;
     Ok(status)
 }

@@ -10,6 +10,24 @@ thread_local! {
     /// Folders in which the command of this thread has begun. They are held open, so that no other
     /// folder can have the number of one that was removed.
     static BEGUN: RefCell<Vec<(PathBuf, File)>> = const { RefCell::new(Vec::new()) };
+    /// Folders that the command of this thread has made.
+    static MADE: Made = Made::default();
+}
+
+/// Folders that a command has made, in the order of their making.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Made(Arc<Mutex<Vec<Vec<PathBuf>>>>);
+
+impl Made {
+    /// Removes those that are empty: of a command that ends without what it was asked for.
+    pub(super) fn remove_empty(&self) {
+        lock(&self.0).drain(..).rev().for_each(|folders| remove_empty(&folders));
+    }
+}
+
+/// What the command of this thread has made and will make.
+pub(super) fn made() -> Made {
+    MADE.with(Clone::clone)
 }
 
 /// Makes the folder and those above it, tries whether a file can be written
@@ -22,7 +40,9 @@ pub(super) fn prepare(folder: &Path) -> Result<(), FileError> {
         let what = if there == folder { "it".to_owned() } else { plain_path(there) };
         return Err(FileError::new("create the folder", folder, format!("{what} is a file")));
     }
+    let new = missing(folder);
     create_folder(folder)?;
+    MADE.with(|made| lock(&made.0).push(new));
     begin_file(folder)
         .and_then(tempfile::NamedTempFile::close)
         .map_err(|error| FileError::new("write into the folder", folder, error))?;
@@ -34,13 +54,13 @@ pub(super) fn prepare(folder: &Path) -> Result<(), FileError> {
 }
 
 /// The folders that [`prepare`] would make, from the folder itself upwards.
-pub(super) fn missing(folder: &Path) -> Vec<PathBuf> {
+fn missing(folder: &Path) -> Vec<PathBuf> {
     let above = folder.ancestors().take_while(|path| !path.as_os_str().is_empty());
     above.take_while(|path| !path.exists()).map(Path::to_owned).collect()
 }
 
 /// Removes folders, each only while it is empty, up to the first that is not.
-pub(super) fn remove_empty(folders: &[PathBuf]) {
+fn remove_empty(folders: &[PathBuf]) {
     let _ = folders.iter().try_for_each(std::fs::remove_dir);
 }
 
@@ -137,15 +157,14 @@ mod tests {
     fn folders_that_were_made_are_removed() {
         let base = tempfile::tempdir().expect("a temporary folder");
         let folder = base.path().join("a/b/c");
-        let new = missing(&folder);
         prepare(&folder).expect("it can be made");
-        remove_empty(&new);
+        made().remove_empty();
         assert!(!base.path().join("a").exists(), "law: all of them are gone");
         assert!(base.path().exists(), "law: what was there stays");
-        let new = missing(&folder);
         prepare(&folder).expect("it can be made");
+        prepare(&folder.join("within")).expect("it can be made");
         fs::write(base.path().join("a/own"), "").expect("a file");
-        remove_empty(&new);
+        made().remove_empty();
         assert!(!base.path().join("a/b").exists(), "law: what is empty is gone");
         assert!(base.path().join("a/own").exists(), "law: what holds something stays");
     }

@@ -45,7 +45,6 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
     // Not even an empty folder is left among the runs of a study.
     earlier_run::refuse_run_of_study(&args.out)?;
     earlier_run::refuse_beginning(&args.out, scenario)?;
-    let new = output_folder::missing(&args.out);
     output_folder::prepare(&args.out)?;
     context.stop_on_ctrl_c();
     // Cutting grains may take minutes. Those that are read are tried first: where they cannot be,
@@ -54,7 +53,7 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
         earlier_run::refuse(&args.out, scenario, args.force)?;
     }
     // Before anything is written or removed it is known that the run can begin.
-    let ready = ReadyRun::new(scenario).inspect_err(|_| output_folder::remove_empty(&new))?;
+    let ready = ReadyRun::new(scenario)?;
     let _at_work = earlier_run::begin(&args.out, scenario, args.force)?;
     let options = RunOptions { frames: true, ..context.run_options(&args.out, args.jobs) };
     let record = ready.carry_out(&options)?;

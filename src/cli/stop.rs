@@ -1,6 +1,6 @@
 //! Ctrl-C and SIGTERM: once to stop cleanly, within seconds in any case; twice to stop at once.
 
-use std::sync::atomic::Ordering;
+use std::sync::{atomic::Ordering, mpsc};
 
 use super::*;
 
@@ -12,17 +12,30 @@ const INTERRUPTED: i32 = 130;
 /// written is then left out, and files are there whole or not at all.
 const CLEANLY: Duration = Duration::from_secs(7);
 
-/// Sets `cancel` at the first Ctrl-C, says so in these words, and ends the process where that is
-/// not enough; ends it at once at the second.
-pub(super) fn on_ctrl_c(cancel: Arc<AtomicBool>, progress: Arc<dyn Progress>, words: &'static str) {
+/// How long saying the last words may take: whoever reads them may have stopped reading.
+const SAYING: Duration = Duration::from_secs(1);
+
+/// What is said of a stop.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Words {
+    /// At the first Ctrl-C.
+    pub begins: &'static str,
+    /// At the end of a command that does not end by itself.
+    pub ends: &'static str,
+}
+
+/// Sets `cancel` at the first Ctrl-C, says so, and ends the process where that is not enough; ends
+/// it at once at the second.
+pub(super) fn on_ctrl_c(cancel: Arc<AtomicBool>, progress: Arc<dyn Progress>, words: Words) {
+    let made = output_folder::made();
     let handler = move || {
         if cancel.swap(true, Ordering::SeqCst) {
-            std::process::exit(INTERRUPTED);
+            end(&made, words.ends);
         }
-        end_after(CLEANLY);
+        end_after(CLEANLY, made.clone(), words.ends);
         // Whoever reads the messages may have stopped reading: nobody waits for this thread.
         let progress = progress.clone();
-        let told = named("stopping").spawn(move || progress.message(words));
+        let told = named("stopping").spawn(move || progress.message(words.begins));
         drop(told);
     };
     // A handler for which there is no thread would swallow the signals, so one is tried first.
@@ -35,14 +48,29 @@ pub(super) fn on_ctrl_c(cancel: Arc<AtomicBool>, progress: Arc<dyn Progress>, wo
 }
 
 /// Ends the process when the time is up, or now where there is no thread to wait.
-pub(super) fn end_after(time: Duration) {
+fn end_after(time: Duration, made: output_folder::Made, words: &'static str) {
+    let at_once = made.clone();
     let waiting = named("last-resort").spawn(move || {
         thread::sleep(time);
-        std::process::exit(INTERRUPTED);
+        end(&made, words);
     });
     if waiting.is_err() {
-        std::process::exit(INTERRUPTED);
+        end(&at_once, words);
     }
+}
+
+/// Ends the process: says that it was stopped, and leaves no empty folder that the command made.
+fn end(made: &output_folder::Made, words: &'static str) -> ! {
+    made.remove_empty();
+    let (said, is_said) = mpsc::channel();
+    let saying = named("stopped").spawn(move || {
+        say_error(words);
+        said.send(())
+    });
+    if saying.is_ok() {
+        let _ = is_said.recv_timeout(SAYING);
+    }
+    std::process::exit(INTERRUPTED);
 }
 
 fn named(name: &str) -> thread::Builder {

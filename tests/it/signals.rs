@@ -159,9 +159,9 @@ fn while_grains_alone_are_cut() {
     let output = ended(child, Duration::from_secs(5), "grains, Ctrl-C twice");
     let said = said(&output);
     assert_eq!(output.status.code(), STOPPED, "law: it was stopped, got: {said}");
-    assert!(said.contains("stopping"), "law: it says so, got: {said}");
-    let left = fs::read_dir(&out).into_iter().flatten().count();
-    assert_eq!(left, 0, "law: no file is left");
+    let is_said = said.contains("stopping") && said.contains("error: stopped; ");
+    assert!(is_said, "law: it says that it stops, and that it was stopped, got: {said}");
+    assert!(!out.exists(), "law: nothing is left, not even a folder");
 }
 
 /// Law: results are there whole or not at all, also when figures and report are being written.
