@@ -97,7 +97,7 @@ impl CliError {
             ) => 3,
             Self::Output(_) => 4,
             Self::Suite(SuiteError::Report(_)) | Self::Study(StudyError::Report(_)) => 4,
-            Self::Suite(SuiteError::Cancelled) | Self::Study(StudyError::Cancelled) => 130,
+            Self::Suite(SuiteError::Cancelled(_)) | Self::Study(StudyError::Cancelled) => 130,
         }
     }
 }

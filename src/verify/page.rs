@@ -20,7 +20,7 @@ use crate::report::{
 type Found<'a> = (&'a Case, Vec<&'a Verdict>);
 
 /// `verify.csv`: one row a case and setting.
-pub(super) fn rows(verdicts: &[Verdict]) -> Table {
+pub(super) fn rows<'a>(verdicts: impl IntoIterator<Item = &'a Verdict>) -> Table {
     table!(verdicts, |v| {
         "case" => &v.id,
         "setting" => &v.setting,
