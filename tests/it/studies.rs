@@ -299,6 +299,11 @@ fn faulty_designs_are_refused_with_every_fault_named() {
     bad["parameters"][0]["high"] = json!(0.1);
     bad["parameters"][1]["name"] = json!("restitution");
     refused("sensitivity", &bad, 2, &["out of order", "parameters[1].name", "given twice"]);
+
+    let mut bad = sensitivity();
+    bad["parameters"][0]["path"] = json!("engine.native.sweeps");
+    let words = ["parameters[0].path", "this field is now called `engine.native.iterations`"];
+    refused("sensitivity", &bad, 1, &words);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The design of a sensitivity study: which parameters are varied, one at a time, and how far.
 
 use super::*;
+use crate::scenario::renamed_field;
 
 /// Name of the variation that changes nothing.
 pub(super) const DEFAULT: &str = "default";
@@ -248,7 +249,11 @@ fn default_at(
         return None;
     };
     let Some(own) = change.value_before(scenario).and_then(Value::as_f64) else {
-        faults.add(&field, &found, "the path of a number", "the scenario has no number there");
+        let message = match renamed_field(path) {
+            Some(now) => format!("this field is now called `{now}`"),
+            None => "the scenario has no number there".to_owned(),
+        };
+        faults.add(&field, &found, "the path of a number", &message);
         return None;
     };
     match given {
