@@ -66,16 +66,6 @@ impl Summary {
         begun.into_iter().chain(self.stages.iter().enumerate().filter_map(of)).collect()
     }
 
-    /// Whether something is found in the run that the accuracy standard does not judge: by a
-    /// run-time check other than those of overlap and numerical creep, or because a height or a
-    /// settlement was read while its grains still moved.
-    pub fn has_finding_beside_standard(&self) -> bool {
-        const OF_STANDARD: [&str; 3] = ["overlap_mean", "overlap_p99", "creep"];
-        let mut checks = self.checks.iter().flat_map(Checks::each);
-        checks.any(|(name, check)| !OF_STANDARD.contains(&name) && check.passed == Some(false))
-            || !self.read_while_moving().is_empty()
-    }
-
     /// Whether grains have run out of a laboratory until no two of them touch, so that its end has
     /// no overlap to judge: what flowed counts if the overlap was within the standard while they
     /// touched, at the ends of stages. The numerical creep of those that are left is judged as ever,
