@@ -59,7 +59,7 @@ pub use pairs::{PairGap, neighbours, pairs_within, pairs_within_of, touching_gap
 pub use places::fates;
 pub use plate::{PlatePosition, plate_position};
 pub use profile::{Slice, layers, rings};
-pub use region::{grains_reach, void_ratio_in};
+pub use region::{grains_span, void_ratio_in};
 pub use repose::{FLANK, PileSurface, Repose, Sector, base_level, over, pile_surface, pile_top};
 pub use rotation::rotations;
 pub use separation::{Separation, separation, separation_within};

@@ -72,15 +72,17 @@ pub fn void_ratio_in(specimen: &Specimen, region: &Region) -> Option<f64> {
     (solids > 1e-9 * region.volume()).then(|| region.volume() / solids - 1.0)
 }
 
-/// Height in m to which grains reach within a region; `None` where no grain is.
-pub fn grains_reach(specimen: &Specimen, region: &Region) -> Option<f64> {
-    let top = |i: usize| {
+/// The box of a region over which its grains reach, none of them further; `None` where no grain is.
+pub fn grains_span(specimen: &Specimen, region: &Region) -> Option<Region> {
+    let corners = |i: usize| {
         let (shape, pose) = specimen.placed(i);
-        let corners = || corners_at(shape, pose).into_iter();
-        (region.volume_of(shape, pose) > 0.0)
-            .then(|| corners().map(|c| c.z).fold(f64::MIN, f64::max))
+        (region.volume_of(shape, pose) > 0.0).then(|| corners_at(shape, pose))
     };
-    specimen.present().filter_map(top).reduce(f64::max).map(|top| top.min(region.high.z))
+    let corners = specimen.present().filter_map(corners).flatten();
+    let about = corners
+        .map(|corner| Region { low: corner, high: corner })
+        .reduce(|a, b| Region { low: a.low.inf(&b.low), high: a.high.sup(&b.high) })?;
+    Some(Region { low: about.low.sup(&region.low), high: about.high.inf(&region.high) })
 }
 
 #[cfg(test)]
@@ -127,18 +129,26 @@ mod tests {
     }
 
     #[test]
-    fn grains_reach_to_the_top_of_those_inside() {
+    fn grains_span_a_box_of_those_inside() {
         let grains = vec![
             (cube(0.2), Pose::translation(0.5, 0.5, 0.4)),
             (cube(0.2), Pose::translation(3.0, 0.5, 0.8)),
         ];
         let mut specimen = specimen_of(grains);
-        let got = grains_reach(&specimen, &UNIT).expect("a grain is inside");
-        assert_near("height of the cube inside", 0.5, got, 1e-15);
+        let got = grains_span(&specimen, &UNIT).expect("a grain is inside");
+        for (law, expected, got) in [
+            ("top of the cube inside", 0.5, got.high.z),
+            ("its bottom", 0.3, got.low.z),
+            ("its side", 0.6, got.high.x),
+            ("the other", 0.4, got.low.x),
+        ] {
+            assert_near(law, expected, got, 1e-15);
+        }
         let low = Region { high: Vector::new(1.0, 1.0, 0.45), ..UNIT };
-        assert_eq!(grains_reach(&specimen, &low), Some(0.45), "law: no higher than the region");
+        let got = grains_span(&specimen, &low).map(|span| span.high.z);
+        assert_eq!(got, Some(0.45), "law: no higher than the region");
         specimen = specimen_of(vec![(cube(0.2), Pose::translation(3.0, 0.5, 0.8))]);
-        assert_eq!(grains_reach(&specimen, &UNIT), None, "law: no grain, no height");
+        assert_eq!(grains_span(&specimen, &UNIT), None, "law: no grain, no box");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! repose; and grains that something pressed through a floor or a wall.
 
 use super::*;
-use crate::measure::{grains_reach, pile_surface};
+use crate::measure::{grains_span, pile_surface};
 use crate::record::{AngleOfRepose, AzimuthAngle, StandingHeight};
 use crate::specimen::Region;
 
@@ -113,11 +113,20 @@ fn no_height(inside: usize, count: usize) -> Option<String> {
 }
 
 /// Why the density of the grains in a region is not that of its void ratio; none where it is. More
-/// than a median grain, a size in m, of empty space above them is no void between grains.
-pub(super) fn empty_above(specimen: &Specimen, region: &Region, median: f64) -> Option<String> {
-    let empty = region.high.z - grains_reach(specimen, region)?;
-    (empty > median)
-        .then(|| format!("the region reaches {:.1} mm above the highest grain in it", to_mm(empty)))
+/// than a median grain, a size in m, of empty space on a side of them is no void between grains.
+pub(super) fn empty_beside(specimen: &Specimen, region: &Region, median: f64) -> Option<String> {
+    let grains = grains_span(specimen, region)?;
+    let (before, behind) = (grains.low - region.low, region.high - grains.high);
+    let sides = [
+        (before.x, "beyond the outermost grain in it towards -x"),
+        (behind.x, "beyond the outermost grain in it towards +x"),
+        (before.y, "beyond the outermost grain in it towards -y"),
+        (behind.y, "beyond the outermost grain in it towards +y"),
+        (before.z, "below the lowest grain in it"),
+        (behind.z, "above the highest grain in it"),
+    ];
+    let (empty, place) = sides.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (empty > median).then(|| format!("the region reaches {:.1} mm {place}", to_mm(empty)))
 }
 
 /// Median grains that a layer must be high for a void ratio. Ours: only from three on does a grain
@@ -267,6 +276,7 @@ pub(super) fn wall(setup: &Setup) -> f64 {
 mod tests {
     use super::*;
     use crate::geometry::Pose;
+    use crate::measure::testing::{cube, specimen_of};
     use crate::specimen::FunnelState;
     use crate::study::tests::{planned, scenario};
 
@@ -345,6 +355,35 @@ mod tests {
         let why = no_voids(0.012, 0.01).expect("law: withheld");
         let said = "the mean surface stands 12.0 mm high, below 3 median grains of 10.0 mm";
         assert!(why.starts_with(said), "law: with height and limit, got {why}");
+    }
+
+    /// Law: space between grains, and up to a median grain beside them, is void; more on any side is
+    /// empty, as where a region reaches over a wall, below the floor or above the surface.
+    #[test]
+    fn a_region_beside_its_grains_is_partly_empty() {
+        let at = |x: f64, z: f64| (cube(0.01), Pose::translation(x, 0.0, z));
+        let specimen = specimen_of(vec![at(0.0, 0.0), at(0.03, 0.0), at(0.0, 0.03)]);
+        // They reach from -5 to 35 mm along x and z, from -5 to 5 mm along y.
+        let [from, to] = [[-5.0, -5.0, -5.0], [35.0, 5.0, 35.0]].map(|of| Vector::from(of) * 1e-3);
+        let of = |low: [f64; 3], high: [f64; 3]| {
+            let region = Region {
+                low: from - Vector::from(low) * 1e-3,
+                high: to + Vector::from(high) * 1e-3,
+            };
+            empty_beside(&specimen, &region, 0.01)
+        };
+        assert_eq!(of([0.0; 3], [0.0; 3]), None, "law: 20 mm between two grains are void");
+        assert_eq!(of([9.0; 3], [9.0; 3]), None, "law: less than a grain beside them");
+        assert_eq!(of([-3.0; 3], [-3.0; 3]), None, "law: a region within");
+        for (low, high, expected) in [
+            ([0.0, 0.0, 9.0], [0.0, 0.0, 12.0], "12.0 mm above the highest grain"),
+            ([0.0, 0.0, 12.0], [9.0, 9.0, 9.0], "12.0 mm below the lowest grain"),
+            ([12.0, 0.0, 0.0], [20.0, 0.0, 0.0], "20.0 mm beyond the outermost"),
+            ([0.0, 12.0, 0.0], [0.0, 0.0, 11.0], "grain in it towards -y"),
+        ] {
+            let got = of(low, high).expect("law: it is partly empty");
+            assert!(got.contains(expected), "law: expected `{expected}`, got `{got}`");
+        }
     }
 
     /// Law: a reason is said once, with all figures that are withheld for it.

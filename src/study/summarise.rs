@@ -6,7 +6,7 @@ use super::{
     described::secondary_sieve,
     laboratory::laboratory_summary,
     standing::{
-        Standing, angle_of_repose, empty_above, heaped_above_rim, height_unless, passed_before,
+        Standing, angle_of_repose, empty_beside, heaped_above_rim, height_unless, passed_before,
         pressed_through, wall, withheld_figures, withheld_in_words,
     },
 };
@@ -155,15 +155,18 @@ pub fn summarise(
     let summaries = laboratory.iter_mut().flat_map(|laboratory| &mut laboratory.regions);
     for (region, of) in summaries.zip(boxes) {
         region.relative_density = relative(region.void_ratio);
-        let reason = region
-            .relative_density
-            .and_then(|_| empty_above(&specimen, &of, setup.scale.sizes.median));
-        if let Some(reason) = reason {
-            region.relative_density = None;
-            let field = format!("laboratory.regions.{}.relative_density", region.name);
-            withheld.push(Withheld { field, reason });
-        } else {
-            warnings.extend(beyond(&format!("`{}`", region.name), region.void_ratio));
+        let empty = || empty_beside(&specimen, &of, setup.scale.sizes.median);
+        match (region.void_ratio.and_then(|_| empty()), region.relative_density) {
+            (None, _) => warnings.extend(beyond(&format!("`{}`", region.name), region.void_ratio)),
+            (Some(reason), Some(_)) => {
+                region.relative_density = None;
+                let field = format!("laboratory.regions.{}.relative_density", region.name);
+                withheld.push(Withheld { field, reason });
+            }
+            (Some(reason), None) => warnings.push(format!(
+                "the void ratio of the region `{}` counts empty space at the end: {reason}",
+                region.name
+            )),
         }
     }
     let coordination = coordination(&members, &pairs);
