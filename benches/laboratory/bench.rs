@@ -3,20 +3,23 @@
 use std::{
     cell::RefCell,
     collections::BTreeMap,
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::{Arc, atomic::AtomicBool},
 };
 
 use pluvia::{
     export::read_run,
     protocol::{Progress, spring_energy},
-    record::{Summary, read_json},
+    record::{Summary, read_json, write_json},
     scenario::{EngineSettings, Override},
     specimen::Specimen,
     study::{RunOptions, Variation, Varied, carry_out_variations},
 };
 
 use super::tree::root;
+
+/// Says in the folder of runs which realisations of each vibration have a value.
+const SHAKEN: &str = "shaken.json";
 
 /// How much is run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,7 +44,8 @@ pub struct Bench {
     pub jobs: usize,
     /// What nothing was read of since this was last taken, and why: see [`Bench::leave_out`].
     pub left_out: RefCell<Vec<String>>,
-    /// Realisations with a value of the vibrations that were run, by the name of their folder.
+    /// Realisations with a value of the vibrations that were run, now or by earlier commands, by
+    /// the name of their folder: see [`Bench::note_shaken`].
     pub shaken: RefCell<BTreeMap<String, Vec<u32>>>,
 }
 
@@ -96,10 +100,32 @@ impl Bench {
         self.left_out.borrow_mut().push(text);
     }
 
+    /// Notes the realisations of a vibration that have a value; none while it is run anew, whose
+    /// runs are those of no row. Later commands with other tests read what is noted.
+    pub fn note_shaken(&self, name: &str, realisations: Option<Vec<u32>>) -> Result<(), String> {
+        let mut shaken = self.shaken.borrow_mut();
+        let folder = self.folder(name);
+        let _ = match realisations {
+            Some(realisations) => shaken.insert(folder, realisations),
+            None => shaken.remove(&folder),
+        };
+        write_json(&self.out.join(SHAKEN), &*shaken).map_err(|e| e.to_string())
+    }
+
+    /// The realisations of a vibration that have a value, as far as they are noted.
+    pub fn shaken(&self, name: &str) -> Vec<u32> {
+        self.shaken.borrow().get(&self.folder(name)).cloned().unwrap_or_default()
+    }
+
+    /// The folder of a study.
+    fn folder(&self, name: &str) -> String {
+        format!("{name}-{}", self.design())
+    }
+
     /// Options of a study in a folder of its own.
     pub fn options(&self, name: &str) -> RunOptions {
         RunOptions {
-            out: self.out.join(format!("{name}-{}", self.design())),
+            out: self.out.join(self.folder(name)),
             jobs: self.jobs,
             frames: false,
             cancel: Arc::new(AtomicBool::new(false)),
@@ -142,6 +168,12 @@ impl Bench {
         }
         Ok(runs)
     }
+}
+
+/// What earlier commands have noted of vibrations in the folder of runs.
+pub fn noted_shaken(out: &Path) -> Result<BTreeMap<String, Vec<u32>>, String> {
+    let file = out.join(SHAKEN);
+    if file.exists() { read_json(&file).map_err(|e| e.to_string()) } else { Ok(BTreeMap::new()) }
 }
 
 impl Run {

@@ -350,8 +350,9 @@ fn folder(scenario: &str, vibration: &Vibration) -> String {
     format!("{}-{}", scenario.replace("validation/", "").replace('/', "-"), vibration.name)
 }
 
-/// How specimens sink while they are vibrated, of what was run now: another command may have left
-/// runs in these folders that are longer, or have failed by now.
+/// How specimens sink while they are vibrated, of what was run now, and of what earlier commands
+/// have noted of other vibrations: runs that a command has left in these folders unfinished are of
+/// no row.
 fn settling(bench: &Bench) -> Result<Chart, String> {
     let mut plot = Plot::new(
         Axis::linear("Time of vibration (s)").from_zero(),
@@ -370,9 +371,12 @@ fn settling(bench: &Bench) -> Result<Chart, String> {
         kinds.push(title.to_owned());
         let name = folder(scenario, vibration);
         let out = bench.options(&name).out;
-        let shaken = bench.shaken.borrow().get(&name).cloned().unwrap_or_default();
-        for configuration in shaken {
+        for configuration in bench.shaken(&name) {
             let folder = out.join(format!("runs/densest-c{configuration}"));
+            // Those of an earlier command may be gone.
+            if !folder.is_dir() {
+                continue;
+            }
             let run = Run { point: 0, configuration, folder };
             let rows = run.series(["time_s", "stage", "mean_surface_mm"])?;
             let Some(last) = rows.last() else { continue };
@@ -411,6 +415,7 @@ fn states(
     let design = usize::from(!bench.is_small());
     let out = folder(scenario, vibration);
     let mut duration_s = vibration.duration_s[design];
+    bench.note_shaken(&out, None)?;
     loop {
         let alike = (Vec::new(), vibration.most, &out[..]);
         let found = vibrated(bench, scenario, vibration, duration_s, alike)?;
@@ -419,7 +424,7 @@ fn states(
         if !sinks_on || bench.is_quick() || longer > vibration.longest_s[design] {
             let of = &found.states.e_min;
             let shaken = realisations("densest", of.values.len(), &of.failures);
-            bench.shaken.borrow_mut().insert(out, shaken);
+            bench.note_shaken(&out, Some(shaken))?;
             return Ok((found, duration_s));
         }
         duration_s = longer;

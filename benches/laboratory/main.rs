@@ -114,15 +114,16 @@ fn run(options: &Options) -> Result<(), String> {
         (_, true) => (Design::Small, 3),
         _ => (Design::Full, 5),
     };
+    let out = beside::folder_of(&options.out)?;
+    create_folder(&out).map_err(|e| e.to_string())?;
     let bench = Bench {
-        out: beside::folder_of(&options.out)?,
         design,
         configurations: options.configurations.unwrap_or(configurations),
         jobs: options.jobs.map_or_else(pluvia::study::available_cores, |jobs| jobs as usize),
         left_out: RefCell::default(),
-        shaken: RefCell::default(),
+        shaken: RefCell::new(bench::noted_shaken(&out)?),
+        out,
     };
-    create_folder(&bench.out).map_err(|e| e.to_string())?;
     let kept = tree::root().join("docs/results");
     let kept_file = kept.join("laboratory.json");
     let names = names();
