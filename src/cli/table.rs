@@ -203,6 +203,8 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     }
     rows.add("settlement, plate", summary.settlement_mm.as_ref().map(settlement));
     rows.add("settlement, surface", summary.surface_settlement_mm.as_ref().map(settlement));
+    let tilt = summary.plate_tilt_deg.map(|of| format!("{:.1}°", of.final_deg));
+    rows.add("tilt of the plate", tilt);
     if let Some(of) = &summary.angle_of_repose {
         rows.add("angle of repose", angle_of_repose(of));
         let (high, toe) = (height(of.pile_height_mm), height(of.base_radius_mm));
@@ -429,7 +431,7 @@ mod tests {
             "porosity": 0.477, "relative_density": 0.5625,
             "settlement_mm": { "final": 10.0, "after_5_s": 8.0, "share_after_5_s": 0.8,
                 "after_each_period": [10.0] },
-            "surface_settlement_mm": null,
+            "surface_settlement_mm": null, "plate_tilt_deg": { "final": 6.27, "end_of_shaking": 7.0 },
             "overlap": { "pairs": 900, "mean_percent": 0.2, "p99_percent": 1.0,
                 "max_percent": 2.0, "max_mm": 0.2 },
             "coordination_number": 5.1, "creep_um_per_s": null, "rest_test": null,
@@ -443,6 +445,7 @@ mod tests {
             "a, configuration 2",
             "362 in the cylinder",
             "8.00 mm after 5 s (80 %)",
+            "6.3°",
             "0.912",
             "relative density     0.56",
             "NOT met",

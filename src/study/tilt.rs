@@ -3,9 +3,10 @@
 use super::*;
 use crate::record::{PlateTilt, Settlement};
 
-/// Tilt in degrees from which on a reader is warned. Ours: one edge of the paper's plate lies about a
-/// grain higher than the other, and what its centre has sunk says little of the specimen.
-const TILTED_DEG: f64 = 5.0;
+/// Tilt in degrees from which on a reader is warned. Ours: one edge of the paper's plate lies about
+/// two grains higher than the other, by more than the plate settles. Half of that is common, at full
+/// size, too, and such plates settle no otherwise than level ones.
+const TILTED_DEG: f64 = 10.0;
 
 /// How the plate lay when the shaking ended, at a time in s, and lies at the end of a series; none
 /// without a plate.
@@ -56,11 +57,11 @@ mod tests {
                         the mean surface by 0.95 mm";
         let said = warning(got, &settled(6.4), &settled(0.95));
         assert_eq!(said.as_deref(), Some(expected));
-        let level = PlateTilt { final_deg: 3.0, ..got };
+        let usual = PlateTilt { final_deg: 8.4, ..got };
         assert_eq!(
-            warning(level, &settled(6.4), &settled(0.95)),
+            warning(usual, &settled(6.4), &settled(0.95)),
             None,
-            "law: of a few degrees none"
+            "law: of what is common none"
         );
     }
 }
