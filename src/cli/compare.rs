@@ -65,22 +65,3 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
         Ok(ExitStatus::by(record.as_expected))
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Law: an engine is compared once, wherever the repeat stands.
-    #[test]
-    fn a_repeated_engine_is_found_beside_itself_and_apart() {
-        let (bullet, rapier) = (Backend::Bullet, Backend::Rapier);
-        for (backends, expected) in [
-            (vec![bullet, rapier], None),
-            (vec![bullet, bullet], Some(bullet)),
-            (vec![bullet, rapier, bullet], Some(bullet)),
-            (vec![bullet, rapier, rapier, bullet], Some(rapier)),
-        ] {
-            assert_eq!(repeated(&backends), expected, "law: the first repeat of {backends:?}");
-        }
-    }
-}

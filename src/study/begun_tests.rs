@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::geometry::Pose;
 use crate::protocol::{Settling, Setup};
-use crate::record::{SeriesRow, StageChecks, StageIdentity, StageRecord, StoredStage, Summary};
+use crate::record::{SeriesRow, StageChecks, StageRecord, StoredStage, Summary};
 use crate::scenario::{BeginSpec, Scenario, StageSpec};
 use crate::specimen::{Fate, SpecimenState};
 use crate::study::{
@@ -94,36 +94,6 @@ fn a_begun_specimen_with_a_grain_gone_through_a_wall_is_not_valid() {
     assert_eq!(summary.begun_settling, Some(MOVING), "law: how its pour settled is kept");
     let told = summary.warnings.iter().any(|w| w.contains("before the run began"));
     assert!(told, "law: with a warning, got {:?}", summary.warnings);
-}
-
-/// Law: a run that draws nothing is of the realisation that its specimen is of: another seed or
-/// configuration is refused, with the specimen's; where a stage draws, it says what is drawn.
-#[test]
-fn a_begun_specimen_is_not_called_another_realisation() {
-    let made = serde_json::json!({ "seed": 4, "configuration": 2 });
-    let identity = Some(StageIdentity::new("pour", (0, ""), None, &made));
-    let record = StageRecord { identity, ..StageRecord::default() };
-    let (run, key) = Default::default();
-    let begun = Begun { run, key, record, state: SpecimenState::before_everything(0) };
-    let refusal = |stage: &StageSpec, seed: u64, configuration: u32| {
-        let scenario = Scenario { seed, configuration, ..begins(stage.clone()) };
-        let refused = begun.refuse_other_name(&scenario).err();
-        refused.map_or(String::new(), |error| error.to_string())
-    };
-    let rest = StageSpec::Rest { duration_s: 0.1 };
-    assert_eq!(refusal(&rest, 4, 2), "", "law: its own");
-    let said = refusal(&rest, 4, 3);
-    assert!(
-        said.contains("configuration: ") && said.contains("found 3; allowed: 2"),
-        "law: {said}"
-    );
-    let said = refusal(&rest, 1, 1);
-    for words in ["seed: ", "found 1; allowed: 4", "configuration: ", "found 1; allowed: 2"] {
-        assert!(said.contains(words), "law: both at once, `{words}` in {said}");
-    }
-    let placed = serde_json::json!({ "stage": "place_top_plate", "placement": 1 });
-    let placed: StageSpec = serde_json::from_value(placed).expect("a stage");
-    assert_eq!(refusal(&placed, 1, 3), "", "law: the plate is laid by them");
 }
 
 /// Law: a specimen may be shaken before its plate is laid. The plate's settlement is then that of

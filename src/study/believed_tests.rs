@@ -62,27 +62,6 @@ fn crafted_states_with_their_hashes_are_made_anew() {
     }
 }
 
-#[test]
-fn stages_swapped_or_of_another_run_are_made_anew() {
-    let runs = [planned(scenario(0.0)), planned(scenario(50.0))];
-    let plan = Plan::new(&runs).expect("a plan");
-    let folder = tempfile::tempdir().expect("a folder");
-    let (done, _) = run(&plan, folder.path());
-    let place = |node: usize| StageStore::folder_in(folder.path(), plan.nodes[node].key());
-    let [low, high] = [0, 1].map(|run| plan.runs[run].stages[1]);
-    let aside = folder.path().join(".aside");
-    for (from, to) in [(place(low), aside.clone()), (place(high), place(low)), (aside, place(high))]
-    {
-        fs::rename(from, to).expect("moved");
-    }
-    let (again, reported) = run(&plan, folder.path());
-    let another = reported.iter().filter(|t| t.contains("another stage")).count();
-    assert_eq!(another, 2, "law: each is reported once, got {reported:?}");
-    for node in 0..plan.nodes.len() {
-        assert_eq!(again[node].state, done[node].state, "law: the same bits, stage {node}");
-    }
-}
-
 /// Law: what jobs of a cluster, workflows and collecting believe to be stored is what would be used: its
 /// files and hashes, too, not its record alone.
 #[test]

@@ -50,32 +50,6 @@ fn engines_get_the_same_grains_and_the_specimen_is_handed_on() {
     }
 }
 
-/// Law: what one of the engines cannot do is refused before the other runs.
-#[test]
-fn what_an_engine_cannot_do_is_refused_before_the_other_runs() {
-    if !cfg!(feature = "rapier") {
-        return;
-    }
-    let folder = Folder::new();
-    let scenario = json!({
-        "name": "pressed",
-        "grains": small::fine(20.0),
-        "pieces": [
-            { "name": "box", "shape": { "box": { "inner_mm": [50, 50, 50] } } },
-            { "name": "lid", "shape": { "plate": { "size_mm": [48, 48, 5] } }, "at_mm": [0, 0, 100] }
-        ],
-        "stages": [
-            { "stage": "deposit", "at_mm": [0, 0, 60], "area_mm": [40, 40], "rate_g_per_s": 50 },
-            { "stage": "press", "loads": [{ "piece": "lid", "force_n": 5 }] }
-        ],
-        "rest_test_s": 0
-    });
-    let path = folder.scenario("pressed.json", &scenario);
-    let out = folder.out("out");
-    program::refused(&compare(&path, "bullet,rapier", &out), 2, &["stages[1]", "rapier"]);
-    assert!(!folder.path("out").exists(), "law: faults are found before anything is written");
-}
-
 /// Law: what one engine refuses is said with the file, or the change that gave it, and the engine.
 #[test]
 fn faults_in_one_engine_name_the_file_and_the_engine() {

@@ -84,19 +84,6 @@ fn a_time_may_be_one_of_the_rest_test() {
 }
 
 #[test]
-fn threads_change_no_byte() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let on = |threads: &str| {
-        let out = folder.path().join(format!("{threads}.png"));
-        let mut command = pluvia(small_run(), &["--cylinder", "cut"]);
-        let output = command.env("RAYON_NUM_THREADS", threads).arg("--out").arg(&out).output();
-        assert!(output.expect("it starts").status.success());
-        fs::read(out).expect("the picture")
-    };
-    assert!(on("1") == on("3"), "law: one thread and three make the same file");
-}
-
-#[test]
 fn grains_are_shown_by_themselves_from_run_and_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let from_run = done(small_run(), &["--grains"], &folder.path().join("a.png"));

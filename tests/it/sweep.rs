@@ -221,18 +221,6 @@ fn what_cannot_be_swept_is_told_before_anything_runs() {
             ["--range contact.restitution=", "out of range"],
         ),
         ("--over seed=1 --over seed=2", ["seed", "twice"]),
-        (
-            "--over stages[1].falling_height_mm=1,200 --over stages.1.falling_height_mm=3",
-            ["stages[1].falling_height_mm", "varied twice"],
-        ),
-        (
-            "--over contact={\"restitution\":0.1} --over contact.restitution=0.2,0.3",
-            ["`contact.restitution` is part of `contact`", "both are varied"],
-        ),
-        (
-            "--over contact={\"restitution\":0.1} --set contact.restitution=0.2",
-            ["--set contact.restitution=0.2", "`contact` is varied"],
-        ),
         ("--over seed", ["path=value", "seed"]),
         ("--samples sobol:4 --range seed=1..9", ["latin-hypercube:N", "sobol"]),
         ("", ["nothing is varied", "--over"]),

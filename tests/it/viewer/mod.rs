@@ -13,8 +13,7 @@ use std::{
     net::{Ipv4Addr, Shutdown, SocketAddr, TcpStream, UdpSocket},
     path::Path,
     process::Stdio,
-    thread,
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use pluvia::viewer::{Server, Site, read_run_data};
@@ -101,44 +100,6 @@ fn only_the_loopback_address_listens() {
         let there = SocketAddr::new(outward, server.address().port());
         let got = TcpStream::connect_timeout(&there, Duration::from_secs(2));
         assert!(got.is_err(), "law: nobody else reaches the page, but {there} answers");
-    }
-}
-
-#[test]
-fn what_is_sent_does_no_harm() {
-    let server = serve(small_run());
-    let host = server.address();
-    let field = format!("Host: {host}\r\n");
-    let huge = format!("GET / HTTP/1.1\r\n{field}A: {}\r\n\r\n", "a".repeat(4 << 20));
-    let posted =
-        format!("POST / HTTP/1.1\r\n{field}Content-Length: 50000\r\n\r\n{}", "b".repeat(50_000));
-    for (request, expected, law) in [
-        (huge.into_bytes(), 431, "a head of 4 MiB is refused"),
-        (posted.into_bytes(), 405, "nothing can be posted"),
-        (b"GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n".to_vec(), 403, "other hosts are refused"),
-        (b"\x16\x03\x01\x00\xa5\x01\x00\x00\xa1\x03\x03\r\n".to_vec(), 400, "TLS is no request"),
-        (b"\r\n\r\nnonsense\r\n\r\n".to_vec(), 400, "nonsense is no request"),
-    ] {
-        let answer = exchange(host, &request);
-        // What is refused while it is still being sent may break the connection.
-        if !(answer.is_empty() && request.len() > 1 << 20) {
-            assert_status(&answer, expected, law);
-        }
-    }
-    let head =
-        exchange(host, format!("HEAD {}/ HTTP/1.1\r\n{field}\r\n", secret(&server)).as_bytes());
-    assert_status(&head, 200, "HEAD is answered");
-    assert!(head.ends_with(b"\r\n\r\n"), "law: HEAD has no content");
-    assert!(exchange(host, b"").is_empty(), "law: who says nothing is told nothing");
-
-    // More connections that say nothing than are taken, and the page still comes.
-    let idle: Vec<_> = (0..40).filter_map(|_| TcpStream::connect(host).ok()).collect();
-    assert!(idle.len() > 32, "the check opens more than are taken, got {}", idle.len());
-    drop(idle);
-    let latest = Instant::now() + Duration::from_secs(20);
-    while !status(&get(&server, "/")).starts_with("HTTP/1.1 200 ") {
-        assert!(Instant::now() < latest, "law: the page comes once the others are gone");
-        thread::sleep(Duration::from_millis(50));
     }
 }
 
