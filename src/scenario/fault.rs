@@ -200,6 +200,15 @@ impl ScenarioErrors {
             Self::Faults(faults) => faults,
         }
     }
+
+    /// The same with each of its faults changed.
+    #[must_use]
+    pub fn each(self, change: impl FnMut(Fault) -> Fault) -> Self {
+        match self {
+            Self::Faults(faults) => Self::Faults(faults.into_iter().map(change).collect()),
+            unreadable => unreadable,
+        }
+    }
 }
 
 impl fmt::Display for ScenarioErrors {

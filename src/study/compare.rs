@@ -107,12 +107,8 @@ fn check_in(
     file: Option<&PathBuf>,
     changes: &[Override],
 ) -> Result<(), ScenarioErrors> {
-    let faults = match check(own) {
-        Err(ScenarioErrors::Faults(faults)) => faults,
-        other => return other,
-    };
     let engine = name(own.engine.backend);
-    let placed = faults.into_iter().map(|fault| {
+    let placed = |fault: Fault| {
         let message = format!("in {engine}: {}", fault.message);
         let change = changes.iter().rev().find(|change| change.gives(&fault.path));
         let given = match (change, file) {
@@ -121,8 +117,8 @@ fn check_in(
             (None, None) => fault.file.clone(),
         };
         Fault { message, ..fault }.of(given)
-    });
-    Err(ScenarioErrors::Faults(placed.collect()))
+    };
+    check(own).map_err(|errors| errors.each(placed))
 }
 
 /// The runs of a scenario that is given in each engine.

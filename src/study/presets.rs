@@ -33,26 +33,16 @@ const FILES: [(&str, &str); 9] = files![
 pub fn preset(name: &str, changes: &[Override]) -> Result<Scenario, StudyError> {
     let folder = unpack()?;
     let loaded = load_scenario(&folder.path().join(name), changes);
-    Ok(loaded.map_err(|errors| by_their_names(errors, folder.path()))?.scenario)
-}
-
-/// Faults of built-in files under the names that these have in the program: the folder they were
-/// written to is gone when somebody reads of them.
-fn by_their_names(errors: ScenarioErrors, folder: &Path) -> ScenarioErrors {
+    // The folder is gone when somebody reads of its files.
     let named = |fault: Fault| {
-        let file = Path::new(&fault.file).strip_prefix(folder).ok();
+        let file = Path::new(&fault.file).strip_prefix(folder.path()).ok();
         let name = file.map(|file| format!("built-in scenarios/{}", file.display()));
         match name {
             Some(name) => fault.of(name),
             None => fault,
         }
     };
-    match errors {
-        ScenarioErrors::Faults(faults) => {
-            ScenarioErrors::Faults(faults.into_iter().map(named).collect())
-        }
-        unreadable => unreadable,
-    }
+    Ok(loaded.map_err(|errors| errors.each(named))?.scenario)
 }
 
 /// Writes the built-in files to a temporary folder, which lasts as long as what is returned.

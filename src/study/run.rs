@@ -202,20 +202,14 @@ pub fn make_grains(scenario: &Scenario) -> Result<GrainSet, StudyError> {
             Ok(read_grains(Path::new(&file.file)).map_err(named)?)
         }
         GrainsSpec::Meshes(meshes) => {
-            let named = |errors| of_scenario(errors, &scenario.name);
-            Ok(grains::from_meshes(meshes, scenario.seed).map_err(named)?)
+            // The file of such a field is not known any more.
+            let named = |fault: Fault| match fault.file.is_empty() {
+                true => fault.of(&scenario.name),
+                false => fault,
+            };
+            let made = grains::from_meshes(meshes, scenario.seed);
+            Ok(made.map_err(|errors| errors.each(named))?)
         }
-    }
-}
-
-/// Faults of fields whose file is not known any more, with the name of the scenario.
-fn of_scenario(errors: ScenarioErrors, name: &str) -> ScenarioErrors {
-    let named = |fault: Fault| if fault.file.is_empty() { fault.of(name) } else { fault };
-    match errors {
-        ScenarioErrors::Faults(faults) => {
-            ScenarioErrors::Faults(faults.into_iter().map(named).collect())
-        }
-        unreadable @ ScenarioErrors::Unreadable { .. } => unreadable,
     }
 }
 
