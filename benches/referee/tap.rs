@@ -1,5 +1,9 @@
 //! A world that hands over the contact problems of its sub-steps.
 
+#[macro_use]
+#[path = "../../src/world/testing/handed_on.rs"]
+mod handed_on;
+
 use std::{
     collections::BTreeSet,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
@@ -53,24 +57,26 @@ impl Tapped {
 }
 
 impl World for Tapped {
-    fn add(&mut self, body: &Body) -> Result<BodyId, WorldError> {
-        self.world.add(body)
-    }
-    fn remove(&mut self, id: BodyId) -> Result<(), WorldError> {
-        self.world.remove(id)
-    }
-    fn drive(&mut self, id: BodyId, pose_at_end_of_step: &Pose) -> Result<(), WorldError> {
-        self.world.drive(id, pose_at_end_of_step)
-    }
-    fn recall_drive(&mut self, id: BodyId, ends: &[Pose; 3]) -> Result<(), WorldError> {
-        self.world.recall_drive(id, ends)
-    }
-    fn press(&mut self, id: BodyId, force: f64) -> Result<(), WorldError> {
-        self.world.press(id, force)
-    }
-    fn read_body(&self, id: BodyId) -> Result<BodyState, WorldError> {
-        self.world.read_body(id)
-    }
+    handed_on!(world:
+        fn add(&mut self, body: &Body) -> Result<BodyId, WorldError>;
+        fn remove(&mut self, id: BodyId) -> Result<(), WorldError>;
+        fn drive(&mut self, id: BodyId, pose_at_end_of_step: &Pose) -> Result<(), WorldError>;
+        fn recall_drive(&mut self, id: BodyId, ends: &[Pose; 3]) -> Result<(), WorldError>;
+        fn press(&mut self, id: BodyId, force: f64) -> Result<(), WorldError>;
+        fn read_body(&self, id: BodyId) -> Result<BodyState, WorldError>;
+        fn time_step(&self) -> f64;
+        fn read(&self, into: &mut Snapshot);
+        fn contacts(&self, into: &mut Vec<Contact>);
+        fn remember(&self, into: &mut Vec<RememberedContact>);
+        fn join(&mut self, part: BodyId, whole: BodyId) -> Result<(), WorldError>;
+        fn recall(&mut self, contacts: &[RememberedContact]) -> Result<(), WorldError>;
+        fn corners(&self, into: &mut Vec<Option<HeldShape>>);
+        fn phases(&self) -> Option<PhaseTimes>;
+        fn solver_residual(&self) -> Option<f64>;
+        fn pair_coefficients(&self, a: BodyId, b: BodyId) -> Result<PairCoefficients, WorldError>;
+        fn effective(&self) -> EffectiveSettings;
+    );
+
     fn step(&mut self) -> Result<(), WorldError> {
         self.world.step()?;
         let mut tap = locked(&self.tap);
@@ -80,38 +86,5 @@ impl World for Tapped {
             tap.records.push((step, self.world.recorded_substep()));
         }
         Ok(())
-    }
-    fn time_step(&self) -> f64 {
-        self.world.time_step()
-    }
-    fn read(&self, into: &mut Snapshot) {
-        self.world.read(into);
-    }
-    fn contacts(&self, into: &mut Vec<Contact>) {
-        self.world.contacts(into);
-    }
-    fn remember(&self, into: &mut Vec<RememberedContact>) {
-        self.world.remember(into);
-    }
-    fn join(&mut self, part: BodyId, whole: BodyId) -> Result<(), WorldError> {
-        self.world.join(part, whole)
-    }
-    fn recall(&mut self, contacts: &[RememberedContact]) -> Result<(), WorldError> {
-        self.world.recall(contacts)
-    }
-    fn corners(&self, into: &mut Vec<Option<HeldShape>>) {
-        self.world.corners(into);
-    }
-    fn phases(&self) -> Option<PhaseTimes> {
-        self.world.phases()
-    }
-    fn solver_residual(&self) -> Option<f64> {
-        self.world.solver_residual()
-    }
-    fn pair_coefficients(&self, a: BodyId, b: BodyId) -> Result<PairCoefficients, WorldError> {
-        self.world.pair_coefficients(a, b)
-    }
-    fn effective(&self) -> EffectiveSettings {
-        self.world.effective()
     }
 }

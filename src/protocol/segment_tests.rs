@@ -1,5 +1,9 @@
 //! Stages in checkpoint segments on a real world, and on one that is watched.
 
+#[macro_use]
+#[path = "../world/testing/handed_on.rs"]
+mod handed_on;
+
 use std::sync::{Arc, Mutex, atomic::AtomicBool};
 
 use super::testing::*;
@@ -73,13 +77,21 @@ impl Spy {
 }
 
 impl World for Spy {
-    fn add(&mut self, body: &Body) -> Result<BodyId, WorldError> {
-        self.inner.add(body)
-    }
-
-    fn remove(&mut self, id: BodyId) -> Result<(), WorldError> {
-        self.inner.remove(id)
-    }
+    handed_on!(inner:
+        fn add(&mut self, body: &Body) -> Result<BodyId, WorldError>;
+        fn remove(&mut self, id: BodyId) -> Result<(), WorldError>;
+        fn press(&mut self, id: BodyId, force: f64) -> Result<(), WorldError>;
+        fn join(&mut self, part: BodyId, whole: BodyId) -> Result<(), WorldError>;
+        fn read_body(&self, id: BodyId) -> Result<BodyState, WorldError>;
+        fn time_step(&self) -> f64;
+        fn read(&self, into: &mut Snapshot);
+        fn contacts(&self, into: &mut Vec<Contact>);
+        fn corners(&self, into: &mut Vec<Option<HeldShape>>);
+        fn phases(&self) -> Option<PhaseTimes>;
+        fn solver_residual(&self) -> Option<f64>;
+        fn pair_coefficients(&self, a: BodyId, b: BodyId) -> Result<PairCoefficients, WorldError>;
+        fn effective(&self) -> EffectiveSettings;
+    );
 
     fn drive(&mut self, id: BodyId, pose: &Pose) -> Result<(), WorldError> {
         self.log().moved.push((id, *pose));
@@ -91,18 +103,6 @@ impl World for Spy {
         self.inner.recall_drive(id, ends)
     }
 
-    fn press(&mut self, id: BodyId, force: f64) -> Result<(), WorldError> {
-        self.inner.press(id, force)
-    }
-
-    fn join(&mut self, part: BodyId, whole: BodyId) -> Result<(), WorldError> {
-        self.inner.join(part, whole)
-    }
-
-    fn read_body(&self, id: BodyId) -> Result<BodyState, WorldError> {
-        self.inner.read_body(id)
-    }
-
     fn step(&mut self) -> Result<(), WorldError> {
         self.inner.step()?;
         let mut states = Snapshot::new();
@@ -110,18 +110,6 @@ impl World for Spy {
         let velocities = states.iter().flatten().map(|s| s.linear_velocity.x).collect();
         self.log().velocities.push(velocities);
         Ok(())
-    }
-
-    fn time_step(&self) -> f64 {
-        self.inner.time_step()
-    }
-
-    fn read(&self, into: &mut Snapshot) {
-        self.inner.read(into);
-    }
-
-    fn contacts(&self, into: &mut Vec<Contact>) {
-        self.inner.contacts(into);
     }
 
     fn remember(&self, into: &mut Vec<RememberedContact>) {
@@ -132,26 +120,6 @@ impl World for Spy {
     fn recall(&mut self, contacts: &[RememberedContact]) -> Result<(), WorldError> {
         self.log().recalled = contacts.to_vec();
         self.inner.recall(contacts)
-    }
-
-    fn corners(&self, into: &mut Vec<Option<HeldShape>>) {
-        self.inner.corners(into);
-    }
-
-    fn phases(&self) -> Option<PhaseTimes> {
-        self.inner.phases()
-    }
-
-    fn solver_residual(&self) -> Option<f64> {
-        self.inner.solver_residual()
-    }
-
-    fn pair_coefficients(&self, a: BodyId, b: BodyId) -> Result<PairCoefficients, WorldError> {
-        self.inner.pair_coefficients(a, b)
-    }
-
-    fn effective(&self) -> EffectiveSettings {
-        self.inner.effective()
     }
 }
 

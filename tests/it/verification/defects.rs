@@ -1,5 +1,9 @@
 //! Wrong physics, put between the experiments and the engine.
 
+#[macro_use]
+#[path = "../../../src/world/testing/handed_on.rs"]
+mod handed_on;
+
 use pluvia::geometry::{Pose, Vector};
 use pluvia::scenario::EngineSettings;
 use pluvia::world::{
@@ -74,6 +78,23 @@ impl Defective {
 }
 
 impl World for Defective {
+    handed_on!(inner:
+        fn remove(&mut self, id: BodyId) -> Result<(), WorldError>;
+        fn drive(&mut self, id: BodyId, pose: &Pose) -> Result<(), WorldError>;
+        fn recall_drive(&mut self, id: BodyId, ends: &[Pose; 3]) -> Result<(), WorldError>;
+        fn press(&mut self, id: BodyId, force: f64) -> Result<(), WorldError>;
+        fn join(&mut self, part: BodyId, whole: BodyId) -> Result<(), WorldError>;
+        fn time_step(&self) -> f64;
+        fn contacts(&self, into: &mut Vec<Contact>);
+        fn remember(&self, into: &mut Vec<RememberedContact>);
+        fn recall(&mut self, contacts: &[RememberedContact]) -> Result<(), WorldError>;
+        fn corners(&self, into: &mut Vec<Option<HeldShape>>);
+        fn phases(&self) -> Option<PhaseTimes>;
+        fn solver_residual(&self) -> Option<f64>;
+        fn pair_coefficients(&self, a: BodyId, b: BodyId) -> Result<PairCoefficients, WorldError>;
+        fn effective(&self) -> EffectiveSettings;
+    );
+
     fn add(&mut self, body: &Body) -> Result<BodyId, WorldError> {
         let mut body = body.clone();
         if let (Defect::BoundingBoxInertia, Motion::Free { mass, inertia }) =
@@ -85,26 +106,6 @@ impl World for Defective {
         }
         self.free.push(matches!(body.motion, Motion::Free { .. }));
         self.inner.add(&body)
-    }
-
-    fn remove(&mut self, id: BodyId) -> Result<(), WorldError> {
-        self.inner.remove(id)
-    }
-
-    fn drive(&mut self, id: BodyId, pose: &Pose) -> Result<(), WorldError> {
-        self.inner.drive(id, pose)
-    }
-
-    fn recall_drive(&mut self, id: BodyId, ends: &[Pose; 3]) -> Result<(), WorldError> {
-        self.inner.recall_drive(id, ends)
-    }
-
-    fn press(&mut self, id: BodyId, force: f64) -> Result<(), WorldError> {
-        self.inner.press(id, force)
-    }
-
-    fn join(&mut self, part: BodyId, whole: BodyId) -> Result<(), WorldError> {
-        self.inner.join(part, whole)
     }
 
     fn read_body(&self, id: BodyId) -> Result<BodyState, WorldError> {
@@ -120,10 +121,6 @@ impl World for Defective {
         self.inner.step()
     }
 
-    fn time_step(&self) -> f64 {
-        self.inner.time_step()
-    }
-
     fn read(&self, into: &mut Snapshot) {
         self.inner.read(into);
         if self.defect == Defect::Drift {
@@ -134,37 +131,5 @@ impl World for Defective {
                 }
             }
         }
-    }
-
-    fn contacts(&self, into: &mut Vec<Contact>) {
-        self.inner.contacts(into);
-    }
-
-    fn remember(&self, into: &mut Vec<RememberedContact>) {
-        self.inner.remember(into);
-    }
-
-    fn recall(&mut self, contacts: &[RememberedContact]) -> Result<(), WorldError> {
-        self.inner.recall(contacts)
-    }
-
-    fn corners(&self, into: &mut Vec<Option<HeldShape>>) {
-        self.inner.corners(into);
-    }
-
-    fn phases(&self) -> Option<PhaseTimes> {
-        self.inner.phases()
-    }
-
-    fn solver_residual(&self) -> Option<f64> {
-        self.inner.solver_residual()
-    }
-
-    fn pair_coefficients(&self, a: BodyId, b: BodyId) -> Result<PairCoefficients, WorldError> {
-        self.inner.pair_coefficients(a, b)
-    }
-
-    fn effective(&self) -> EffectiveSettings {
-        self.inner.effective()
     }
 }
