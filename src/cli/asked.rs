@@ -38,16 +38,17 @@ const STUDIES: [(&str, &str); 12] = [
 /// What a command is asked where it asks nothing that this could compare.
 pub(super) const ANYTHING: Value = Value::Null;
 
-/// Begins a command in a folder. `question` is what its results answer; what stands there under
-/// [`AT_LEAST`] was asked for no more than this, and what stands under [`MEANWHILE`] may differ.
-/// The command is at work there until what is given back is dropped; the same one may be, several
-/// times, if it is asked the same.
+/// Begins a command in a folder, which is made ([`output_folder::prepare`]). `question` is what its
+/// results answer; what stands there under [`AT_LEAST`] was asked for no more than this, and what
+/// stands under [`MEANWHILE`] may differ. The command is at work there until what is given back is
+/// dropped; the same one may be, several times, if it is asked the same.
 ///
 /// # Errors
 /// [`FileError`], refused, where the folder holds results of another command or the answer to
 /// another question, or one of these is at work there; the system's where it cannot be written.
 pub(super) fn begin(folder: &Path, command: &str, question: &Value) -> Result<RunLock, FileError> {
     const WRITE: &str = "write results into";
+    output_folder::prepare(folder)?;
     // No lock is left in a folder of others.
     if let Some(held) = held(folder, command, question, AtWork::Nobody) {
         return Err(in_the_way(WRITE, folder, &held));

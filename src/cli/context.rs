@@ -93,38 +93,6 @@ impl Context {
         }
     }
 
-    /// Makes the folder for a command's results, unless it holds others ([`asked::begin`]); from
-    /// here on, Ctrl-C stops cleanly. The command is at work there until what is given back is
-    /// dropped.
-    ///
-    /// # Errors
-    /// [`FileError`] naming the folder.
-    pub(super) fn begin(
-        &self,
-        out: &Path,
-        command: &str,
-        question: &Value,
-    ) -> Result<RunLock, FileError> {
-        let at_work = begun(out, command, question)?;
-        self.stop_on_ctrl_c();
-        Ok(at_work)
-    }
-
-    /// The same of a command that has no stages.
-    ///
-    /// # Errors
-    /// As [`Context::begin`].
-    pub(super) fn begin_without_stages(
-        &self,
-        out: &Path,
-        command: &str,
-        question: &Value,
-    ) -> Result<RunLock, FileError> {
-        let at_work = begun(out, command, question)?;
-        self.stop_without_stages();
-        Ok(at_work)
-    }
-
     /// Prints a result as [`Context::print`] does: the command has done what it was asked.
     pub(super) fn done(&self, text: &str, value: &impl Serialize) -> Result<ExitStatus, CliError> {
         self.print(text, value)?;
@@ -177,12 +145,6 @@ impl Context {
         self.print_asked(text, value)?;
         Ok(ExitStatus::Done)
     }
-}
-
-/// Makes the folder for a command's results and begins there.
-fn begun(out: &Path, command: &str, question: &Value) -> Result<RunLock, FileError> {
-    output_folder::prepare(out)?;
-    asked::begin(out, command, question)
 }
 
 /// Writes what a reader may have closed early, as `head` does, which is no error.

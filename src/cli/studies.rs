@@ -3,7 +3,7 @@
 use super::*;
 use crate::study::{Study, StudyOptions};
 
-/// Carries a study out in its folder, unless this holds other results ([`Context::begin`]). `end`
+/// Carries a study out in its folder, unless this holds other results ([`asked::begin`]). `end`
 /// prints what was found and says whether it is what was expected; until then the command is at
 /// work there.
 pub(super) fn carry_out<T>(
@@ -12,7 +12,8 @@ pub(super) fn carry_out<T>(
     context: &Context,
     end: impl FnOnce(&T) -> Result<ExitStatus, CliError>,
 ) -> Result<ExitStatus, CliError> {
-    let _at_work = context.begin(&run.out, study.command, &study.question)?;
+    let _at_work = asked::begin(&run.out, study.command, &study.question)?;
+    context.stop_on_ctrl_c();
     let found = study.carry_out(run)?;
     end(&found)
 }

@@ -129,7 +129,6 @@ pub(super) fn run(args: &SweepArgs, context: &Context) -> Result<ExitStatus, Cli
     if !(args.plan_only || args.snakemake || args.slurm.slurm) {
         return carry_out(study.study(), &run, context, |found| tell(args, found, context));
     }
-    output_folder::prepare(&args.out)?;
     let _at_work = asked::begin(&args.out, "sweep", &asked::ANYTHING)?;
     let plan = study.write_plan(&run)?;
     if args.slurm.slurm {

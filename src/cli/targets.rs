@@ -50,7 +50,8 @@ pub(super) fn run(args: &TargetsArgs, context: &Context) -> Result<ExitStatus, C
         "chance": args.chance,
         (AT_LEAST): { "runs": runs.collect::<Vec<_>>() },
     });
-    let _at_work = context.begin_without_stages(&args.out, "targets", &question)?;
+    let _at_work = asked::begin(&args.out, "targets", &question)?;
+    context.stop_without_stages();
     write_targets(&args.out, &found).map_err(StudyError::from)?;
     let page = found.page().markdown();
     let text = format!("{page}\nfull results in {}\n", plain_path(&args.out.join("targets.md")));

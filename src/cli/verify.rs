@@ -61,7 +61,8 @@ pub(super) fn run(args: &VerifyArgs, context: &Context) -> Result<ExitStatus, Cl
     let ids: Vec<&str> = cases.iter().map(|case| case.id.as_str()).collect();
     let names: Vec<&str> = settings.iter().map(|setting| setting.name.as_str()).collect();
     let question = json!({ (AT_LEAST): { "cases": ids, "settings": names } });
-    let _at_work = context.begin_without_stages(&args.out, "verify", &question)?;
+    let _at_work = asked::begin(&args.out, "verify", &question)?;
+    context.stop_without_stages();
     let options = SuiteOptions {
         cases,
         settings,
