@@ -17,38 +17,19 @@ program=$(realpath "${PLUVIA:-target/release/pluvia}")
 rounds=${1:-3}
 cores=${CORES:-0,1}
 folder=$PWD/target/sweep-overhead
-scenario=$folder/tiny.json
+scenario=(scripts/tiny.json --set rest_test_s=0)
 seeds=$(seq 1 24)
 
 mkdir -p "$folder"
-cat >"$scenario" <<'JSON'
-{
-  "name": "tiny",
-  "grains": {
-    "total_mass_g": 60, "density_kg_per_m3": 2673.9,
-    "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-  },
-  "apparatus": {
-    "cylinder": { "inner_diameter_mm": 75, "height_mm": 120 },
-    "funnel": { "opening_diameter_mm": 72, "top_diameter_mm": 140 }
-  },
-  "stages": [
-    { "stage": "fill_funnel", "time_limit_s": 2 },
-    { "stage": "pour", "falling_height_mm": 0, "time_limit_s": 3 },
-    { "stage": "rest", "duration_s": 2 }
-  ],
-  "rest_test_s": 0
-}
-JSON
 
 bare() {
     # shellcheck disable=SC2086
     printf '%s\n' $seeds | taskset -c "$cores" xargs -P2 -I{} \
-        "$program" run "$scenario" --seed {} --quiet --out "$folder/bare/{}" >/dev/null
+        "$program" run "${scenario[@]}" --seed {} --quiet --out "$folder/bare/{}" >/dev/null
 }
 
 sweep() {
-    taskset -c "$cores" "$program" sweep "$scenario" --over "seed=$(echo $seeds | tr ' ' ,)" \
+    taskset -c "$cores" "$program" sweep "${scenario[@]}" --over "seed=$(echo $seeds | tr ' ' ,)" \
         --jobs 2 --quiet --out "$folder/sweep" >/dev/null
 }
 

@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 
 program=${PLUVIA:-target/debug/pluvia}
 folder=$PWD/target/slurm
-scenario=$folder/small.json
+scenario=$PWD/scripts/tiny.json
 
 fail() {
     printf 'error: %s\n' "$1" >&2
@@ -17,25 +17,6 @@ fail() {
 scripts/slurm-here.sh stop "$folder/cluster" 2>/dev/null || true
 rm -rf "$folder"
 mkdir -p "$folder"
-cat >"$scenario" <<'EOF'
-{
-  "name": "small",
-  "grains": {
-    "total_mass_g": 60, "density_kg_per_m3": 2673.9,
-    "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-  },
-  "apparatus": {
-    "cylinder": { "inner_diameter_mm": 75, "height_mm": 120 },
-    "funnel": { "opening_diameter_mm": 72, "top_diameter_mm": 140 }
-  },
-  "stages": [
-    { "stage": "fill_funnel", "time_limit_s": 2 },
-    { "stage": "pour", "falling_height_mm": 0, "time_limit_s": 3 },
-    { "stage": "rest", "duration_s": 2 }
-  ],
-  "rest_test_s": 0.5
-}
-EOF
 sweep=("$scenario" --over contact.grain_grain_friction=0.3,0.5,0.7
     --over stages.1.falling_height_mm=0,20,40,60 --configurations 2)
 

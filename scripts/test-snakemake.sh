@@ -20,28 +20,10 @@ mkdir -p "$folder"
 . scripts/pinned.sh
 pinned "$folder/venv" snakemake==9.27.1 || fail "Snakemake could not be fetched (the message is above)"
 rm -rf "$folder/local" "$flow" "$moved"
-cat >"$scenario" <<'JSON'
-{
-  "name": "small",
-  "grains": {
-    "total_mass_g": 60, "density_kg_per_m3": 2673.9,
-    "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-  },
-  "apparatus": {
-    "cylinder": { "inner_diameter_mm": 75, "height_mm": 120 },
-    "funnel": { "opening_diameter_mm": 72, "top_diameter_mm": 140 }
-  },
-  "engine": { "rate_hz": 240 },
-  "stages": [
-    { "stage": "fill_funnel", "time_limit_s": 1 },
-    { "stage": "pour", "falling_height_mm": 0, "time_limit_s": 1.5 },
-    { "stage": "rest", "duration_s": 0.25 }
-  ],
-  "rest_test_s": 0.25
-}
-JSON
+cp scripts/tiny.json "$scenario"
 sweep=("$scenario" --over contact.grain_grain_friction=0.3,0.7
-    --over stages.1.falling_height_mm=0,40 --quiet)
+    --over stages.1.falling_height_mm=0,40 --set engine.rate_hz=240 --set stages.0.time_limit_s=1
+    --set stages.1.time_limit_s=1.5 --set stages.2.duration_s=0.25 --set rest_test_s=0.25 --quiet)
 
 # Runs a folder's Snakefile; says how many stages were stored by it.
 carry_out() {
