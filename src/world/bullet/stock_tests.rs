@@ -183,18 +183,20 @@ fn what_only_native_contacts_do_is_refused_or_empty() {
 #[test]
 fn settings_out_of_range_are_refused_by_name() {
     let _turn = shared_turn();
-    type Change = fn(&mut StockSettings);
-    let changes: [(&str, Change); 5] = [
-        ("stock.collision_margin_mm", |s| s.collision_margin_mm = -1.0),
-        ("stock.least_mass_g", |s| s.least_mass_g = f64::NAN),
-        ("stock.relative_contact_threshold", |s| s.relative_contact_threshold = -0.1),
-        ("stock.sleeping_speed_m_per_s", |s| s.sleeping_speed_m_per_s = f64::INFINITY),
-        ("stock.sleeping_spin_rad_per_s", |s| s.sleeping_spin_rad_per_s = -1.0),
+    type Change = fn(&mut EngineSettings);
+    let changes: [(&str, Change); 7] = [
+        ("length_scale", |s| s.length_scale = f64::NAN),
+        ("friction_directions", |s| s.friction_directions = 3),
+        ("stock.collision_margin_mm", |s| s.stock.collision_margin_mm = -1.0),
+        ("stock.least_mass_g", |s| s.stock.least_mass_g = f64::NAN),
+        ("stock.relative_contact_threshold", |s| s.stock.relative_contact_threshold = -0.1),
+        ("stock.sleeping_speed_m_per_s", |s| s.stock.sleeping_speed_m_per_s = f64::INFINITY),
+        ("stock.sleeping_spin_rad_per_s", |s| s.stock.sleeping_spin_rad_per_s = -1.0),
     ];
     for (name, change) in changes {
-        let mut asked = StockSettings::default();
+        let mut asked = on(StockSettings::default());
         change(&mut asked);
-        let made = BulletBackend::new(&on(asked), Vector::zeros(), &uniform(0.8, 0.0));
+        let made = BulletBackend::new(&asked, Vector::zeros(), &uniform(0.8, 0.0));
         assert!(
             matches!(&made, Err(WorldError::BadSetting { setting, .. }) if setting == name),
             "law: {name} is refused by name"

@@ -165,18 +165,6 @@ fn free_fall_is_the_discrete_solution_at_every_length_scale() {
     }
 }
 
-#[test]
-fn settings_that_bullet_cannot_take_are_refused() {
-    let _turn = shared_turn();
-    for settings in [
-        EngineSettings { length_scale: f64::NAN, ..Default::default() },
-        EngineSettings { friction_directions: 3, ..Default::default() },
-    ] {
-        let made = BulletBackend::new(&settings, GRAVITY, &uniform(0.5, 0.0));
-        assert!(matches!(made, Err(WorldError::BadSetting { .. })), "{settings:?}");
-    }
-}
-
 /// Law: portable instructions are read back where they were asked for, however many contacts are
 /// solved at once.
 #[test]
