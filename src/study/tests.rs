@@ -272,36 +272,6 @@ fn a_deposit_pushes_overlaps_apart_at_its_own_speed() {
     assert_ne!(calm[0].1, plain[0].1, "law: what is stored of one is not taken for the other");
 }
 
-/// Law: D_r = (e_max − e)/(e_max − e_min) of every void ratio, where a scenario gives both.
-#[test]
-fn a_region_has_its_relative_density_where_index_densities_are_given() {
-    let scenario: Scenario = serde_json::from_value(serde_json::json!({
-        "name": "relative-density",
-        "grains": {
-            "total_mass_g": 40, "density_kg_per_m3": 2673.9,
-            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-        },
-        "pieces": [{ "name": "box", "shape": { "box": { "inner_mm": [36, 36, 80] } } }],
-        "measures": { "regions": [{ "name": "low", "low_mm": [-14, -14, 2], "high_mm": [14, 14, 12] }] },
-        "index_densities": { "e_max": 1.1, "e_min": 0.6 },
-        "engine": { "iterations": 10 },
-        "rest_test_s": 0.2,
-        "stages": [{ "stage": "deposit", "at_mm": [0, 0, 60], "area_mm": [12, 12], "rate_g_per_s": 80 }]
-    }))
-    .expect("a scenario");
-    let run = planned(scenario);
-    let plan = plan(std::slice::from_ref(&run));
-    let folder = tempfile::tempdir().expect("folder");
-    let done = carry_out(&plan, folder.path(), 2).expect("done");
-    let result = summarise(&run, &plan.nodes[0].setup, &plan.runs[0], &done).expect("measured");
-    let s = &result.summary;
-    assert_eq!(s.relative_density, None, "law: without a void ratio of the whole there is none");
-    let region = &s.laboratory.as_ref().expect("a laboratory").regions[0];
-    let e = region.void_ratio.expect("grains are there");
-    let (expected, got) = ((1.1 - e) / 0.5, region.relative_density.expect("index densities"));
-    assert!((got - expected).abs() < 1e-12, "law: e {e} is D_r {expected}, got {got}");
-}
-
 /// Law: a grain that was pressed through the floor has escaped, and its run is not valid; heights
 /// and void ratio of what was mostly spilled are withheld, with the reason.
 #[test]

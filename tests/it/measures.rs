@@ -69,6 +69,7 @@ fn a_region_above_the_grains_has_no_relative_density() {
     let expected = (1.2 - e) / 0.6;
     assert!((got - expected).abs() < 1e-12, "law: of the layer {expected}, got {got}");
     assert!(regions[0]["relative_density"].is_null(), "law: `all` reaches above the grains");
+    assert!(summary["relative_density"].is_null(), "law: no void ratio of the whole, and so none");
     let withheld: Vec<&Value> = summary["withheld"].as_array().expect("a list").iter().collect();
     let told = |w: &&&Value| w["field"] == "laboratory.regions.all.relative_density";
     let told = withheld.iter().filter(told).count();
