@@ -3,7 +3,9 @@
 use maud::html;
 
 use super::*;
-use crate::paper::uncertainty::{LaboratoryScatter, Quantity, SettledRun, Trend, p_value};
+use crate::paper::uncertainty::{
+    LaboratoryScatter, Quantity, SettledRun, Trend, p_in_words, p_value,
+};
 
 /// Interval, tests, numerical creep and the laboratory's scatter.
 pub(super) fn section(of: &Uncertainty) -> Vec<Block> {
@@ -115,21 +117,21 @@ fn trend(of: &Trend) -> Table {
         slopes.map(|(c, s)| format!("{} (configuration {c})", number(*s, 3))).collect();
     let slope = of.slope.as_ref().map(|t| {
         format!(
-            "mean {}, 95 % {}, t = {} with {} of freedom, two-sided p = {}",
+            "mean {}, 95 % {}, t = {} with {} of freedom, two-sided {}",
             number(t.mean_mm_per_cm, 3),
             range(Some(t.interval), 3),
             t.t.map_or_else(dash, |t| number(t, 2)),
             counted(t.freedom as usize, "degree"),
-            p_value(t.p)
+            p_in_words(t.p)
         )
     });
     let page = of.page.as_ref().map(|p| {
         format!(
-            "L = {} for {} configurations and {} heights, exact one-sided p = {}",
+            "L = {} for {} configurations and {} heights, exact one-sided {}",
             number(p.l, 1),
             p.configurations,
             p.heights,
-            p_value(p.p)
+            p_in_words(p.p)
         )
     });
     let needed = of.configurations_needed;

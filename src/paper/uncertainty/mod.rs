@@ -324,6 +324,12 @@ pub(crate) fn p_value(p: f64) -> String {
     if p < 0.001 { "below 0.001".to_owned() } else { number(p, 3) }
 }
 
+/// The same within a sentence, with its name: "p = 0.012", "p below 0.001".
+pub(crate) fn p_in_words(p: f64) -> String {
+    let is = if p < 0.001 { "" } else { "= " };
+    format!("p {is}{}", p_value(p))
+}
+
 fn in_words(
     slopes: &[f64],
     slope: Option<&SlopeTest>,
@@ -340,19 +346,16 @@ fn in_words(
     };
     let mut text = format!(
         "The standing height changes by {} mm per cm of falling height, 95 % confidence {} to {} \
-         (t-test of {} slopes, p = {})",
+         (t-test of {} slopes, {})",
         number(slope.mean_mm_per_cm, 3),
         number(slope.interval.low, 3),
         number(slope.interval.high, 3),
         slopes.len(),
-        p_value(slope.p)
+        p_in_words(slope.p)
     );
     if let Some(page) = page {
-        text += &format!(
-            "; by ranks alone Page's L is {} (p = {})",
-            number(page.l, 1),
-            p_value(page.p)
-        );
+        text +=
+            &format!("; by ranks alone Page's L is {} ({})", number(page.l, 1), p_in_words(page.p));
     }
     text += match (slope.mean_mm_per_cm < 0.0, slope.p < level, page.map(|p| p.p < level)) {
         (true, true, Some(true)) => ". Both say that it falls.",
@@ -368,7 +371,7 @@ fn in_words(
         Some(n) => {
             let would = match (n > slopes.len(), slope.mean_mm_per_cm > 0.0) {
                 (true, false) => "show it with",
-                (false, false) => "be enough for",
+                (false, false) => "be enough to show it with",
                 (true, true) => "show that it rises with",
                 (false, true) => "be enough to show that it rises with",
             };

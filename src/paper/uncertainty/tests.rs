@@ -49,7 +49,15 @@ fn a_trend_is_found_where_there_is_one() {
     let page = trend.page.expect("a test");
     near("L", 90.0, page.l, 1e-9);
     near("p of L", 24f64.powi(-3), page.p, 1e-12);
-    assert!(trend.verdict.contains("Both say that it falls"), "{}", trend.verdict);
+    // t = −65.8 with 2 of freedom.
+    for said in [
+        "(t-test of 3 slopes, p below 0.001)",
+        "Page's L is 90.0 (p below 0.001)",
+        "Both say that it falls",
+        " configurations would be enough to show it with a probability of 80 %.",
+    ] {
+        assert!(trend.verdict.contains(said), "law: expected `{said}`, got `{}`", trend.verdict);
+    }
     assert!(trend.configurations_needed.is_some_and(|n| n <= 3), "{trend:?}");
 }
 
@@ -58,6 +66,7 @@ fn no_trend_is_found_where_there_is_none_or_the_other() {
     let flat = scattered(0.0, |c, fh| if c == 2 { 0.1 * fh } else { -0.06 * fh });
     let trend = uncertainty(&canned::study(&flat)).trend;
     assert!(trend.verdict.contains("not shown"), "{}", trend.verdict);
+    assert!(trend.verdict.contains("(t-test of 3 slopes, p = 0."), "{}", trend.verdict);
     assert!(trend.configurations_needed.is_some_and(|n| n > 3), "{trend:?}");
     assert!(trend.verdict.contains(" configurations would show it with"), "{}", trend.verdict);
     // Slopes that scatter about a rise: more of them would show no fall.
