@@ -117,21 +117,21 @@ fn creep(study: &StudyView, standard: &Standard) -> Vec<String> {
 
 fn creep_beside_settlement(study: &StudyView) -> Option<String> {
     let shares = settlements(study).into_iter().filter_map(|run| {
-        let (creep_mm, plate_mm) = (run.creep_over_vibration_mm?, run.plate_mm?);
-        let is_known = creep_mm.is_finite() && plate_mm.is_finite();
-        is_known.then(|| (100.0 * creep_mm / plate_mm, creep_mm, plate_mm, run.run))
+        // A specimen that rises at rest is as far from its settlement as one that sinks.
+        let (creep_mm, plate_mm) = (run.creep_over_vibration_mm?.abs(), run.plate_mm?);
+        let percent = 100.0 * creep_mm / plate_mm.abs();
+        percent.is_finite().then_some((percent, creep_mm, plate_mm, run.run))
     });
-    let (percent, creep_mm, plate_mm, run) =
-        shares.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
+    let (percent, creep_mm, plate_mm, run) = shares.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let plate_mm = number(plate_mm, 2);
-    let share = if creep_mm.abs() < 5e-4 {
+    let share = if creep_mm < 5e-4 {
         format!("{} mm of {plate_mm} mm", thousandths(creep_mm))
     } else {
         format!("at most {} mm of {plate_mm} mm, {} %", thousandths(creep_mm), number(percent, 2))
     };
     Some(format!(
         "How much of the settlement could be numerical creep: {share}, in {run} (that of the resting \
-         specimen times the length of the vibration). Under vibration it may be larger than at rest; \
+         specimen, up or down, times the length of the vibration). Under vibration it may be larger than at rest; \
          no rest test shows that."
     ))
 }

@@ -113,6 +113,23 @@ fn a_whole_study_is_shown_whole() {
     assert_says(&page, &all);
 }
 
+/// Law: numerical creep that lifts a specimen is a share of its settlement as one that lowers it;
+/// a plate that did not settle has no share.
+#[test]
+fn creep_upwards_is_no_negative_share_of_a_settlement() {
+    let mut runs = canned::runs();
+    for run in &mut runs {
+        run.summary.creep_um_per_s = run.summary.creep_um_per_s.map(|creep| -creep);
+    }
+    let plate = runs[4].summary.settlement_mm.as_mut();
+    plate.expect("a vibrated run").final_mm = 0.0;
+    let (page, _) = make_report(canned::study(&runs), &[]);
+    assert_says(
+        &page,
+        &["at most 1.035 mm of 20.00 mm, 5.1", "in vibration-intermittent-c3 (that"],
+    );
+}
+
 /// Law: the page says of each run whether it is valid, and its numbers are of those that are.
 #[test]
 fn the_page_says_which_runs_do_not_count() {
