@@ -136,7 +136,7 @@ pub use schema::{document_schema, load_document, schema};
 pub use stages::*;
 pub use stock::{InertiaRule, StockSettings};
 pub use until::{AllOfSpec, ConditionSpec, UntilSpec};
-pub use validate::warnings;
+pub use validate::{is_of_coarse_steps, warnings};
 
 // What its parts are made of, too.
 use std::f64::consts::PI;

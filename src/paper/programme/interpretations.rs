@@ -133,7 +133,7 @@ mod tests {
     use super::*;
     use crate::geometry::{ConvexPolyhedron, MassProperties, Pose, Vector};
     use crate::protocol::Setup;
-    use crate::scenario::{Scenario, warnings};
+    use crate::scenario::{Scenario, is_of_coarse_steps, warnings};
     use crate::world::{Body, BodyState, Material, Motion, create};
 
     fn scenario(interpretation: &str, of: &str) -> Scenario {
@@ -152,7 +152,10 @@ mod tests {
             for of in ["paper/pluviation.json", "paper/vibration-intermittent.json"] {
                 let scenario = scenario(interpretation.name, of);
                 let coarse = interpretation.name.starts_with("blender");
-                let warned = !warnings(&scenario).is_empty();
+                let warnings = warnings(&scenario);
+                let warned = !warnings.is_empty();
+                let of_steps = warnings.iter().any(|warning| is_of_coarse_steps(warning));
+                assert_eq!(of_steps, coarse, "law: {} of {of}: {warnings:?}", interpretation.name);
                 assert_eq!(
                     warned, coarse,
                     "{} of {of}: coarse steps warned of",

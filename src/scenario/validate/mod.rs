@@ -194,6 +194,14 @@ pub(super) fn faults(value: &Value, found: Option<&Grading>) -> Vec<Fault> {
     found
 }
 
+/// How a warning of steps that cannot resolve the motion begins.
+const LET_PASS: &str = "let pass by engine.allow_coarse_steps: ";
+
+/// Whether a warning is of steps that cannot resolve the motion.
+pub fn is_of_coarse_steps(warning: &str) -> bool {
+    warning.starts_with(LET_PASS)
+}
+
 /// What a valid scenario's results must be read with: values that are typed and far from what the
 /// grains ask for, apparatus that does not suit them, samples that do not show a vibration, and steps
 /// that cannot resolve the motion but that `engine.allow_coarse_steps` lets pass.
@@ -206,7 +214,7 @@ pub fn warnings(scenario: &Scenario) -> Vec<String> {
     if parts.engine.as_ref().is_some_and(|e| e.allow_coarse_steps) {
         let mut coarse = Vec::new();
         time_step::find_coarse_steps(&parts, &mut Faults::of(&mut coarse));
-        let words = |fault: &Fault| format!("let pass by engine.allow_coarse_steps: {fault}");
+        let words = |fault: &Fault| format!("{LET_PASS}{fault}");
         warnings.extend(coarse.iter().map(words));
     }
     warnings

@@ -4,6 +4,7 @@ use super::*;
 use crate::in_order::each_once;
 use crate::paper::report::sections::paper_value;
 use crate::report::settlement::SETTLEMENTS;
+use crate::scenario::is_of_coarse_steps;
 
 /// A row of the table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -130,7 +131,8 @@ pub(super) fn rows(columns: &[InterpretationColumn]) -> Vec<InterpretationRow> {
         InterpretationCell::of([c.emptied().count() as f64])
     });
     table.words("steps too coarse for the motion", |c| {
-        if c.warnings.is_empty() { "no" } else { "yes" }.to_owned()
+        let is_coarse = c.warnings.iter().any(|warning| is_of_coarse_steps(warning));
+        if is_coarse { "yes" } else { "no" }.to_owned()
     });
     table.part = "Figure 7: standing height, mean surface";
     for fh in constants::FALLING_HEIGHTS_MM {

@@ -31,7 +31,7 @@ fn columns() -> Vec<InterpretationColumn> {
         run: "pluviation-c1".into(),
         reason: "body 3 | flew <off>".into(),
     }];
-    failed.warnings = vec!["steps too coarse".into()];
+    failed.warnings = vec!["let pass by engine.allow_coarse_steps: engine.rate_hz: too low".into()];
     let emptied = column("emptied", |runs| {
         for run in runs {
             run.summary.grains.in_cylinder = 0;
@@ -45,7 +45,9 @@ fn columns() -> Vec<InterpretationColumn> {
             (run.summary.meets_standard, run.summary.valid) = (false, false);
         }
     });
-    vec![column("plain", |_| {}), higher, failed, emptied]
+    let mut plain = column("plain", |_| {});
+    plain.warnings = vec!["contact.restitution: it is unusual".into()];
+    vec![plain, higher, failed, emptied]
 }
 
 fn row<'a>(rows: &'a [InterpretationRow], quantity: &str) -> &'a InterpretationRow {
@@ -74,6 +76,9 @@ fn cells_are_means_and_ranges_of_the_runs() {
     }
     assert_eq!(row("runs made").cells[2].words, "0 of 18");
     assert_eq!(row("runs that failed").cells[2].words, "1, see failed");
+    let coarse = row("steps too coarse for the motion").cells.iter().map(|c| c.words.as_str());
+    let expected = ["no", "no", "yes", "no"];
+    assert_eq!(coarse.collect::<Vec<_>>(), expected, "law: by warnings of the steps alone");
     assert_eq!(row("runs that lost every grain").cells[3].value, Some(18.0));
     assert_eq!(row("grains through walls or floor").cells[3].value, Some(1456.0));
     assert_eq!(row("overlap of grains, mean").cells[1].value, Some(7.0));
