@@ -94,14 +94,7 @@ impl Nested {
             groups: groups.len(),
             values: count as usize,
             mean: Bounded { value: of_means, low: of_means - half, high: of_means + half },
-            within: mean_square_within.and_then(|w| {
-                let chi = ChiSquared::new(free_w).ok()?;
-                Some(Bounded {
-                    value: w,
-                    low: free_w * w / chi.inverse_cdf(1.0 - tail),
-                    high: free_w * w / chi.inverse_cdf(tail),
-                })
-            }),
+            within: mean_square_within.and_then(|w| variance(w, free_w, tail)),
             between: estimated.zip(interval).map(|(value, (low, high))| Bounded {
                 value: value.max(0.0),
                 low: low.max(0.0),
@@ -118,6 +111,25 @@ impl Nested {
             }),
         })
     }
+}
+
+/// Variance of the values of one group alone, with its interval at a confidence such as 0.95;
+/// `None` of fewer than two values, where one is not finite, or for a confidence that is none.
+pub fn variance_of_one(values: &[f64], confidence: f64) -> Option<Bounded> {
+    let sound = values.iter().all(|v| v.is_finite()) && confidence > 0.0 && confidence < 1.0;
+    let deviation = sample_standard_deviation(values).filter(|_| sound)?;
+    variance(deviation.powi(2), (values.len() - 1) as f64, (1.0 - confidence) / 2.0)
+}
+
+/// A mean square with the exact χ² interval of its variance, with so much probability beyond
+/// either end.
+fn variance(mean_square: f64, freedom: f64, tail: f64) -> Option<Bounded> {
+    let chi = ChiSquared::new(freedom).ok()?;
+    Some(Bounded {
+        value: mean_square,
+        low: freedom * mean_square / chi.inverse_cdf(1.0 - tail),
+        high: freedom * mean_square / chi.inverse_cdf(tail),
+    })
 }
 
 /// Modified large-sample interval of (θ_b − θ_w)/n from mean squares with their degrees of
@@ -174,6 +186,18 @@ mod tests {
         // F = 38.4 with 2 and 9: p = (1 + 2F/9)^(−9/2), exact for 2 above.
         let p = (1.0 + 2.0 * 38.4 / 9.0_f64).powf(-4.5);
         assert_near("p", p, got.p_between.unwrap(), 1e-9);
+    }
+
+    /// 8, 9, 10: s² = 1 with 2 of freedom; χ² of 2 at 2.5 and 97.5 % is −2 ln 0.975 and −2 ln 0.025.
+    #[test]
+    fn one_group_has_a_variance_by_hand() {
+        let got = variance_of_one(&[8.0, 9.0, 10.0], 0.95).expect("three values");
+        assert_near("s²", 1.0, got.value, 1e-12);
+        assert_near("lower end of σ²", -1.0 / 0.025_f64.ln(), got.low, 1e-5);
+        assert_near("upper end of σ²", -1.0 / 0.975_f64.ln(), got.high, 1e-3);
+        assert_eq!(variance_of_one(&[8.0], 0.95), None, "law: one value has no scatter");
+        assert_eq!(variance_of_one(&[8.0, f64::NAN], 0.95), None, "law: no number");
+        assert_eq!(variance_of_one(&[8.0, 9.0], 1.0), None, "law: no confidence");
     }
 
     /// Groups of 1, 2 and 3 values, by hand: 2 | 4, 6 | 8, 9, 10. N = 6, the grand mean is

@@ -2,7 +2,7 @@
 //! placement, and how far with the specimen.
 
 use super::*;
-use crate::measure::nested::{Bounded, Nested};
+use crate::measure::nested::{Bounded, Nested, variance_of_one};
 
 /// Name of the quantity that the paper gives a range of.
 pub(in crate::paper) const SETTLEMENT_OF_PLATE: &str = "settlement of the plate, final";
@@ -30,7 +30,7 @@ pub struct PlacementScatter {
     pub standard_deviation_of_specimens: Option<f64>,
     /// Its confidence interval.
     pub interval_of_specimens: Option<Interval>,
-    /// Standard deviation between placements on one specimen.
+    /// Standard deviation between placements on one specimen; null where none has two.
     pub standard_deviation_of_placements: Option<f64>,
     /// Its confidence interval.
     pub interval_of_placements: Option<Interval>,
@@ -96,7 +96,9 @@ fn one(
     let n = nested.as_ref();
     let root = |b: Option<Bounded>| b.map(|b| b.value.max(0.0).sqrt());
     let ends = |b: Option<Bounded>| b.map(|b| Interval::new(b.low.sqrt(), b.high.sqrt()));
-    let (within, between) = (n.and_then(|n| n.within), n.and_then(|n| n.between));
+    // One specimen still shows how far its placements scatter.
+    let alone = || groups.iter().find_map(|values| variance_of_one(values, CONFIDENCE));
+    let (within, between) = (n.map_or_else(alone, |n| n.within), n.and_then(|n| n.between));
     PlacementScatter {
         name: name.to_owned(),
         unit: unit.to_owned(),
@@ -113,11 +115,11 @@ fn one(
 }
 
 fn note(groups: &[Vec<f64>], nested: Option<&Nested>) -> String {
-    let Some(nested) = nested else {
-        return "With one specimen, the scatter between specimens is unknown.".to_owned();
-    };
     let mut notes = Vec::new();
-    if let Some(estimated) = nested.between_as_estimated.filter(|v| *v < 0.0) {
+    if nested.is_none() {
+        notes.push("With one specimen, the scatter between specimens is unknown.".to_owned());
+    }
+    if let Some(estimated) = nested.and_then(|n| n.between_as_estimated).filter(|v| *v < 0.0) {
         notes.push(format!(
             "The variance between specimens comes out as {}, and is taken to be 0: they differ by \
              less than their placements make expect.",
@@ -129,7 +131,7 @@ fn note(groups: &[Vec<f64>], nested: Option<&Nested>) -> String {
         let least = counted(least, "placement");
         notes.push(format!("Only {least} on a specimen; {ENOUGH} are asked for."));
     }
-    if nested.groups < 3 {
+    if nested.is_some_and(|n| n.groups < 3) {
         notes.push("Two specimens: their scatter is hardly known.".to_owned());
     }
     notes.join(" ")
@@ -219,6 +221,12 @@ mod tests {
         assert_eq!(claims(&own), claims(&runs), "law: placements answer no claim of the paper");
         let found = scatter(&study, &study);
         assert_eq!(found[0].mean, None, "law: one specimen tells nothing of others");
-        assert!(found[0].note.starts_with("With one specimen"), "{}", found[0].note);
+        for said in ["With one specimen, ", " Only 2 placements on a specimen; 10 are asked for."] {
+            assert!(found[0].note.contains(said), "law: `{said}` in {}", found[0].note);
+        }
+        // 1 and 2: s² = ½ with 1 of freedom.
+        let placements = found[0].standard_deviation_of_placements.expect("of two placements");
+        assert!((placements - 0.5_f64.sqrt()).abs() < 1e-12, "law: √½, got {placements}");
+        assert_eq!(found[0].standard_deviation_of_specimens, None, "law: not of specimens");
     }
 }
