@@ -6,6 +6,7 @@ use serde::de::DeserializeOwned;
 use super::*;
 use crate::protocol::Progress;
 use crate::record::{Beside, hash_json, keep_beside};
+use crate::study::STAGE_FORMAT;
 
 /// Folder of the columns in the output folder.
 const FOLDER: &str = "beside";
@@ -68,13 +69,18 @@ fn dashed(label: &str) -> String {
     name
 }
 
-/// A hash of a programme without its engine.
+/// A hash of a programme without its engine, of results as this build computes them: those of a
+/// build that computes others do not stand beside them.
 pub(super) fn programme_hash(scenarios: &[&Scenario], configurations: u32) -> String {
+    hash_of_format(scenarios, configurations, STAGE_FORMAT)
+}
+
+fn hash_of_format(scenarios: &[&Scenario], configurations: u32, format: u32) -> String {
     let without: Vec<Scenario> = scenarios
         .iter()
         .map(|s| Scenario { engine: EngineSettings::default(), ..(*s).clone() })
         .collect();
-    hash_json(&(without, configurations))
+    hash_json(&(without, configurations, format))
 }
 
 /// Keeps something in a folder, and gives what others left there of the same programme; what is
@@ -175,5 +181,7 @@ mod tests {
         assert_eq!(hash(&scenario, 3), hash(&engine, 3), "law: the engine does not count");
         assert_ne!(hash(&scenario, 3), hash(&seed, 3), "law: the seed counts");
         assert_ne!(hash(&scenario, 3), hash(&scenario, 2), "law: configurations count");
+        let earlier = hash_of_format(&[&scenario], 3, STAGE_FORMAT - 1);
+        assert_ne!(hash(&scenario, 3), earlier, "law: the format of results counts");
     }
 }

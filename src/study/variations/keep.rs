@@ -9,7 +9,7 @@ const FOLDER: &str = "rows";
 /// The rows of one build.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Rows {
-    /// Hash of what was done, the engine's build aside.
+    /// Hash of what was done, the engine's precision aside.
     programme: String,
     rows: Vec<RunRow>,
 }

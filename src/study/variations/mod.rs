@@ -124,11 +124,16 @@ impl Varied {
         })
     }
 
-    /// A hash of everything that is to be done, the engine's build aside.
+    /// A hash of everything that is to be done, the engine's precision aside, of results as this
+    /// build computes them.
     pub fn programme(&self, configurations: u32) -> String {
+        self.programme_of_format(configurations, STAGE_FORMAT)
+    }
+
+    fn programme_of_format(&self, configurations: u32, format: u32) -> String {
         let named: Vec<(&str, Option<u32>, &Scenario)> =
             self.all.iter().map(|(v, s)| (v.name.as_str(), v.configurations, s)).collect();
-        hash_json(&(named, configurations))
+        hash_json(&(named, configurations, format))
     }
 }
 

@@ -160,6 +160,10 @@ fn programmes_are_told_apart_by_all_that_is_done() {
         assert_ne!(one, of(other, n), "law: another programme, another name");
     }
     assert_ne!(one, of(&[("a", &["seed=2"])], 3), "configurations count");
+    let same = varied(folder.path(), &[("a", &["seed=2"])]).expect("sound");
+    assert_eq!(one, same.programme_of_format(2, STAGE_FORMAT), "law: that of this build");
+    let earlier = same.programme_of_format(2, STAGE_FORMAT - 1);
+    assert_ne!(one, earlier, "law: an earlier build computed other results");
 }
 
 /// Law: every configuration stands in one range, and there are four runs together for each core, or
