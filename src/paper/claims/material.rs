@@ -67,7 +67,10 @@ fn no_crushing(study: &StudyView) -> Claim {
     let change = change.map(|s| s.largest_change_percent.unwrap_or(f64::NAN));
     let change = change.reduce(|most, c| if most.is_nan() || c <= most { most } else { c });
     // Of grains that were not sieved anew nothing is shown.
-    let change = change.map_or_else(String::new, |c| format!(" The largest change is {c:.1e} %."));
+    let change = change.map_or_else(String::new, |c| match c.is_nan() {
+        true => " The largest change is no number.".to_owned(),
+        false => format!(" The largest change is {c:.1e} %."),
+    });
     let kept = match largest {
         Some(0) => {
             " Grains are rigid and cannot break: this shows that the engine kept every one as it was \

@@ -70,6 +70,8 @@ fn grains_that_changed_or_are_lost_are_no_proof_that_none_was_crushed() {
     let c = claim_of(&|s| s.lost = 1);
     assert_eq!((c.verdict, c.ours), (Verdict::Outside, Some(1.0)), "one is lost: {c:?}");
     assert!(!c.note.contains("kept every one"), "law: one was not kept: {}", c.note);
+    let c = claim_of(&|s| (s.changed, s.largest_change_percent) = (1, None));
+    assert!(c.note.contains("The largest change is no number."), "law: said, got {}", c.note);
     let c = claim_of(&|s| s.spilled = 1);
     assert_eq!(c.verdict, Verdict::Within, "what spilled is accounted for: {c:?}");
     let mut runs = canned::valid_runs();
