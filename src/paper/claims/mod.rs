@@ -39,11 +39,16 @@ pub fn claims(study: &StudyView) -> Vec<Claim> {
         let smaller = format!("{} grains instead of {GRAIN_COUNT}", study.grain_count);
         for claim in claims.iter_mut().filter(|c| c.full_size) {
             let shaken = ["continuous-", "intermittent-"].iter().any(|of| claim.id.starts_with(of));
+            let time = if shaken { ", shaken for less time" } else { "" };
+            let reason = format!("{smaller}{time}");
             match claim.verdict {
                 Verdict::Within | Verdict::Outside => {
-                    let time = if shaken { ", shaken for less time" } else { "" };
-                    let reason = format!("{smaller}{time}");
                     claim.not_comparable(&reason);
+                    claim.add_note(&format!("Not compared: {reason}."));
+                }
+                // What it counts is itself a comparison with the laboratory.
+                Verdict::NotStated => {
+                    (claim.ours, claim.not_valid) = (None, None);
                     claim.add_note(&format!("Not compared: {reason}."));
                 }
                 // The runs are there, and too short to show it.

@@ -300,6 +300,13 @@ fn the_quick_study_compares_nothing_of_the_full_size() {
     assert_eq!(of("continuous-final-settlement-1"), Some(Verdict::NotComparable));
     assert_eq!(of("continuous-final-settlement-3"), Some(Verdict::NotRun));
     assert_eq!(of("solid-density"), Some(Verdict::Within));
+    let below = |of: &[Claim]| {
+        let found = of.iter().find(|c| c.id == "intermittent-case-below-minimum");
+        found.expect("a claim").clone()
+    };
+    assert_eq!((below(&full).ours, below(&quick).ours), (Some(0.0), None), "law: not counted");
+    let why = "Not compared: 364 grains instead of 1456, shaken for less time.";
+    assert!(below(&quick).note.ends_with(why), "law: why, got {}", below(&quick).note);
     assert!(
         full.iter().all(|c| !c.reason.contains("instead of")),
         "law: the paper's own is compared"

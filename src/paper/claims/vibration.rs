@@ -192,7 +192,7 @@ fn below_minimum(study: &StudyView) -> Claim {
         let percent = 100.0 * (1.0 - s / minimum);
         format!("{} % (configuration {})", number(percent, 0), r.configuration)
     };
-    let by: Vec<String> = below.iter().map(in_words).collect();
+    let by: Vec<String> = below.iter().filter(|_| !study.quick).map(in_words).collect();
     Draft::of("intermittent-case-below-minimum")
         .ours((!finals.is_empty()).then_some(below.len() as f64))
         .runs(finals.iter().map(|f| f.0))
