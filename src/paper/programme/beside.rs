@@ -19,10 +19,25 @@ pub(super) fn label(engine: &EngineSettings) -> String {
         contact_solver: engine.contact_solver,
         ..EngineSettings::default()
     };
+    with_changes(engine.solver_name().to_owned(), &default, engine)
+}
+
+/// An interpretation of the paper, whose own engine is given, in words: its name, and every
+/// setting of the engine that is changed beside it.
+pub(super) fn interpretation_label(
+    name: &str,
+    own: &EngineSettings,
+    engine: &EngineSettings,
+) -> String {
+    with_changes(format!("interpretation {name}"), own, engine)
+}
+
+/// A name followed by the settings of an engine that are not those of another.
+fn with_changes(name: String, from: &EngineSettings, to: &EngineSettings) -> String {
     let as_json = |e: &EngineSettings| serde_json::to_value(e).unwrap_or(Value::Null);
     let mut changed = Vec::new();
-    differences(&as_json(&default), &as_json(engine), "", &mut changed);
-    std::iter::once(engine.solver_name().to_owned()).chain(changed).collect::<Vec<_>>().join(", ")
+    differences(&as_json(from), &as_json(to), "", &mut changed);
+    std::iter::once(name).chain(changed).collect::<Vec<_>>().join(", ")
 }
 
 /// The leaves of `b` that are not those of `a`, as `path value`.
@@ -53,12 +68,8 @@ pub(super) fn suffix(engine: &EngineSettings) -> String {
     dashed(&label)
 }
 
-/// The same for an interpretation of the paper.
-pub(super) fn interpretation_suffix(name: &str) -> String {
-    format!("-interpretation{}", dashed(name))
-}
-
-fn dashed(label: &str) -> String {
+/// A label as a part of names of runs and files.
+pub(super) fn dashed(label: &str) -> String {
     let letters = label.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' });
     let mut name = String::from("-");
     for letter in letters {
@@ -81,6 +92,11 @@ fn hash_of_format(scenarios: &[&Scenario], configurations: u32, format: u32) -> 
         .map(|s| Scenario { engine: EngineSettings::default(), ..(*s).clone() })
         .collect();
     hash_json(&(without, configurations, format))
+}
+
+/// A hash of a programme, which is given by its own, with an engine.
+pub(super) fn programme_and_engine_hash(programme: &str, engine: &EngineSettings) -> String {
+    hash_json(&(programme, engine))
 }
 
 /// Keeps something in a folder, and gives what others left there of the same programme; what is
@@ -145,6 +161,24 @@ mod tests {
             assert_eq!(label(engine), words, "law: the label of {engine:?}");
             assert_eq!(suffix(engine), name, "law: the name of {engine:?}");
             assert_eq!(engine.is_stock(), words == "stock", "law: of Bullet alone: {engine:?}");
+        }
+    }
+
+    /// Law: an interpretation is known by its name and by what is changed of its own engine.
+    #[test]
+    fn labels_of_interpretations_name_what_is_changed_beside_them() {
+        let own = EngineSettings { rate_hz: 960.0, ..EngineSettings::default() };
+        let stock = EngineSettings { contact_solver: ContactSolver::Stock, ..own.clone() };
+        for (engine, words, name) in [
+            (&own, "interpretation full_stroke", "-interpretation-full-stroke"),
+            (
+                &stock,
+                "interpretation full_stroke, contact_solver stock",
+                "-interpretation-full-stroke-contact-solver-stock",
+            ),
+        ] {
+            let label = interpretation_label("full_stroke", &own, engine);
+            assert_eq!((label.as_str(), dashed(&label).as_str()), (words, name), "law: {engine:?}");
         }
     }
 

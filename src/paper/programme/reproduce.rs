@@ -97,6 +97,11 @@ impl Scenarios {
         interpretation: Option<&Interpretation>,
         changes: &[Override],
     ) -> Result<Self, StudyError> {
+        let poured = if quick { "quick/pluviation.json" } else { "paper/pluviation.json" };
+        let own_engine = |of: &Interpretation| -> Result<EngineSettings, StudyError> {
+            Ok(preset(poured, &of.changes_of(poured)?)?.engine)
+        };
+        let own_engine = interpretation.map(own_engine).transpose()?;
         let preset = |name| {
             let mut all = interpretation.map_or(Ok(Vec::new()), |r| r.changes_of(name))?;
             all.extend_from_slice(changes);
@@ -105,10 +110,10 @@ impl Scenarios {
         let [pluviation, continuous, intermittent] = if quick {
             let continuous = preset("quick/vibration.json")?;
             let intermittent = intermittent_of(&continuous);
-            [preset("quick/pluviation.json")?, continuous, intermittent]
+            [preset(poured)?, continuous, intermittent]
         } else {
             [
-                preset("paper/pluviation.json")?,
+                preset(poured)?,
                 preset("paper/vibration-continuous.json")?,
                 preset("paper/vibration-intermittent.json")?,
             ]
@@ -120,12 +125,13 @@ impl Scenarios {
             Some(_) => None,
         };
         let engine = &pluviation.engine;
-        let (label, suffix) = match interpretation {
+        let (label, suffix) = match interpretation.zip(own_engine) {
             None => (beside::label(engine), beside::suffix(engine)),
-            Some(interpretation) => (
-                format!("interpretation {}", interpretation.name),
-                beside::interpretation_suffix(interpretation.name),
-            ),
+            Some((interpretation, own)) => {
+                let label = beside::interpretation_label(interpretation.name, &own, engine);
+                let suffix = beside::dashed(&label);
+                (label, suffix)
+            }
         };
         let changes = changes.to_vec();
         Ok(Self { pluviation, continuous, intermittent, repose, label, suffix, quick, changes })
@@ -136,6 +142,17 @@ impl Scenarios {
     pub(super) fn programme_hash(&self, configurations: u32) -> Result<String, StudyError> {
         let plain = Self::load(self.quick, None, &self.changes)?;
         Ok(beside::programme_hash(&plain.all(), configurations))
+    }
+
+    /// A hash of the programme without its interpretation, and with its engine as it is without:
+    /// interpretations that have the same may stand side by side.
+    pub(super) fn programme_of_interpretations_hash(
+        &self,
+        configurations: u32,
+    ) -> Result<String, StudyError> {
+        let plain = Self::load(self.quick, None, &self.changes)?;
+        let programme = beside::programme_hash(&plain.all(), configurations);
+        Ok(beside::programme_and_engine_hash(&programme, plain.engine()))
     }
 
     /// All of them.
@@ -410,6 +427,33 @@ mod tests {
             let is_refused = got.as_ref().is_some_and(|got| got.contains(&said));
             assert_eq!(is_refused, refused, "law: of {typed} (got left): {got:?}");
         }
+    }
+
+    /// Law: an interpretation with another engine has names of its own, so that it stands beside
+    /// itself in `reproduce`; in `interpretations`, where every column has the same changes, it
+    /// is another programme.
+    #[test]
+    fn a_changed_engine_is_no_other_interpretation() {
+        let load = |name: &str, typed: &[&str]| {
+            let interpretation = Interpretation::named(name).expect("an interpretation");
+            let changes: Vec<Override> =
+                typed.iter().map(|text| text.parse().expect("a change")).collect();
+            Scenarios::load(true, Some(&interpretation), &changes).expect("scenarios")
+        };
+        let stock = ["engine.contact_solver=stock"];
+        let (plain, changed) = (load("full_stroke", &[]), load("full_stroke", &stock));
+        assert_eq!(plain.label, "interpretation full_stroke");
+        assert_eq!(plain.suffix, "-interpretation-full-stroke", "law: the name alone");
+        assert!(changed.label.contains("full_stroke, contact_solver stock"), "{}", changed.label);
+        assert_ne!(plain.suffix, changed.suffix, "law: runs of both have their names");
+        let reproduced = |of: &Scenarios| of.programme_hash(1).expect("a hash");
+        assert_eq!(reproduced(&plain), reproduced(&changed), "law: beside each other");
+        let compared = |of: &Scenarios| of.programme_of_interpretations_hash(1).expect("a hash");
+        assert_ne!(compared(&plain), compared(&changed), "law: other changes in all columns");
+        let other = load("per_body", &[]);
+        assert_eq!(compared(&plain), compared(&other), "law: interpretations stand side by side");
+        let own = load("bullet_stock", &[]);
+        assert_eq!(compared(&plain), compared(&own), "law: whatever engine they have themselves");
     }
 
     /// Law: the command that is shown gives the same programme again, with every change.

@@ -105,7 +105,7 @@ fn carry_out_interpretation(
         meaning: interpretation.meaning.clone(),
         source: interpretation.source.clone(),
         settings: beside::label(&scenarios.pluviation.engine),
-        programme: scenarios.programme_hash(options.configurations)?,
+        programme: scenarios.programme_of_interpretations_hash(options.configurations)?,
         quick: options.quick,
         configurations: options.configurations,
         planned_runs: runs.len(),
