@@ -66,8 +66,8 @@ pub(super) fn scorecard(card: &Scorecard) -> Vec<Block> {
             "the 95 % confidence interval of the mean in brackets. “Within”: the mean lies within "
             "the range taken for the paper's number; of a count: all show it; of the angle: the "
             "interval contains the paper's. “Not decided”: the interval reaches across an end of "
-            "the paper's range, or that of what is counted does not confirm the count. Every "
-            "statement by itself: "
+            "the paper's range, that of what is counted does not confirm the count, or one run has "
+            "none. Every statement by itself: "
             a href="#claims" { "table" } "."
         }
     };

@@ -49,7 +49,7 @@ pub(super) fn paragraph(study: &StudyView, rows: &[ScoreRow]) -> String {
     let missed: Vec<String> = of(Verdict::Outside).map(missed).collect();
     sentences.extend(said("Not reproduced", &missed));
     let open: Vec<String> = rows.iter().filter(|r| r.stands().is_none()).map(undecided).collect();
-    sentences.extend(said("Not decided (intervals leave it open)", &open));
+    sentences.extend(said("Not decided (runs are too few, or scatter too much)", &open));
     if !reproduced.is_empty() && missed.is_empty() && open.is_empty() {
         sentences.push("Nothing that could be compared is missed.".to_owned());
     }
