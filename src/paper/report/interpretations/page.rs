@@ -55,8 +55,9 @@ fn how_read(columns: &[InterpretationColumn]) -> String {
          and the largest in brackets. Runs that do not count in means (docs/accuracy.md) are left \
          out of it, and counted; where no run is valid, the mean is of those that are not, and \
          marked “not valid”: the two never stand in one mean. Under “Credibility” all numbers but \
-         the void ratio are of all runs, which are judged by them. “All” stands for the number of \
-         what a statement is of, where columns differ in it. ✓ and ✗: the paper's statement is \
+         the void ratio are of all runs, which are judged by them. Under “The paper's statements” \
+         a cell is what the statement is judged by, a count or the largest value for some. “All” \
+         stands for the number of what a statement is of, where columns differ in it. ✓ and ✗: the paper's statement is \
          met, or it is not.",
         counted(configurations as usize, "configuration")
     )
