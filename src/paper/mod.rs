@@ -66,5 +66,5 @@ use {
     claim::{Draft, unit_of},
     constants::{CONTINUOUS_S, FALLING_HEIGHTS_MM, MM_IN_CM, VIBRATED_FALLING_HEIGHT_MM},
     uncertainty::{CONFIDENCE, PlacementScatter, trend},
-    view::{angle_of_repose, height_mm, plate, surface},
+    view::{angle_of_repose, height_mm, plate, share_percent, surface},
 };

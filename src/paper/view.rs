@@ -137,6 +137,12 @@ pub(super) fn surface(run: &RunRecord) -> Option<&Settlement> {
     run.summary.surface_settlement_mm.as_ref()
 }
 
+/// Share in percent of a part of a settlement; none where the whole is no settlement, as of a plate
+/// that rose.
+pub(super) fn share_percent(part_mm: f64, whole_mm: f64) -> Option<f64> {
+    (whole_mm > 0.0).then(|| 100.0 * part_mm / whole_mm)
+}
+
 /// Settlement over the time since vibration began up to the end of the last period: while the table
 /// shakes, and rests between periods.
 pub(crate) fn shaken_curve(

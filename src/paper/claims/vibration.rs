@@ -127,10 +127,8 @@ fn share_after_5_s(study: &StudyView, configuration: u32) -> Claim {
 
 fn share_in_first_period(study: &StudyView, configuration: u32) -> Claim {
     let run = study.vibration(RunKind::VibrationIntermittent, configuration);
-    let share = run.and_then(plate).and_then(|s| {
-        let first = s.after_each_period.first()?;
-        (s.final_mm != 0.0).then(|| 100.0 * first / s.final_mm)
-    });
+    let share =
+        run.and_then(plate).and_then(|s| share_percent(*s.after_each_period.first()?, s.final_mm));
     Draft::of_configuration("intermittent-share-in-first-period", configuration)
         .ours(share)
         .runs(run)

@@ -39,7 +39,7 @@ pub(super) fn rows(all: &StudyView, study: &StudyView, claims: &[Claim]) -> Vec<
     };
     let after_20_s = settled(continuous, |s| Some(s.final_mm));
     let after_5_s = settled(continuous, |s| Some(100.0 * s.share_after_5_s?));
-    let of_first = |s: &Settlement| Some(100.0 * s.after_each_period.first()? / s.final_mm);
+    let of_first = |s: &Settlement| share_percent(*s.after_each_period.first()?, s.final_mm);
     let after_first = settled(intermittent, of_first);
     let after_last = settled(intermittent, |s| Some(s.final_mm));
     let angles = study.values(RunKind::Repose, angle_of_repose);

@@ -219,7 +219,7 @@ pub fn uncertainty(all: &StudyView) -> Uncertainty {
             };
             add(name(first), "mm", &early);
             add(name("final"), "mm", &|s| Some(s.final_mm));
-            add(name(&format!("share {first}")), "%", &|s| Some(100.0 * early(s)? / s.final_mm));
+            add(name(&format!("share {first}")), "%", &|s| share_percent(early(s)?, s.final_mm));
         }
     }
     let laboratory = laboratory(&quantities);

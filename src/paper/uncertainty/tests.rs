@@ -109,6 +109,32 @@ fn what_the_laboratory_did_not_state_is_not_made_up() {
     assert_eq!(found[1].ours, Some(Interval::new(16.0, 20.0)));
 }
 
+/// Law: a plate that rose has no share of a settlement; its height still counts.
+#[test]
+fn what_rose_has_no_share() {
+    let mut runs = canned::valid_runs();
+    for run in runs.iter_mut().filter(|r| r.configuration == 1) {
+        if let Some(settled) = &mut run.summary.settlement_mm {
+            (settled.final_mm, settled.share_after_5_s) = (-2.0, None);
+        }
+    }
+    let study = canned::study(&runs);
+    let counted = |name: &str| {
+        let found = uncertainty(&study).quantities.into_iter().find(|q| q.name == name);
+        found.unwrap_or_else(|| panic!("no {name}")).values.len()
+    };
+    for (name, expected) in [
+        ("continuous vibration, plate, final", 3),
+        ("continuous vibration, plate, share after 5 s", 2),
+        ("intermittent vibration, plate, share after the first period", 2),
+    ] {
+        assert_eq!(counted(name), expected, "law: {name}");
+    }
+    let claims = crate::paper::claims(&study);
+    let share = claims.iter().find(|c| c.id == "intermittent-share-in-first-period-1");
+    assert_eq!(share.expect("a claim").verdict, Verdict::NotRun, "law: it tells nothing");
+}
+
 /// Law: intervals and slopes are of the runs that count; what is left out is named.
 #[test]
 fn what_is_not_valid_is_left_out_of_intervals_and_slopes() {

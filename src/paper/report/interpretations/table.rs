@@ -198,7 +198,7 @@ impl Rows<'_> {
             self.add(&format!("{what}, {first}"), "mm", "", |c| cell(c, &early));
             let last = |s: &Settlement| Some(s.final_mm);
             self.add(&format!("{what}, final"), "mm", lab, |c| cell(c, &last));
-            let of_final = |s: &Settlement| Some(100.0 * early(s)? / s.final_mm);
+            let of_final = |s: &Settlement| share_percent(early(s)?, s.final_mm);
             self.add(&format!("{what}, share {first}"), "%", share, |c| cell(c, &of_final));
         }
     }
