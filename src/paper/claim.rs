@@ -103,6 +103,9 @@ const NOT_RUN: &str = "Not run.";
 /// Said where runs are there, but do not tell.
 const NOT_MEASURED: &str = "Not measured.";
 
+/// Why the quick study does not show what takes longer.
+pub(super) const TOO_SHORT: &str = "shaken for less time";
+
 /// A statement as `claims.json` has it.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -225,10 +228,12 @@ impl Draft {
 
 impl Claim {
     /// Whether a strict reader counts it as missed: it is outside, or the runs that would show it
-    /// are missing or left out. What the quick study does not compare is no miss.
+    /// are missing or left out. What the quick study does not compare, or is too short to show, is
+    /// no miss.
     pub fn is_missed(&self) -> bool {
         match self.verdict {
-            Verdict::Outside | Verdict::NotRun => true,
+            Verdict::Outside => true,
+            Verdict::NotRun => self.reason != TOO_SHORT,
             Verdict::NotComparable => !self.left_out.is_empty() && self.ours.is_none(),
             Verdict::Within | Verdict::NotStated => false,
         }

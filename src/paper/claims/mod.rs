@@ -10,6 +10,7 @@ mod tests;
 
 pub(super) use vibration::edge_ratio;
 
+use super::claim::TOO_SHORT;
 use super::constants::GRAIN_COUNT;
 use super::*;
 
@@ -39,8 +40,7 @@ pub fn claims(study: &StudyView) -> Vec<Claim> {
         let smaller = format!("{} grains instead of {GRAIN_COUNT}", study.grain_count);
         for claim in claims.iter_mut().filter(|c| c.full_size) {
             let shaken = ["continuous-", "intermittent-"].iter().any(|of| claim.id.starts_with(of));
-            let time = if shaken { ", shaken for less time" } else { "" };
-            let reason = format!("{smaller}{time}");
+            let reason = if shaken { format!("{smaller}, {TOO_SHORT}") } else { smaller.clone() };
             match claim.verdict {
                 Verdict::Within | Verdict::Outside => {
                     claim.not_comparable(&reason);
@@ -53,7 +53,7 @@ pub fn claims(study: &StudyView) -> Vec<Claim> {
                 }
                 // The runs are there, and too short to show it.
                 Verdict::NotRun if shaken && claim.ours.is_none() && !claim.runs.is_empty() => {
-                    "shaken for less time".clone_into(&mut claim.reason);
+                    TOO_SHORT.clone_into(&mut claim.reason);
                 }
                 // What was not run, or in no run that counts, has its own reason.
                 _ => {}

@@ -313,6 +313,20 @@ fn the_quick_study_compares_nothing_of_the_full_size() {
     );
 }
 
+/// Law: what the quick study is too short to show is no miss of a strict reader; of the paper's own
+/// programme it is one.
+#[test]
+fn what_the_quick_study_is_too_short_for_is_no_miss() {
+    let mut runs = canned::valid_runs();
+    for settled in runs.iter_mut().filter_map(|run| run.summary.settlement_mm.as_mut()) {
+        settled.share_after_5_s = None;
+    }
+    let study = canned::study(&runs);
+    let quick = StudyView { quick: true, grain_count: 364, ..study.clone() };
+    let is_missed = |of: &StudyView| claim(of, "continuous-share-after-5-s-1").is_missed();
+    assert_eq!((is_missed(&study), is_missed(&quick)), (true, false), "law: full size, quick");
+}
+
 #[test]
 fn looser_after_vibration_is_outside() {
     let mut runs = canned::valid_runs();
