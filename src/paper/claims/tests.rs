@@ -313,6 +313,23 @@ fn the_quick_study_compares_nothing_of_the_full_size() {
     );
 }
 
+/// Law: a configuration that lacks a height does not show each step, and is not counted.
+#[test]
+fn a_step_that_is_missing_is_not_taken() {
+    let mut runs = canned::valid_runs();
+    let of = |runs: &[RunRecord]| claim(&canned::study(runs), "standing-height-monotone");
+    let whole = of(&runs);
+    assert!(whole.note.starts_with("Of 3."), "law: all three: {}", whole.note);
+    // The second stands higher from 10 cm than from 5.
+    let higher = runs.iter_mut().find(|r| r.name == "pluviation-fh10-c2").expect("a run");
+    higher.summary.standing_height_mm.mean_surface += 50.0;
+    assert_eq!((whole.ours, of(&runs).ours), (Some(3.0), Some(2.0)), "law: it rises once");
+    runs.retain(|r| r.name != "pluviation-fh10-c2");
+    let two = of(&runs);
+    assert_eq!(two.ours, Some(2.0), "law: of the others, not of a step from 5 to 20 cm: {two:?}");
+    assert!(two.note.starts_with("Of 2."), "law: as many: {}", two.note);
+}
+
 /// Law: what the quick study is too short to show is no miss of a strict reader; of the paper's own
 /// programme it is one.
 #[test]
