@@ -47,7 +47,7 @@ pub fn claims(study: &StudyView) -> Vec<Claim> {
                     claim.add_note(&format!("Not compared: {reason}."));
                 }
                 // What it counts is itself a comparison with the laboratory.
-                Verdict::NotStated => {
+                Verdict::NotStated if claim.ours.is_some() || claim.not_valid.is_some() => {
                     (claim.ours, claim.not_valid) = (None, None);
                     claim.add_note(&format!("Not compared: {reason}."));
                 }

@@ -131,8 +131,8 @@ fn creep_beside_settlement(study: &StudyView) -> Option<String> {
     };
     Some(format!(
         "How much of the settlement could be numerical creep: {share}, in {run} (that of the resting \
-         specimen, up or down, times the length of the vibration). Under vibration it may be larger than at rest; \
-         no rest test shows that."
+         specimen, up or down, times the length of the vibration). Under vibration it may be \
+         larger than at rest; no rest test shows that."
     ))
 }
 

@@ -57,8 +57,8 @@ fn how_read(columns: &[InterpretationColumn]) -> String {
          marked “not valid”: the two never stand in one mean. Under “Credibility” all numbers but \
          the void ratio are of all runs, which are judged by them. Under “The paper's statements” \
          a cell is what the statement is judged by, a count or the largest value for some. “All” \
-         stands for the number of what a statement is of, where columns differ in it. ✓ and ✗: the paper's statement is \
-         met, or it is not.",
+         stands for the number of what a statement is of, where columns differ in it. ✓ and ✗: \
+         the paper's statement is met, or it is not.",
         counted(configurations as usize, "configuration")
     )
 }

@@ -80,7 +80,7 @@ impl InterpretationCell {
         match own.verdict {
             // It says whether it was run and did not tell, or was too short to.
             Verdict::NotRun if !own.reason.is_empty() => &own.reason,
-            Verdict::NotStated if own.full_size => "not compared",
+            Verdict::NotStated if own.full_size && !own.runs.is_empty() => "not compared",
             _ if !own.runs.is_empty() => "not measured",
             _ if own.left_out.is_empty() => "not run",
             _ => NO_VALID_RUN,
