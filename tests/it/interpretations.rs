@@ -125,7 +125,7 @@ fn interpretations_of_one_programme_accumulate() {
     // Its few grains went through the floor: it has no heights, and the page says so.
     let figure = folder.text("figures/interpretations-standing-height.svg");
     assert!(figure.contains("per_body"), "law: an interpretation with heights has a line");
-    let without = "Without a run that kept grains: blender_2014_cm";
+    let without = "No run gives a curve of: blender_2014_cm";
     assert_holds(&folder.text("interpretations.html"), &[without]);
 
     // Another gravity is another programme.

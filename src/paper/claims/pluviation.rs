@@ -27,10 +27,16 @@ fn falls(study: &StudyView) -> Claim {
         (false, false) => format!("Not run: {}.", list(&missing)),
         _ => String::new(),
     };
+    // Where no run tells, those that were done are named: they were run, and have no height.
+    let both = |c| Some([study.pluviation(c, lowest)?, study.pluviation(c, highest)?]);
+    let runs: Vec<&RunRecord> = match known.is_empty() {
+        true => study.configurations().filter_map(both).flatten().collect(),
+        false => known.iter().flat_map(|(_, a, b)| [*a, *b]).collect(),
+    };
     Draft::of("standing-height-falls")
         .paper(&Stated::Count(known.len() + missing.len()))
         .ours((!known.is_empty()).then_some(falling as f64))
-        .runs(known.iter().flat_map(|(_, a, b)| [*a, *b]))
+        .runs(runs)
         .note(listed("From 0 to 20 cm it falls by", &drops))
         .note(not_run)
         .missing(missing.len())

@@ -223,6 +223,18 @@ fn what_was_run_and_does_not_tell_is_not_measured() {
     let c = claim(&canned::study(&runs), "denser-after-vibration");
     assert_eq!((c.verdict, c.reason.as_str()), (Verdict::NotRun, "not measured"), "{c:?}");
     assert_eq!(c.runs.len(), 6, "law: the runs that would tell: {c:?}");
+    for run in &mut runs {
+        run.summary.standing_height_mm.mean_surface = f64::NAN;
+    }
+    let c = claim(&canned::study(&runs), "standing-height-falls");
+    assert_eq!((c.verdict, c.reason.as_str()), (Verdict::NotRun, "not measured"), "{c:?}");
+    assert_eq!(c.runs.len(), 6, "law: likewise, from 0 and from 20 cm: {c:?}");
+    let mut spoilt = runs.clone();
+    for run in &mut spoilt {
+        (run.summary.meets_standard, run.summary.valid) = (false, false);
+    }
+    let c = claim(&canned::study(&spoilt), "standing-height-falls");
+    assert_eq!((c.verdict, c.left_out.len()), (Verdict::NotComparable, 6), "law: {c:?}");
     let c = claim(&canned::study(&runs[..4]), "intermittent-fluctuation-at-ends");
     assert_eq!((c.verdict, c.reason.as_str()), (Verdict::NotRun, "not run"), "{c:?}");
 }

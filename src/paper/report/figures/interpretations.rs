@@ -34,7 +34,8 @@ fn look(n: usize, marker_spacing: Option<f64>) -> Look {
 /// An interpretation's curve, and whether a point of it is of runs that are not valid.
 type Curve<'a> = (&'a InterpretationColumn, Vec<(f64, f64)>, bool);
 
-/// Adds the curves that have points, and says which interpretations have none.
+/// Adds the curves that have points, and says which interpretations have none: their runs failed,
+/// lost their grains, or have no such value.
 fn add(plot: &mut Plot, curves: Vec<Curve>, marker_spacing: Option<f64>) -> String {
     let mut missing = Vec::new();
     for (n, (column, points, not_valid)) in curves.into_iter().enumerate() {
@@ -44,7 +45,7 @@ fn add(plot: &mut Plot, curves: Vec<Curve>, marker_spacing: Option<f64>) -> Stri
         let mark = if not_valid { " (not valid)" } else { "" };
         plot.add_some(format!("{}{mark}", column.name), look(n, marker_spacing), points);
     }
-    listed(" Without a run that kept grains:", &missing)
+    listed(" No run gives a curve of:", &missing)
 }
 
 fn heights(columns: &[InterpretationColumn]) -> Result<Figure, ReportError> {
