@@ -23,19 +23,25 @@ fn belief(c: &InterpretationColumn, standard: Standard) -> String {
     let worst = |value: &dyn Fn(&RunRecord) -> f64| {
         c.runs.iter().map(value).filter(|v| v.is_finite()).fold(0.0, f64::max)
     };
+    let creep = if c.runs.iter().all(|r| r.summary.creep_um_per_s.is_none()) {
+        "numerical creep was not measured".to_owned()
+    } else {
+        format!(
+            "a specimen left alone sinks or rises by up to {} µm/s ({})",
+            compact(worst(&|r| r.summary.creep_um_per_s.unwrap_or(0.0).abs())),
+            standard.creep_um_per_s
+        )
+    };
     format!(
         "{met} of {} {} the accuracy standard: grains overlap by up to {} % of their \
-         diameter on average ({} % allowed) and {} % at the 99th percentile ({} %), and a specimen \
-         left alone sinks or rises by up to {} µm/s ({}). Where it agrees with the paper, grains that sink \
-         into each other may be what agrees.",
+         diameter on average ({} % allowed) and {} % at the 99th percentile ({} %), and {creep}. \
+         Where it agrees with the paper, grains that sink into each other may be what agrees.",
         counted(c.runs.len(), "run"),
         in_number(met, "meets", "meet"),
         number(worst(&|r| r.summary.overlap.mean_percent), 2),
         standard.overlap_mean_percent,
         number(worst(&|r| r.summary.overlap.p99_percent), 2),
         standard.overlap_p99_percent,
-        compact(worst(&|r| r.summary.creep_um_per_s.unwrap_or(0.0).abs())),
-        standard.creep_um_per_s,
     )
 }
 

@@ -140,19 +140,30 @@ fn every_form_shows_every_interpretation_and_escapes() {
     assert_eq!(json["rows"][0]["cells"].as_array().map(Vec::len), Some(4));
 }
 
-/// Law: the page says by how much the standard is missed, also by little, and that numerical creep
-/// may go upwards.
+/// Law: the page says by how much the standard is missed, also by little, that numerical creep may go
+/// upwards, and where it was not measured.
 #[test]
 fn the_page_says_by_how_much_the_standard_is_missed() {
-    let columns = [column("rising", |runs| {
+    let rising = column("rising", |runs| {
         let s = &mut runs[0].summary;
         (s.creep_um_per_s, s.overlap.p99_percent) = (Some(-5.3), 3.02);
         (s.meets_standard, s.valid) = (false, false);
-    })];
+    });
+    let unrested = column("unrested", |runs| {
+        for run in runs {
+            run.summary.creep_um_per_s = None;
+            (run.summary.meets_standard, run.summary.valid) = (false, false);
+        }
+    });
+    let columns = [rising, unrested];
     let out = tempfile::tempdir().expect("a folder");
     write_interpretations(out.path(), &columns, STANDARD).expect("written");
     let page = std::fs::read_to_string(out.path().join("interpretations.md")).expect("a page");
-    for said in ["3.02 % at the 99th percentile (3 %)", "sinks or rises by up to 5.3 µm/s (5)"] {
+    for said in [
+        "3.02 % at the 99th percentile (3 %)",
+        "sinks or rises by up to 5.3 µm/s (5)",
+        "and numerical creep was not measured. Where",
+    ] {
         assert!(page.contains(said), "law: `{said}` in {page}");
     }
 }
