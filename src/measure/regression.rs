@@ -21,7 +21,9 @@ use strata::{Run, Strata, Variance};
 /// another. With a run a specimen this is the ordinary regression.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearModel {
-    /// Middle and half range of each factor.
+    /// Range of each factor.
+    ranges: Vec<[f64; 2]>,
+    /// Its middle, and half of it.
     scales: Vec<(f64, f64)>,
     strata: Strata,
     quality: LinearFit,
@@ -48,6 +50,8 @@ pub struct LinearFit {
 pub struct Effect {
     /// Change of the result over the range of the factor in the data.
     pub change: f64,
+    /// That range.
+    pub range: [f64; 2],
     /// Half of its 95 % confidence interval.
     pub half_width_95: f64,
     /// Degrees of freedom of that interval.
@@ -109,13 +113,15 @@ impl LinearModel {
 
     fn of_strata(rows: &[(Vec<f64>, f64)], specimens: &[usize]) -> Option<Self> {
         let factors = rows.first()?.0.len();
-        let scale = |n: usize| {
+        let range = |n: usize| {
             let values = || rows.iter().map(|(x, _)| x[n]);
             let (low, high) =
                 (values().fold(f64::MAX, f64::min), values().fold(f64::MIN, f64::max));
-            (high > low).then_some(((low + high) / 2.0, (high - low) / 2.0))
+            (high > low).then_some([low, high])
         };
-        let scales: Vec<(f64, f64)> = (0..factors).map(scale).collect::<Option<_>>()?;
+        let ranges: Vec<[f64; 2]> = (0..factors).map(range).collect::<Option<_>>()?;
+        let scales: Vec<(f64, f64)> =
+            ranges.iter().map(|[low, high]| ((low + high) / 2.0, (high - low) / 2.0)).collect();
         let runs = runs(rows, specimens, &scales);
         let strata = Strata::fit(&runs, strata::varies_within(&runs))?;
         let least = if strata.within.is_some() { 1.0 } else { 2.0 };
@@ -135,7 +141,7 @@ impl LinearModel {
             explained: share(squares(&|run| strata.at(&run.factors))),
             predicted: unseen(&strata, &runs).map_or(f64::NAN, share),
         };
-        Some(Self { scales, strata, quality })
+        Some(Self { ranges, scales, strata, quality })
     }
 
     /// How well it fits.
@@ -145,18 +151,19 @@ impl LinearModel {
 
     /// What each factor moves.
     pub fn effects(&self) -> Vec<Effect> {
-        let of = |n: usize| {
+        let of = |(n, range): (usize, &[f64; 2])| {
             let variance = self.strata.of_coefficient(n);
             let freedom = variance.freedom();
             let t = t_quantile(0.975, freedom).unwrap_or(f64::NAN);
             Effect {
                 change: 2.0 * self.strata.coefficient(n),
+                range: *range,
                 half_width_95: 2.0 * t * variance.sum().sqrt(),
                 freedom,
                 is_within_specimens: self.strata.is_within[n],
             }
         };
-        (0..self.scales.len()).map(of).collect()
+        self.ranges.iter().enumerate().map(of).collect()
     }
 
     /// Probabilities that one more result, of a run of one more specimen, is below the ends of a

@@ -65,6 +65,8 @@ pub struct TargetFound {
     /// Change of the result over the range of each factor in these runs, with half of its 95 %
     /// confidence interval.
     pub effects: BTreeMap<String, (f64, f64)>,
+    /// Those ranges: narrower than the ones searched where other runs reach farther.
+    pub ranges: BTreeMap<String, [f64; 2]>,
     /// Degrees of freedom of each of these intervals.
     pub freedom: BTreeMap<String, f64>,
     /// Factors that are judged by differences within specimens, all others by means of these.
@@ -77,6 +79,14 @@ impl TargetFound {
     /// A value of it, to the digit by which runs scatter about the model.
     fn shown(&self, value: f64) -> String {
         scattered(value, self.fit.residual_standard_deviation)
+    }
+
+    /// What a factor moves, with the range in these runs where that is not the one shown.
+    fn change(&self, factor: &str, shown: [f64; 2]) -> Option<Cell> {
+        let (by, half) = self.effects.get(factor)?;
+        let [own, all] = [self.ranges.get(factor)?, &shown].map(|[low, high]| from_to(*low, *high));
+        let over = if own == all { String::new() } else { format!(" over {own}") };
+        Some(Cell::number(mean_within(*by, Some(*half)) + &over))
     }
 }
 
@@ -262,10 +272,7 @@ impl TargetsFound {
         let mut table = Table::new(first.into_iter().chain(self.titles()));
         for (name, [low, high]) in &self.factors {
             let mut cells = row![name, from_to(*low, *high)];
-            cells.extend(self.targets.iter().map(|t| {
-                let effect = t.effects.get(name);
-                effect.map(|(by, half)| Cell::number(mean_within(*by, Some(*half)))).into()
-            }));
+            cells.extend(self.targets.iter().map(|t| t.change(name, [*low, *high]).into()));
             table.row(cells);
         }
         table
@@ -312,8 +319,8 @@ impl TargetsFound {
     fn of_effects(&self) -> String {
         let within: BTreeSet<&str> =
             self.targets.iter().flat_map(|t| &t.within_specimens).map(String::as_str).collect();
-        let said = "Change of each result over the range of a factor, ± half of its 95 % \
-                    confidence interval";
+        let said = "Change of each result over the range of a factor, or over that of its own runs \
+                    where another is named, ± half of its 95 % confidence interval";
         if within.is_empty() {
             return format!("{said}.");
         }

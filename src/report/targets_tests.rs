@@ -32,6 +32,9 @@ fn found() -> TargetsFound {
         values: [0.574_123, 0.746_123],
         fit,
         effects: effects.map(|(name, effect)| (name.to_owned(), effect)).into(),
+        ranges: [("friction", [0.3, 0.8]), ("height", [5.0, 30.0])]
+            .map(|(name, range)| (name.to_owned(), range))
+            .into(),
         freedom: effects.map(|(name, _)| (name.to_owned(), 9.0)).into(),
         within_specimens: Vec::new(),
         best: 0.86,
@@ -89,6 +92,18 @@ fn runs_without_the_result_are_said() {
         "such runs are not random.",
         "| 5, 4 of them without the result |",
     ] {
+        assert!(page.contains(said), "law: `{said}`, got:\n{page}");
+    }
+}
+
+/// Law: a change is of the range that the runs of its target have; where that is not the range that
+/// is searched, it is said.
+#[test]
+fn a_change_over_another_range_says_so() {
+    let mut of = found();
+    of.factors.insert("friction".to_owned(), [0.3, 1.2]);
+    let page = of.page().markdown();
+    for said in ["| 0.3 to 1.2 | 0.098 ± 0.039 over 0.3 to 0.8 |", "| 5 to 30 | 0.0 ± 1.2 |"] {
         assert!(page.contains(said), "law: `{said}`, got:\n{page}");
     }
 }

@@ -390,6 +390,7 @@ fn model(target: &Target, table: &Runs) -> Result<(LinearModel, TargetFound), St
         values: [values().fold(f64::MAX, f64::min), values().fold(f64::MIN, f64::max)],
         fit: fitted.quality(),
         effects: effects().map(|(name, of)| (name, (of.change, of.half_width_95))).collect(),
+        ranges: effects().map(|(name, Effect { range, .. })| (name, range)).collect(),
         freedom: effects().map(|(name, Effect { freedom, .. })| (name, freedom)).collect(),
         within_specimens: within.map(|(name, _)| name).collect(),
         best: 0.0,
