@@ -6,8 +6,9 @@ const HOW_TO_READ: &str = "Every point is run in the same realisations, each a n
      arrangement of the same grains. Intervals are 95 % confidence intervals of the mean over \
      realisations, by Student's t; sweep.json has those of the bootstrap as well. A change for \
      one unit is the slope of a line through each realisation's own results, its mean and \
-     interval over realisations; where values were drawn from ranges, it is the coefficient in a \
-     linear model of all of them. Factors that change together in all runs cannot be told apart: \
+     interval over realisations; where one field at a time is varied, it is the change from the \
+     least to the largest value, over their distance; where values were drawn from ranges, it is \
+     the coefficient in a linear model of all of them. Factors that change together in all runs cannot be told apart: \
      none of them has a change of its own. Numbers of seed and configuration only name realisations: nothing \
      changes for one unit of them, and their points differ by chance. The test by ranks (Page 1963) \
      asks whether results rise or fall from value to value without assuming a line, either of them \
