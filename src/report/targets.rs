@@ -56,7 +56,7 @@ pub struct TargetFound {
     pub runs_meeting: usize,
     /// 95 % interval of that share (Wilson 1927), in which runs of one specimen count as one.
     pub share_meeting: [f64; 2],
-    /// Specimens of the runs that count: runs of one pour are of one.
+    /// Specimens of the runs that count: runs of one pour, or of one stored specimen, are of one.
     pub specimens: usize,
     /// Smallest and largest value.
     pub values: [f64; 2],
@@ -319,8 +319,8 @@ impl TargetsFound {
     fn of_effects(&self) -> String {
         let within: BTreeSet<&str> =
             self.targets.iter().flat_map(|t| &t.within_specimens).map(String::as_str).collect();
-        let said = "Change of each result over the range of a factor, or over that of its own runs \
-                    where another is named, ± half of its 95 % confidence interval";
+        let said = "Change of each result over the range of a factor, or over that of its own \
+                    runs where another is named, ± half of its 95 % confidence interval";
         if within.is_empty() {
             return format!("{said}.");
         }
@@ -334,11 +334,11 @@ impl TargetsFound {
     /// `targets.md`.
     pub(crate) fn page(&self) -> Page {
         let alone = "Runs that meet a target, with the 95 % interval of their share, in which \
-                     runs of one specimen count as one; specimens: runs of one pour are of one; \
-                     left out: runs that do not count in means, failed, or lack the result; fit: \
-                     share of the variance that a linear model of all factors explains, and of \
-                     specimens that it has not seen; best: largest probability that a run meets \
-                     the target, by that model with its scatter.";
+                     runs of one specimen count as one; specimens: runs of one pour, or of one \
+                     stored specimen, are of one; left out: runs that do not count in means, \
+                     failed, or lack the result; fit: share of the variance that a linear model of \
+                     all factors explains, and of specimens that it has not seen; best: largest \
+                     probability that a run meets the target, by that model with its scatter.";
         let effects = self.of_effects();
         let dependence = match self.correlations {
             Some(_) => "Residuals of different targets go together as in the last table",

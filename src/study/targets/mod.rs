@@ -6,8 +6,8 @@
 //! of different sweeps belong together where their factors agree ([`points`]): such points are
 //! counted, and say how residuals of different targets go together ([`together`]).
 //!
-//! Runs of one pour are of one specimen ([`specimens`]): the model keeps their scatter apart from
-//! that between specimens, and intervals of shares count them once.
+//! Runs of one pour, or of one stored specimen, are of one specimen ([`specimens`]): the model keeps
+//! their scatter apart from that between specimens, and intervals of shares count them once.
 
 mod points;
 mod specimens;
