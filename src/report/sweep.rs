@@ -30,6 +30,13 @@ impl SweepFactor {
         if self.numeric { value.as_f64().unwrap_or(f64::NAN) } else { place() as f64 }
     }
 
+    /// Its values as they rise; words in the order in which they were given.
+    pub(super) fn rising(&self) -> Vec<&Value> {
+        let mut values: Vec<&Value> = self.values.iter().collect();
+        values.sort_by(|a, b| self.number(a).total_cmp(&self.number(b)));
+        values
+    }
+
     /// Whether a result can rise or fall along its values: not along words, nor along numbers that
     /// only name realisations.
     pub fn has_slope(&self) -> bool {

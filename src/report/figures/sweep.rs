@@ -205,7 +205,7 @@ fn pair_figure(of: &Sweep, a: usize, b: usize) -> Result<Option<Figure>, ReportE
         let mut plot = panel(of, first, path);
         for (k, value) in second.values.iter().enumerate() {
             let mut points = Vec::new();
-            for at in &first.values {
+            for at in first.rising() {
                 let there = |p: &&SweepPoint| p.values[a] == *at && p.values[b] == *value;
                 let results = of.points.iter().filter(there);
                 let results = results.filter_map(|p| Some(p.outcomes.get(path)?.mean));
@@ -362,6 +362,37 @@ mod tests {
         assert!(!figure(&drawn).caption.contains("Crosses"), "law: no run is left out");
         drawn.runs[0].left_out_of_means = Some("not valid".to_owned());
         assert!(figure(&drawn).caption.contains("Crosses: runs left out"), "law: one is");
+    }
+
+    /// Law: lines go from value to value as these rise, in whatever order they were given.
+    #[test]
+    fn lines_follow_the_values() {
+        let factor = |path: &str, values: &[f64]| SweepFactor {
+            path: path.into(),
+            values: values.iter().copied().map(Value::from).collect(),
+            sampled: false,
+            numeric: true,
+        };
+        let point = |a: f64, b: f64| {
+            let estimate = SweepEstimate::of(&[a * a + b]).expect("a value");
+            SweepPoint {
+                point: String::new(),
+                values: vec![a.into(), b.into()],
+                runs: 1,
+                valid: 1,
+                left_out: 0,
+                failed: 0,
+                outcomes: BTreeMap::from([("void_ratio".to_owned(), estimate)]),
+            }
+        };
+        let pair = |values: &[f64]| {
+            let mut of = sweep(2);
+            of.factors = vec![factor("a", values), factor("b", &[1.0, 2.0])];
+            of.points = values.iter().flat_map(|a| [point(*a, 1.0), point(*a, 2.0)]).collect();
+            pair_figure(&of, 0, 1).expect("drawn").expect("a figure").svg
+        };
+        let is_same = pair(&[0.9, 0.3, 0.6]) == pair(&[0.3, 0.6, 0.9]);
+        assert!(is_same, "law: the same lines, whatever the order of the values");
     }
 
     /// The texts of a figure, each with its size.
