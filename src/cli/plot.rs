@@ -109,15 +109,19 @@ pub(super) fn run(args: &PlotArgs, context: &Context) -> Result<ExitStatus, CliE
     let path = table_path(&args.run, name)?;
     let whole = ColumnTable::read(&path, &read_file(&path)?)?;
     let stage = args.stage.as_deref().filter(|_| !rest_test);
-    let chosen = rows(args, &path, &whole, stage)?;
+    let mut faults = Vec::new();
+    let chosen = rows(args, &path, &whole, stage, &mut faults)?;
     if args.list {
+        all_at_once(faults)?;
         return list(context, path, &chosen);
     }
     let (Some(x), Some(out)) = (&args.x, &args.out) else {
         return Err(CliError::Usage("--x, --y and --out are needed".to_owned()));
     };
-    ends_in(out, "--out", &["svg", "png"])?;
-    let chart = chart(args, &path, &chosen, x)?;
+    faults.extend(ends_in(out, "--out", &["svg", "png"]).err().map(|fault| fault.to_string()));
+    // Of rows that are asked for in vain nothing can be said.
+    let shown = if faults.is_empty() { &chosen } else { &whole };
+    let chart = chart(args, &path, shown, x, faults)?;
     let failed = |reason: String| CliError::Usage(format!("{}: {reason}", plain_path(&path)));
     let svg = chart.svg().map_err(failed)?;
     let is_svg = out.extension().is_some_and(|e| e.eq_ignore_ascii_case("svg"));
@@ -170,22 +174,25 @@ fn table_path(folder: &Path, name: &str) -> Result<PathBuf, CliError> {
     Err(CliError::Usage(plain_lines(&what).into_owned()))
 }
 
-/// The rows of a stage and of all conditions.
+/// The rows of a stage and of all conditions, and what is wrong with these.
 fn rows(
     args: &PlotArgs,
     path: &Path,
     whole: &ColumnTable,
     stage: Option<&str>,
+    faults: &mut Vec<String>,
 ) -> Result<ColumnTable, CliError> {
     let mut chosen = whole.clone();
-    let mut faults = Vec::new();
     if let Some(asked) = stage {
         match whole.find("stage") {
-            Ok(column) => {
-                let numbers = stage_numbers(&args.run, asked)?;
-                let rows = numbers.iter().map(|number| whole.where_is(column, number));
-                chosen = rows.reduce(ColumnTable::and).unwrap_or_else(|| whole.clone());
-            }
+            Ok(column) => match stage_numbers(&args.run, asked) {
+                Ok(numbers) => {
+                    let rows = numbers.iter().map(|number| whole.where_is(column, number));
+                    chosen = rows.reduce(ColumnTable::and).unwrap_or_else(|| whole.clone());
+                }
+                Err(CliError::Usage(fault)) => faults.push(fault),
+                Err(other) => return Err(other),
+            },
             Err(_) => faults.push(format!("--stage {asked}: {} has no stages", plain_path(path))),
         }
     }
@@ -210,7 +217,6 @@ fn rows(
             Err(why) => faults.push(format!("--where {condition}: {why}")),
         }
     }
-    all_at_once(faults)?;
     Ok(chosen)
 }
 
@@ -239,8 +245,8 @@ fn chart(
     path: &Path,
     rows: &ColumnTable,
     x: &str,
+    mut faults: Vec<String>,
 ) -> Result<ColumnChart, CliError> {
-    let mut faults = Vec::new();
     let mut column = |option: &str, name: &str| match rows.find(name) {
         Ok(found) => {
             let numbers = rows.numbers(found);

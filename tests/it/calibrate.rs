@@ -130,6 +130,17 @@ fn a_result_that_is_not_measured_is_told_with_what_is() {
     assert_eq!(runs, 1, "law: one run is enough to tell");
 }
 
+#[test]
+fn all_that_is_wrong_with_a_calibration_is_told_at_once() {
+    let folder = folder();
+    let asked = "--target slope.degrees=3 --unknown contact.grain --between 0..1 --most-runs 1";
+    let (code, printed, err) = calibrate(&folder, &words(asked));
+    assert_eq!(code, Some(2), "{err}");
+    assert_holds(&err, &["--target slope.degrees", "--unknown contact.grain", "--most-runs 1"]);
+    let nothing = printed.is_empty() && !folder.path("out").exists();
+    assert!(nothing, "law: before anything runs, got `{printed}`");
+}
+
 /// Law: the settlement after five seconds is refused before anything runs where the table shakes for
 /// two, with the stage, its duration and the times that exist.
 #[test]

@@ -214,7 +214,7 @@ fn any_columns_can_be_drawn_and_others_are_refused_with_the_nearest() {
     let rest = folder.out("rest.svg");
     let at_rest = "--stage rest_test --x all_stress_xx_kpa --y all_stress_zz_kpa --out";
     done(&[plot(&run, at_rest), vec![&*rest]].concat());
-    let cases: [(&str, &[&str]); 10] = [
+    let cases: [(&str, &[&str]); 11] = [
         (
             "--x tine_s --y box_n,floor_force_z",
             &[
@@ -235,6 +235,10 @@ fn any_columns_can_be_drawn_and_others_are_refused_with_the_nearest() {
             &["no such stage (now called `rest_test`)"],
         ),
         ("--x time_s --y all_void_ratio --out x.pdf", &[".svg or .png"]),
+        (
+            "--x tine_s --y stage --stage shake --where by=radius --out x.pdf",
+            &["--stage shake", "--where by=radius", ".svg or .png", "--x tine_s"],
+        ),
         ("--file grain --x x_mm --y z_mm", &["no table `grain`", "grains, rest_test, series"]),
         (
             "--file control --x time_s --y all_void_ratio",

@@ -72,13 +72,16 @@ const LEAST_RUNS_A_REALISATION: usize = 6;
 /// reaches is no error.
 pub fn calibrate(options: CalibrationOptions) -> Result<Study<Calibration>, StudyError> {
     let scenario = load_scenario(&options.scenario, &options.changes)?.scenario;
-    question::known(&options.target)?;
-    question::measured(&options.target, &scenario)?;
-    elements::there(&options.target, &scenario)?;
-    let whole = question::takes_whole(&options.unknown, &scenario)?;
+    let measured = question::known(&options.target)
+        .and_then(|()| question::measured(&options.target, &scenario))
+        .and_then(|()| elements::there(&options.target, &scenario));
+    let mut faults: Vec<String> = measured.err().iter().map(ToString::to_string).collect();
+    let whole = question::takes_whole(&options.unknown, &scenario);
+    faults.extend(whole.as_ref().err().map(ToString::to_string));
+    let whole = whole.unwrap_or_default();
     let Interval { low, high } = options.between;
     if whole && (low.fract() != 0.0 || high.fract() != 0.0) {
-        return refused(format!(
+        faults.push(format!(
             "--between {low}..{high}: `{}` takes whole numbers only",
             options.unknown
         ));
@@ -86,19 +89,22 @@ pub fn calibrate(options: CalibrationOptions) -> Result<Study<Calibration>, Stud
     let realisations = options.realisations as usize;
     let most_runs = options.most_runs.unwrap_or(RUNS_A_REALISATION * realisations);
     if most_runs < LEAST_RUNS_A_REALISATION * realisations {
-        return refused(format!(
+        faults.push(format!(
             "--most-runs {most_runs}: at least {} runs are needed, {LEAST_RUNS_A_REALISATION} \
              per realisation",
             LEAST_RUNS_A_REALISATION * realisations
         ));
     }
     if scenario.rest_test_s <= 0.0 {
-        return refused(format!(
+        faults.push(format!(
             "{}: rest_test_s is {}: without a rest test no run is valid, and only valid runs count in \
              a calibration; it must be above 0",
             options.scenario.display(),
             scenario.rest_test_s
         ));
+    }
+    if !faults.is_empty() {
+        return refused(faults.join("\n"));
     }
     let question = Question {
         wanted: options.target.wanted,

@@ -195,13 +195,19 @@ pub(super) fn measured(target: &CalibrationTarget, scenario: &Scenario) -> Resul
     let vibrates = ("a stage `vibrate`", has("vibrate"));
     let plate = ("a stage `place_top_plate`", was("place_top_plate"));
     let pours = ("a stage `pour`", has("pour"));
+    // Voids are counted within the cylinder's walls, up to the surface.
+    let is_in_cylinder = scenario.pieces.is_empty() && !was("slow_pluviation");
+    let in_cylinder = ("a specimen in the cylinder", is_in_cylinder);
     let needs: &[(&str, bool)] = match numbered(&target.field).split(['.', '[']).next() {
         Some("settlement_mm") => &[plate, vibrates],
         Some("surface_settlement_mm" | "vibrations") => &[vibrates],
         Some("poured_height_mm" | "poured_void_ratio") => &[pours],
         Some("angle_of_repose") => &[("a stage `slow_pluviation`", was("slow_pluviation"))],
         Some("laboratory") => &[("`pieces`", !scenario.pieces.is_empty())],
-        Some("relative_density") => &[("`index_densities`", scenario.index_densities.is_some())],
+        Some("void_ratio" | "porosity" | "core") => &[in_cylinder],
+        Some("relative_density") => {
+            &[("`index_densities`", scenario.index_densities.is_some()), in_cylinder]
+        }
         _ => &[],
     };
     let missing: Vec<&str> = needs.iter().filter(|(_, is)| !is).map(|(what, _)| *what).collect();
@@ -339,6 +345,8 @@ mod tests {
             ("surface_settlement_mm.final", "a stage `vibrate`"),
             ("vibrations[0].settling.time_s", "a stage `vibrate`"),
             ("poured_void_ratio", "a stage `pour`"),
+            ("void_ratio", "a specimen in the cylinder"),
+            ("core.void_ratio", "a specimen in the cylinder"),
         ] {
             let said = measured(&of(field), &repose).expect_err("not measured").to_string();
             assert!(said.contains(field) && said.contains(needs), "law: `{field}`, got `{said}`");
@@ -346,9 +354,14 @@ mod tests {
         }
         let said = measured(&of(ANGLE_OF_REPOSE), &vibration).expect_err("no pile").to_string();
         assert!(said.contains("`slow_pluviation`"), "law: what a pile needs, got `{said}`");
-        for field in [ANGLE_OF_REPOSE, "void_ratio", "overlap.p99_percent"] {
+        for field in [ANGLE_OF_REPOSE, "coordination_number", "overlap.p99_percent"] {
             assert!(measured(&of(field), &repose).is_ok(), "law: `{field}` is measured there");
         }
+        let laboratory = scenario("../laboratory/oedometer.json");
+        let said = measured(&of("porosity"), &laboratory).expect_err("no walls").to_string();
+        assert!(said.contains("in the cylinder"), "law: regions have void ratios, got `{said}`");
+        let of_region = of("laboratory.regions[0].void_ratio");
+        assert!(measured(&of_region, &laboratory).is_ok(), "law: that of a region is measured");
     }
 
     /// Law: plate and base of the specimen that is begun with count, its pouring and vibration do
