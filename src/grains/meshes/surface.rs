@@ -15,6 +15,10 @@ pub(super) struct Surface {
     pub volume: f64,
 }
 
+/// Largest coordinate of a vertex: what it encloses has a volume that is a finite number, in m³ or in
+/// mm³ of any unit of length that a scenario may give.
+const LARGEST_COORDINATE: f64 = 1e90;
+
 /// The closed surfaces of an object: one, or as many as it holds where the
 /// scenario lets them be split. `to_mm` are the millimetres of their unit of length, for people.
 ///
@@ -25,15 +29,19 @@ pub(super) fn surfaces(
     spec: &MeshGrains,
     to_mm: f64,
 ) -> Result<Vec<Surface>, Vec<Fault>> {
-    if let Some(vertex) =
-        object.vertices.iter().position(|v| !v.coords.iter().all(|c| c.is_finite()))
-    {
+    let is_near = |v: &Point| v.coords.iter().all(|c| c.abs() <= LARGEST_COORDINATE);
+    if let Some(vertex) = object.vertices.iter().position(|v| !is_near(v)) {
         let v = object.vertices[vertex];
-        return Err(vec![Fault::new(
-            format!("vertex {vertex} has a coordinate that is no finite number"),
-            format!("({}, {}, {})", v.x, v.y, v.z),
-            "finite numbers",
-        )]);
+        let (what, allowed) = match v.coords.iter().all(|c| c.is_finite()) {
+            true => ("lies too far away", format!("coordinates of at most {LARGEST_COORDINATE:e}")),
+            false => ("has a coordinate that is no finite number", "finite numbers".to_owned()),
+        };
+        let [x, y, z] = [v.x, v.y, v.z].map(|c| match c.abs() > 1e9 {
+            true => format!("{c:e}"),
+            false => c.to_string(),
+        });
+        let (what, found) = (format!("vertex {vertex} {what}"), format!("({x}, {y}, {z})"));
+        return Err(vec![Fault::new(what, found, allowed)]);
     }
     let (vertices, faces) = welded(object, spec.mesh_unit.metres());
     if faces.is_empty() {

@@ -138,6 +138,8 @@ fn surfaces_that_enclose_nothing_sound() {
     expect("a.obj", cuboid_obj([10.0, 10.0, 0.0001], [0.0; 3]), &["no volume to speak of"]);
     let flat = "v 0 0 0\nv 10 0 0\nv 0 10 0\nf 1 2 3\nf 3 2 1\n";
     expect("a.obj", flat, &["no volume to speak of", "0 mm³"]);
+    let far = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1e300\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+    expect("a.obj", far, &["object 1", "vertex 3 lies too far away", "(0, 0, ", "at most 1e90"]);
     expect("a.obj", "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n", &["object 1"]);
 }
 
