@@ -163,10 +163,12 @@ impl Chain {
         };
         let base = match base {
             None => return Ok(()),
-            Some(Value::String(base)) => base,
+            Some(Value::String(base)) if !base.is_empty() => base,
             Some(other) => {
                 let allowed = "a text, the path of another scenario relative to this one";
-                self.faults.push(fault(&other, allowed, "the value has the wrong type".into()));
+                let is_text = other.is_string();
+                let message = if is_text { "it is empty" } else { "the value has the wrong type" };
+                self.faults.push(fault(&other, allowed, message.into()));
                 return Ok(());
             }
         };

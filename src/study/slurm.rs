@@ -16,20 +16,32 @@ const INDICES: usize = 1000;
 /// Options with which no job is submitted.
 const NO_JOBS: [&str; 4] = ["plan_only", "snakemake", "status", "collect"];
 
+/// A word of a line `#SBATCH`, which a blank or a line's end would take apart.
+fn one_word(text: &str) -> Result<String, String> {
+    if text.is_empty() || text.contains(|c: char| c.is_whitespace() || c.is_control()) {
+        return Err("allowed is one word, without blanks".to_owned());
+    }
+    Ok(text.to_owned())
+}
+
 /// What jobs ask of the cluster; what is left out is the cluster's default.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, clap::Args)]
 pub struct SlurmRequest {
     /// Partition for the jobs
-    #[arg(long, value_name = "NAME", requires = "slurm", conflicts_with_all = NO_JOBS)]
+    #[arg(long, value_name = "NAME", value_parser = one_word,
+          requires = "slurm", conflicts_with_all = NO_JOBS)]
     pub partition: Option<String>,
     /// Time limit of a stage, as sbatch takes it
-    #[arg(long, value_name = "HH:MM:SS", requires = "slurm", conflicts_with_all = NO_JOBS)]
+    #[arg(long, value_name = "HH:MM:SS", value_parser = one_word,
+          requires = "slurm", conflicts_with_all = NO_JOBS)]
     pub time: Option<String>,
     /// Memory of a stage, as sbatch takes it
-    #[arg(long = "mem", value_name = "SIZE", requires = "slurm", conflicts_with_all = NO_JOBS)]
+    #[arg(long = "mem", value_name = "SIZE", value_parser = one_word,
+          requires = "slurm", conflicts_with_all = NO_JOBS)]
     pub memory: Option<String>,
     /// Account to charge for the jobs
-    #[arg(long, value_name = "NAME", requires = "slurm", conflicts_with_all = NO_JOBS)]
+    #[arg(long, value_name = "NAME", value_parser = one_word,
+          requires = "slurm", conflicts_with_all = NO_JOBS)]
     pub account: Option<String>,
 }
 

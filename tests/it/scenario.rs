@@ -369,6 +369,8 @@ fn circles_and_chains_of_extends_end() {
     assert!(circle.to_string().contains("in a circle"), "{circle}");
     let own = folder_of(&[("a.json", r#"{ "extends": "a.json" }"#)]);
     assert!(own.to_string().contains("in a circle"), "{own}");
+    let empty = folder_of(&[("a.json", r#"{ "extends": "" }"#)]).to_string();
+    assert!(empty.contains("extends: it is empty"), "law: a fault of its field, got {empty}");
     let missing = folder_of(&[("a.json", r#"{ "extends": "nowhere.json" }"#)]);
     assert!(
         matches!(&missing, ScenarioErrors::Unreadable { file, .. } if file.ends_with("nowhere.json")),

@@ -191,6 +191,20 @@ fn options_that_would_do_nothing_are_refused() {
     }
 }
 
+/// Law: no option of a job adds a line to the script of the jobs.
+#[test]
+fn options_of_jobs_are_single_words() {
+    let folder = folder();
+    let (scenario, out) = (folder.out("small.json"), folder.out("out"));
+    let slurm = ["sweep", &scenario, "--over", "seed=1,2", "--out", &out, "--slurm"];
+    for (option, value) in
+        [("--time", "1\nls"), ("--mem", "1 G"), ("--partition", ""), ("--account", "a\tb")]
+    {
+        program::refused(&[&slurm[..], &[option, value]].concat(), 2, &[option, "one word"]);
+        assert!(!folder.path("out").exists(), "law: nothing is written");
+    }
+}
+
 #[test]
 fn values_can_be_drawn_and_varied_one_at_a_time() {
     let folder = folder();
