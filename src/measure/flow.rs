@@ -1,7 +1,8 @@
 //! Mass that passes an opening.
 
 /// Mean rate of a flow between the moments at which a tenth and nine tenths of all had passed:
-/// of masses passed since the moment before, and moments. `None` where nothing has passed.
+/// of masses passed since the moment before, and moments. `None` where nothing has passed, or both
+/// lie between the same two moments: how long that took is not known.
 ///
 /// In between those moments masses grow along straight lines.
 pub fn steady_rate(series: &[(f64, f64)]) -> Option<f64> {
@@ -11,16 +12,16 @@ pub fn steady_rate(series: &[(f64, f64)]) -> Option<f64> {
     }
     let when = |share: f64| {
         let mut sum = 0.0;
-        series.windows(2).find_map(|pair| {
+        series.windows(2).enumerate().find_map(|(interval, pair)| {
             let (before, (time, mass)) = (pair[0].0, pair[1]);
             let reached = sum + mass >= share * total && mass > 0.0;
             let at = before + (time - before) * (share * total - sum) / mass;
             sum += mass;
-            reached.then_some(at)
+            reached.then_some((interval, at))
         })
     };
-    let (from, to) = (when(0.1)?, when(0.9)?);
-    (to > from).then(|| 0.8 * total / (to - from))
+    let ((first, from), (last, to)) = (when(0.1)?, when(0.9)?);
+    (last > first && to > from).then(|| 0.8 * total / (to - from))
 }
 
 #[cfg(test)]
@@ -92,5 +93,20 @@ mod tests {
             .collect();
         assert_near("3 kg/s", 3.0, steady_rate(&rows).expect("a rate"), 1e-9);
         assert_eq!(steady_rate(&[(0.0, 0.0), (1.0, 0.0)]), None, "law: nothing passed");
+    }
+
+    /// Law: what passes between two samples, as a single grain does, took no longer than their
+    /// interval: a rate would be that of the sampling.
+    #[test]
+    fn what_passes_between_two_samples_has_no_rate() {
+        for interval in [0.08, 0.01] {
+            let at = |n: u32| interval * f64::from(n);
+            let one = [(at(0), 0.0), (at(1), 0.0), (at(2), 1.0), (at(3), 0.0)];
+            assert_eq!(steady_rate(&one), None, "law: one grain, looked at every {interval} s");
+            let two = [(at(0), 0.0), (at(1), 1.0), (at(2), 1.0), (at(3), 0.0)];
+            // From a fifth of the first interval to four fifths of the second.
+            let expected = 0.8 * 2.0 / (1.6 * interval);
+            assert_near("two intervals", expected, steady_rate(&two).expect("a rate"), 1e-9);
+        }
     }
 }

@@ -115,7 +115,7 @@ pub struct OpeningSummary {
     /// Mass that went through in its direction, less what came back, in g.
     pub passed_g: f64,
     /// Mean rate between the moments at which a tenth and nine tenths had passed, in g/s;
-    /// null where nothing did.
+    /// null where nothing did, or all of that between two samples.
     pub rate_g_per_s: Option<f64>,
 }
 
