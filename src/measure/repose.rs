@@ -77,7 +77,8 @@ pub struct Sector {
     /// Slope of its flank in rad, positive where it falls outwards; `None` where
     /// there is too little to fit.
     pub angle: Option<f64>,
-    /// Radius in m at which the fitted line meets the base, where it does.
+    /// Radius in m at which the fitted line meets the base, where it does; negative, beyond the
+    /// axis, where the flank does not fall outwards.
     pub toe: Option<f64>,
 }
 

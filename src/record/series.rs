@@ -16,7 +16,7 @@ pub struct SeriesRow {
     pub settlement_mm: Option<f64>,
     /// Drop of the mean surface since the first vibration began in mm; empty before.
     pub surface_settlement_mm: Option<f64>,
-    /// Kinetic energy of grains and plate relative to the table, in J.
+    /// Kinetic energy of grains, plate, free and pressed pieces relative to the table, in J.
     pub kinetic_energy_j: f64,
     /// Displacement of the table in mm.
     pub table_x_mm: f64,
@@ -30,7 +30,7 @@ pub struct SeriesRow {
     pub grains_in_cylinder: u32,
     /// Tilt of the plate from the horizontal in degrees; empty without a plate.
     pub plate_tilt_deg: Option<f64>,
-    /// Largest speed of any grain in m/s.
+    /// Largest speed of any grain relative to the table, in m/s.
     pub largest_speed_m_per_s: f64,
     /// Height of a pile above the mean height of its base in mm, to the highest corner of a grain
     /// that does not move just then; empty without a base.

@@ -352,7 +352,8 @@ pub struct AzimuthAngle {
     pub azimuth_degrees: f64,
     /// Its slope; null where it has no flank.
     pub degrees: Option<f64>,
-    /// Radius at which its fitted line meets the base; null where it does not.
+    /// Radius at which its fitted line meets the base, negative where the flank does not fall
+    /// outwards; null where it does not meet it.
     pub toe_radius_mm: Option<f64>,
 }
 
