@@ -139,7 +139,7 @@ fn hopper() -> Value {
         "openings": [{ "name": "mouth", "at_mm": [0, 0, 85], "diameter_mm": 80 }]
     });
     // All run out within a tenth of a second: between two samples they would have no rate.
-    scenario["sample_interval_s"] = json!(0.02);
+    scenario["sample_interval_s"] = json!(0.01);
     scenario
 }
 
