@@ -408,8 +408,8 @@ fn a_lattice_from_which_grains_land_too_fast_is_warned_of() {
     assert_eq!(told, [""; 0], "law: nothing is said of {height} m");
 }
 
-/// Law: of a grain whose centroid is in a piece it is said that it was found there, not that it went
-/// through.
+/// Law: of a grain whose centroid is in a piece it is said in which one it was found, not that it
+/// went through.
 #[test]
 fn a_grain_in_a_piece_is_said_to_be_found_there() {
     let setup = Setup::new(&scenario()).expect("a laboratory");
@@ -420,6 +420,6 @@ fn a_grain_in_a_piece_is_said_to_be_found_there() {
     let fate = outcome.specimen.state.bodies[0].fate;
     assert_eq!(fate, Fate::ThroughWall, "law: no grain gets into a piece");
     let [told] = &outcome.warnings[..] else { panic!("law: once, got {:?}", outcome.warnings) };
-    let found = told.starts_with("grain_00000 was found with its centroid in a wall at 0.0");
-    assert!(found && told.ends_with(" s, at (200, 0, 0) mm"), "law: when and where, got `{told}`");
+    let found = told.starts_with("grain_00000 was found with its centroid in `gate` at 0.0");
+    assert!(found && told.ends_with(" s, at (200, 0, 0) mm"), "law: where and when, got `{told}`");
 }

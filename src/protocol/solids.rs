@@ -19,11 +19,6 @@ impl Solids {
         }
     }
 
-    /// Whether a place lies within a part: no grain's centroid can.
-    pub(super) fn holds(&self, place: &Vector, state: &SpecimenState) -> bool {
-        self.holding(place, state).next().is_some()
-    }
-
     /// Whether a ball is clear of every part; it may be called not clear near an edge.
     pub(super) fn is_clear(&self, centre: &Vector, radius: f64, state: &SpecimenState) -> bool {
         state.pieces.iter().enumerate().filter(|(_, piece)| piece.present).all(|(n, piece)| {
@@ -33,7 +28,7 @@ impl Solids {
         })
     }
 
-    /// The pieces, by number, that hold a place within a part.
+    /// The pieces, by number, that hold a place within a part: no grain's centroid can lie there.
     pub(super) fn holding(
         &self,
         place: &Vector,

@@ -138,8 +138,14 @@ pub(super) fn creep_um_per_s(series: &[SeriesRow], sunk: &[Sunk]) -> Option<f64>
     (duration > 0.0).then(|| 1e3 * drop / duration)
 }
 
-/// What a reader must know of a stage's checks.
-pub(super) fn warnings(checks: &StageChecks) -> Vec<String> {
+/// What a reader must know of a stage's checks; of a rest with numerical creep also whether grains
+/// still moved in its second half, where that is measured.
+pub(super) fn warnings(
+    checks: &StageChecks,
+    stage: &StageSpec,
+    rows: &[SeriesRow],
+    scale: &Scale,
+) -> Vec<String> {
     let of = |what: &str, unit: &str, watched: &Watched| {
         let first = watched.first_beyond_s?;
         Some(format!(
@@ -148,12 +154,26 @@ pub(super) fn warnings(checks: &StageChecks) -> Vec<String> {
             watched.worst, watched.worst_at_s, watched.limit, watched.beyond, watched.looks
         ))
     };
+    let half = rows.first().zip(rows.last()).map(|(a, b)| (a.time_s + b.time_s) / 2.0);
+    let in_it = rows.iter().filter(|row| half.is_some_and(|half| row.time_s >= half));
+    let fastest = in_it.map(|row| row.largest_speed_m_per_s).fold(0.0, f64::max);
+    let is_motion = matches!(stage, StageSpec::Rest { .. })
+        && checks.creep.first_beyond_s.is_some()
+        && fastest > scale::SLOW.at(scale);
+    let moving = is_motion.then(|| {
+        format!(
+            "grains still moved in the second half of the rest, at up to {:.0} mm/s, and that counts \
+             as numerical creep: rest longer, or let them settle before (`settle_limit_s`)",
+            to_mm(fastest)
+        )
+    });
     [
         of("speed beyond what fall and table can give", "m/s", &checks.speed),
         of("unexplained energy gain", "J", &checks.energy),
         of("mean overlap of grains", "%", &checks.overlap.mean),
         of("99th percentile of the overlap of grains", "%", &checks.overlap.p99),
         of("numerical creep at rest", "µm/s", &checks.creep),
+        moving,
     ]
     .into_iter()
     .flatten()
@@ -410,6 +430,21 @@ mod tests {
         assert_eq!(creep(&pour, &sinking, &[], &Scale::PAPER).passed(), None);
     }
 
+    /// Law: of creep in a rest it is said that grains still moved in its second half, not before.
+    #[test]
+    fn creep_of_grains_that_still_move_is_said_to_be_their_motion() {
+        let mut creeping = sound();
+        creeping.creep.note(117.0, 5.0, 9.0);
+        for (until, expected) in [(3.9, true), (3.4, false)] {
+            let mut rows = rows(1.0, |_| 80.0);
+            let moving = rows.iter_mut().filter(|row| row.time_s < until);
+            moving.for_each(|row| row.largest_speed_m_per_s = 0.045);
+            let told = warnings(&creeping, &REST, &rows, &Scale::PAPER);
+            let got = told.iter().any(|text| text.contains("at up to 45 mm/s"));
+            assert_eq!(got, expected, "law: in motion from 3 s to {until} s of 4 s, got {told:?}");
+        }
+    }
+
     fn stage(name: &str, checks: Option<StageChecks>) -> StageRecord {
         StageRecord { stage: name.to_owned(), checks, ..StageRecord::default() }
     }
@@ -429,7 +464,7 @@ mod tests {
         assert_eq!((both.passed, both.finite.looks, both.speed.looks), (Some(true), 20, 2));
         assert_eq!((both.creep.passed, both.creep.worst), (None, None), "law: nobody looked");
         assert_eq!(both.line(), "6 of 6 passed");
-        assert!(warnings(&sound()).is_empty());
+        assert!(warnings(&sound(), &REST, &[], &Scale::PAPER).is_empty());
 
         let unwatched = of(&[stage("pour", None), stage("rest", Some(sound()))]);
         assert_eq!(unwatched.passed, None, "law: not known");
@@ -440,7 +475,7 @@ mod tests {
         let run = of(&[stage("pour", None), stage("rest", Some(creeping))]);
         assert_eq!((run.passed, run.creep.passed), (Some(false), Some(false)));
         assert!(run.line().starts_with("NOT passed: 1 of 7, creep"), "{}", run.line());
-        let told = warnings(&creeping);
+        let told = warnings(&creeping, &REST, &[], &Scale::PAPER);
         assert_eq!(told.len(), 1);
         assert!(told[0].contains("117.000 µm/s") && told[0].contains("9.00 s"), "{told:?}");
 

@@ -303,7 +303,7 @@ impl<'a> Shop<'a> {
         let creep = checks::creep(&node.stage, &observed.rows, &sunk, &node.setup.scale);
         let checks = StageChecks::of(&outcome.watch, observed.overlap, creep);
         let mut warnings = outcome.warnings;
-        warnings.extend(checks::warnings(&checks));
+        warnings.extend(checks::warnings(&checks, &node.stage, &observed.rows, &node.setup.scale));
         let record = StageRecord {
             begun_in: begun.map(|begun| begun.run.to_string_lossy().into_owned()),
             stage: node.stage.name().into(),

@@ -176,9 +176,11 @@ impl Stand<'_> {
             self.specimen.state.bodies[index].body = body;
             let mut fate = self.whereabouts.note(index, &place, table_x);
             // No grain should get into a piece; whether it comes out on the other side is not waited for.
-            let is_in_piece =
-                fate == Fate::Present && self.pieces.solids.holds(&at, &self.specimen.state);
-            if is_in_piece {
+            let in_piece = match fate {
+                Fate::Present => self.pieces.solids.holding(&at, &self.specimen.state).next(),
+                _ => None,
+            };
+            if in_piece.is_some() {
                 fate = Fate::ThroughWall;
             }
             if fate == Fate::Present {
@@ -191,9 +193,9 @@ impl Stand<'_> {
             if fate == Fate::ThroughWall {
                 self.midway.watch.through_walls += 1;
                 let (grain, [x, y, z]) = (grain_name(index), components::<3>((at * 1e3).into()));
-                let (what, seen) = match is_in_piece {
-                    true => ("was found with its centroid in a wall", "at"),
-                    false => ("passed through a wall", "last seen at"),
+                let (what, seen) = match in_piece.map(|n| &self.setup.pieces[n].name) {
+                    Some(name) => (format!("was found with its centroid in `{name}`"), "at"),
+                    None => ("passed through a wall".to_owned(), "last seen at"),
                 };
                 self.midway
                     .warnings
