@@ -28,6 +28,9 @@ pub struct RigidPiece {
     pub radius: f64,
     /// Whether it may stand in other pieces.
     pub may_cross: bool,
+    /// Whether it may hide the grains: containers and plates do; a vane, a rod, a ramp and a mesh of
+    /// one solid part stand among them.
+    pub is_wall: bool,
 }
 
 impl RigidPiece {
@@ -42,7 +45,13 @@ impl RigidPiece {
         let at = Pose::from_parts(Translation3::from(spec.at_mm.map(from_mm)), turn);
         let corners = parts.iter().flat_map(|p| p.shape.vertices().iter().map(|v| p.pose * v));
         let radius = corners.map(|corner| corner.coords.norm()).fold(0.0, f64::max);
-        Ok(Self { name: spec.name.clone(), parts, at, radius, may_cross: spec.may_cross })
+        let is_wall = match &spec.shape {
+            ShapeSpec { vane: Some(_), .. } | ShapeSpec { wedge: Some(_), .. } => false,
+            ShapeSpec { disc: Some(disc), .. } => disc.thickness_mm < disc.diameter_mm,
+            ShapeSpec { mesh: Some(_), .. } => parts.len() > 1,
+            _ => true,
+        };
+        Ok(Self { name: spec.name.clone(), parts, at, radius, may_cross: spec.may_cross, is_wall })
     }
 
     /// Volume in m³ of its parts.

@@ -78,7 +78,10 @@ pub fn scene_of(
             }
             // Which side of a piece is inside is not known: its parts are drawn whole.
             _ if standing.carrier == Carrier::Kinematic => {
-                bodies.extend(of_piece(whole, &standing.piece, &middle, walls, view));
+                let name = standing.name.rsplit_once('_').map(|(piece, _)| piece);
+                let of = setup.pieces.iter().find(|piece| Some(piece.name.as_str()) == name);
+                let middle = of.is_none_or(|piece| piece.is_wall).then_some(&middle);
+                bodies.extend(of_piece(whole, &standing.piece, middle, walls, view));
             }
             // What a pile lies on is no wall: it is drawn whole, and stays.
             name if name.starts_with("base_") => {
@@ -101,11 +104,11 @@ fn middle_of<'a>(pieces: impl Iterator<Item = &'a Piece>) -> Vector {
 }
 
 /// A part of a piece of a laboratory; none where it is cut away, being nearer to the camera
-/// than the middle of all of them.
+/// than the middle of all of them, which a piece that stands among the grains does not get.
 fn of_piece(
     whole: Solid,
     piece: &Piece,
-    middle: &Vector,
+    middle: Option<&Vector>,
     walls: Walls,
     view: &View,
 ) -> Option<Body> {
@@ -115,8 +118,8 @@ fn of_piece(
         Walls::Cut => {
             let size = whole.high - whole.low;
             // Last digits do not tell two sides apart that are as far away as the middle.
-            let nearer = view.level().dot(&(piece.pose.translation.vector - middle));
-            let near = nearer > 1e-6 * size.norm();
+            let nearer = |m: &Vector| view.level().dot(&(piece.pose.translation.vector - m));
+            let near = middle.is_some_and(|middle| nearer(middle) > 1e-6 * size.norm());
             // A floor stays: it hides nothing.
             let floor = size.z < size.x.min(size.y);
             (floor || !near).then(|| Body::new(whole, Colour::WALL))
@@ -276,6 +279,17 @@ mod tests {
             let is_front = |body: &Body| body.solid.high.y < front + 1e-6;
             assert!(!scene.bodies.iter().any(is_front), "law: no front, at y = {y_mm} mm");
         }
+    }
+
+    /// Law: what stands among the grains is whole in a picture that is cut: a vane had lost its near
+    /// blades.
+    #[test]
+    fn a_vane_keeps_its_near_blades() {
+        let vane = json!({ "name": "vane", "shape": { "vane": { "diameter_mm": 36,
+            "height_mm": 24, "blades": 3, "blade_mm": 3 } } });
+        let [cut, whole] =
+            [Walls::Cut, Walls::Transparent].map(|walls| of_a_piece(&vane, walls).bodies.len());
+        assert_eq!(cut, whole, "law: every part of the vane");
     }
 
     /// Law: what a pile lies on is drawn as it is, however walls are shown: taken
