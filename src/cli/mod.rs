@@ -84,11 +84,11 @@ use {
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, valid or not (the last line and summary.json say which); 1 done, but an
-expectation of verify, compare, calibrate or --strict is not met, no run of a sweep has a result, or
-store check found damage; 2 wrong usage, a fault in the scenario (a motion_file, the mesh of a piece
-or a begin.specimen that is not there is one), or a file or folder of the wrong kind; 3 the
-simulation failed, its last good state is kept; 4 other files or folders are not there, or could not
-be read or written, as an --out that is a file; 130 stopped by Ctrl-C.
+expectation of verify, compare, calibrate or --strict is not met, no run of a sweep or of density
+has a result, or store check found damage; 2 wrong usage, a fault in the scenario (a motion_file,
+the mesh of a piece or a begin.specimen that is not there is one), or a file or folder of the wrong
+kind; 3 the simulation failed, its last good state is kept; 4 other files or folders are not there,
+or could not be read or written, as an --out that is a file; 130 stopped by Ctrl-C.
 
 Example:
   pluvia run scenarios/quick/pluviation.json --out out/first";

@@ -163,6 +163,33 @@ fn an_unwritable_output_folder_ends_with_4_before_anything_runs() {
     }
 }
 
+/// Law: help and page name every command that may end with 1.
+#[test]
+fn commands_that_may_end_with_1_are_named() {
+    let page = fs::read_to_string(root().join("docs/faq.md")).expect("the page");
+    let between = |text: &str, from: &str, to: &str| -> String {
+        let rest = text.split(from).nth(1).unwrap_or_default();
+        rest.split(to).next().unwrap_or_default().to_owned()
+    };
+    let help = between(&run(&["--help"]).1, "; 1 done", "; 2 wrong");
+    let page = between(&page, "\n- 1: ", "\n- 2: ");
+    let mut count = 0;
+    for entry in fs::read_dir(root().join("src/cli")).expect("the files of the commands") {
+        let path = entry.expect("an entry").path();
+        let code = fs::read_to_string(&path).unwrap_or_default();
+        if !code.contains("ExitStatus::by(") && !code.contains("ExitStatus::ExpectationMissed") {
+            continue;
+        }
+        let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
+        let name = if name == "reproduce" { "--strict" } else { name.as_str() };
+        for (what, text) in [("help", &help), ("docs/faq.md", &page)] {
+            assert!(text.contains(name), "law: {what} says of 1 when {name} ends so, got {text}");
+        }
+        count += 1;
+    }
+    assert_eq!(count, 7, "law: calibrate, compare, density, reproduce, store, sweep, verify");
+}
+
 #[test]
 fn grains_are_written_in_every_format() {
     let folder = Folder::new();
