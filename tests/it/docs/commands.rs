@@ -94,8 +94,8 @@ fn fault(shown: &Shown) -> Option<String> {
             return fault(&Shown::Mentioned(format!("pluvia sweep SCENARIO.json {change}")));
         }
     };
-    // A loop's variable and a single capital stand for a number.
-    let mut words = words(&line.replace("$c", "1"));
+    // A single capital stands for a number.
+    let mut words = words(line);
     for word in &mut words {
         if word.len() == 1 && is_placeholder(word) {
             "1".clone_into(word);
