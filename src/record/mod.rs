@@ -9,6 +9,7 @@ mod checks;
 mod contacts;
 mod energy;
 mod file_error;
+mod findings;
 mod folders;
 mod frames;
 mod grain_table;
