@@ -286,4 +286,6 @@ fn specimens_of_a_sweep_are_realisations() {
         let last = ["point-0004-c1", "point-0003", "2", &begun[1], "0.3"];
         assert_eq!(rows[4][..5], last, "law: the second specimen, {time} time");
     }
+    let plan = folder.json("out/plan.json");
+    assert_eq!(plan["changes"], json!([]), "law: a change of every run is one that was asked for");
 }

@@ -35,7 +35,7 @@ pub(super) fn refuse(
         return not_fewer(&path, &there, now);
     }
     let why = built_otherwise(&there, now).unwrap_or_else(|| {
-        let kept = load_scenario(&out.join(SCENARIO_FILE), &options.changes);
+        let kept = load_scenario(&out.join(SCENARIO_FILE), &options.common());
         let told = kept.map_or_else(
             |_| vec![format!("{SCENARIO_FILE} there, which says what it was, cannot be read")],
             |kept| differences(&kept.scenario, scenario),

@@ -48,15 +48,16 @@ pub struct SweepOptions {
 }
 
 impl SweepOptions {
-    /// Where specimens are varied that of the scenario is never run, and need not be there.
-    fn begin_with_one_of_its_specimens(&mut self) {
+    /// Changes that every run has. Where specimens are varied, one of these stands in the place of
+    /// the scenario's, which is never run and need not be there.
+    fn common(&self) -> Vec<Override> {
         let is_its_own = |change: &Override| change.path() == SPECIMEN;
-        if self.design == Design::OneAtATime || self.changes.iter().any(is_its_own) {
-            return;
-        }
-        let varied = self.over.iter().find(|factor| factor.path == SPECIMEN);
-        self.changes
-            .extend(varied.and_then(|of| of.values.first()).map(|(_, change)| change.clone()));
+        let is_never_run =
+            self.design != Design::OneAtATime && !self.changes.iter().any(is_its_own);
+        let varied = self.over.iter().filter(|factor| is_never_run && factor.path == SPECIMEN);
+        let first = varied.filter_map(|factor| factor.values.first()).map(|(_, change)| change);
+        let placed = |change: &Override| change.clone().naming_files_in(&self.folder);
+        self.changes.iter().chain(first).map(placed).collect()
     }
 
     /// The sweep of a sensitivity design: its scenario, and each of its parameters by itself.
@@ -114,13 +115,10 @@ impl SweepStudy {
     /// # Errors
     /// [`StudyError::Faults`] with the faults of all points,
     /// [`StudyError::Scenario`] of what is varied, or of realisations that are all the same run.
-    pub fn new(mut options: SweepOptions) -> Result<Self, StudyError> {
+    pub fn new(options: SweepOptions) -> Result<Self, StudyError> {
         twice::refuse(&options)?;
-        options.begin_with_one_of_its_specimens();
-        let folder = &options.folder;
-        let placed = |change: Override| change.naming_files_in(folder);
-        options.changes = std::mem::take(&mut options.changes).into_iter().map(placed).collect();
-        let scenario = load_scenario(&options.scenario, &options.changes)?.scenario;
+        let common = options.common();
+        let scenario = load_scenario(&options.scenario, &common)?.scenario;
         let gathered = gathered(&options.scenario)?;
         let SweepOptions { design, over, parameters, ranges, .. } = &options;
         let mut points = points::points(*design, over, parameters, ranges, &scenario)?;
@@ -130,7 +128,7 @@ impl SweepStudy {
         twice::refuse_shared_realisations(&options.names(), &points, options.configurations)?;
         let variations =
             points.iter().map(|point| Variation::new(&point.name, "sweep", point.changes.clone()));
-        let varied = Varied::load(&options.scenario, &options.changes, variations.collect())?;
+        let varied = Varied::load(&options.scenario, &common, variations.collect())?;
         refuse_repeats(&varied, CONFIGURATIONS, options.configurations)?;
         let specimens = specimens::realisations(&options, &points, &varied);
         Ok(Self { options, gathered, scenario, points, varied, specimens })
