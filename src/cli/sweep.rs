@@ -13,9 +13,10 @@ use crate::study::{
 #[command(after_help = "\
 --over gives a field its values; several make a grid of all combinations, or with --one-at-a-time
 each field is varied by itself around the scenario. --samples latin-hypercube:N draws N points from
-the ranges of --range. Leaves plan.json, sweep.csv (one row per run), sweep.json, sweep.md,
-report.html, figures/ and runs/ in DIR. Finished stages there are reused; the same command with more
---configurations adds to it. A run that fails is a row with the reason.
+the ranges of --range. --configurations alone gives means of the scenario as it is. Leaves
+plan.json, sweep.csv (one row per run), sweep.json, sweep.md, report.html, figures/ and runs/ in
+DIR. Finished stages there are reused; the same command with more --configurations adds to it. A run
+that fails is a row with the reason.
 --design varies the parameters of a sensitivity design, one at a time, and leaves sensitivity.md,
 sensitivity.csv and sensitivity.json as well, as every sweep does that varies one thing at a time.
 --slurm submits what is not stored yet to a cluster, --snakemake writes a Snakefile; --status and
@@ -149,9 +150,11 @@ fn options(args: &SweepArgs) -> Result<SweepOptions, CliError> {
     if let Some(design) = &args.design {
         return Ok(SweepOptions::of_design(design, args.quick, &changes, args.configurations)?);
     }
-    if args.over.is_empty() && args.samples.is_none() {
+    let several = args.configurations.is_some_and(|count| count > 1) && !args.one_at_a_time;
+    if args.over.is_empty() && args.samples.is_none() && !several {
         let text = "nothing is varied; allowed are --over <path=v1,v2,...>, --samples \
-                    <latin-hypercube:N> with --range <path=low..high>, or --design <FILE>";
+                    <latin-hypercube:N> with --range <path=low..high>, --design <FILE>, or \
+                    --configurations of at least 2 for realisations of the scenario as it is";
         return Err(CliError::Usage(text.to_owned()));
     }
     let Some(scenario) = args.scenario.clone() else {

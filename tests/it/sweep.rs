@@ -110,6 +110,32 @@ fn a_grid_gives_one_row_a_run_and_goes_on_where_it_was() {
     assert_eq!(rows(&out), second, "law: nothing was written over");
 }
 
+/// Law: realisations of a scenario as it is are one point with a mean, and its page speaks of no
+/// factor; more of them add to it.
+#[test]
+fn realisations_of_one_scenario_need_no_factor() {
+    let folder = folder();
+    let (scenario, out) = (folder.path("small.json"), folder.path("out"));
+    for (count, more) in [(2, "2"), (3, "3")] {
+        let found = swept(&scenario, &out, &["--configurations", more]);
+        assert_eq!((&found["factors"], &found["effects"]), (&json!([]), &json!([])), "law: none");
+        let points = found["points"].as_array().expect("points");
+        assert_eq!(points.len(), 1, "law: one point of {count}");
+        let height = &points[0]["outcomes"]["standing_height_mm.mean_surface"];
+        assert_eq!(height["count"], count, "law: values of the mean, got {height}");
+        assert!(height["t_low"].is_number(), "law: with an interval, got {height}");
+        let rows = rows(&out);
+        assert_eq!(rows.len(), count + 1, "law: a row for each");
+        assert_eq!(rows[0][..3], ["run", "point", "configuration"], "law: no factor has a column");
+    }
+    let page = fs::read_to_string(out.join("sweep.md")).expect("a page");
+    assert!(page.contains("1 point in 3 realisations"), "law: what was run, got {page}");
+    for section in ["## What each factor moves", "## Figures"] {
+        assert!(!page.contains(section), "law: nothing is varied, got {page}");
+    }
+    assert!(out.join("report.html").exists(), "law: the report is there");
+}
+
 /// Law: a sweep of which no run can be valid says so before the first run.
 #[test]
 fn a_sweep_without_a_rest_test_is_warned_of() {
@@ -238,6 +264,8 @@ fn what_cannot_be_swept_is_told_before_anything_runs() {
         ("--over seed", ["path=value", "seed"]),
         ("--samples sobol:4 --range seed=1..9", ["latin-hypercube:N", "sobol"]),
         ("", ["nothing is varied", "--over"]),
+        ("--configurations 1", ["nothing is varied", "--configurations of at least 2"]),
+        ("--configurations 2 --one-at-a-time", ["nothing is varied", "--over"]),
     ] {
         let (code, printed, said) = sweep(&scenario, &out, &words(more));
         assert_eq!(code, Some(2), "{more:?}: {said}");
