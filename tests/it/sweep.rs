@@ -106,7 +106,7 @@ fn a_grid_gives_one_row_a_run_and_goes_on_where_it_was() {
     let other = ["--over", "seed=1,2"];
     let (code, _, said) = sweep(&scenario, &out, &other);
     assert_eq!(code, Some(2), "law: the folder of another sweep is refused");
-    assert!(said.contains("another sweep"), "{said}");
+    assert_holds(&said, &["another sweep", "`over`: grains.total_mass_g=30,60", "seed=1,2 now"]);
     assert_eq!(rows(&out), second, "law: nothing was written over");
 }
 

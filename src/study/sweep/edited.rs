@@ -25,10 +25,13 @@ pub(super) fn refuse(
         return Ok(());
     }
     let there = SweepPlan::read(out)?;
-    if there.command() != now.command() {
+    let other = asked_otherwise(&there, now);
+    if !other.is_empty() {
         return refused(format!(
-            "{} is the plan of another sweep; choose another folder with --out",
-            path.display()
+            "{} is the plan of another sweep: {}. Nothing was written; choose another folder with \
+             --out",
+            path.display(),
+            other.join("; ")
         ));
     }
     if same_runs(&there, now) {
@@ -52,6 +55,44 @@ pub(super) fn refuse(
          or undo the change",
         path.display()
     ))
+}
+
+/// What two plans were asked that differs, by fields of `plan.json`; configurations aside, which may
+/// be added to a sweep.
+fn asked_otherwise(there: &SweepPlan, now: &SweepPlan) -> Vec<String> {
+    let design = |plan: &SweepPlan| match plan.samples {
+        Some(count) => vec![format!("{} of {count} samples", plan.design)],
+        None => vec![plan.design.clone()],
+    };
+    let ends = |plan: &SweepPlan| -> Vec<String> {
+        let of_each =
+            |p: &Parameter| [p.low_changes.join(" "), p.high_changes.join(" ")].join(", ");
+        plan.parameters.iter().map(of_each).collect()
+    };
+    let fields: [(&str, [Vec<String>; 2]); 5] = [
+        ("`design`", [there, now].map(design)),
+        ("`over`", [there, now].map(|plan| plan.over.clone())),
+        ("`ranges`", [there, now].map(|plan| plan.ranges.clone())),
+        ("`changes` (--set, --seed, --backend)", [there, now].map(|plan| plan.changes.clone())),
+        ("`parameters`", [there, now].map(ends)),
+    ];
+    let differing = fields.iter().filter(|(_, [before, after])| before != after);
+    let told = |(field, [before, after]): &(&str, [Vec<String>; 2])| {
+        let only = |of: &[String], other: &[String]| -> Vec<String> {
+            of.iter().filter(|one| !other.contains(one)).cloned().collect()
+        };
+        let mut parts = [only(before, after), only(after, before)];
+        if parts.iter().all(Vec::is_empty) {
+            // The same in another order.
+            parts = [before.clone(), after.clone()];
+        }
+        let [was, is] = parts.map(|part| match part.is_empty() {
+            true => "nothing more".to_owned(),
+            false => part.join(" and "),
+        });
+        format!("{field}: {was} there, {is} now")
+    };
+    differing.map(told).collect()
 }
 
 /// Refuses a plan with fewer configurations than the one that is there.
@@ -198,6 +239,48 @@ mod tests {
         assert_eq!(differences(&copy, &own), [""; 0], "law: the same files");
         let told = differences(&copy, &named("out/b", "g.json"));
         assert!(told.len() == 1 && told[0].starts_with("begin.specimen was"), "{told:?}");
+    }
+
+    /// Law: what two sweeps were asked that differs is named with both; equal questions differ in
+    /// nothing.
+    #[test]
+    fn another_question_is_named() {
+        let plan = |change: &dyn Fn(&mut Value)| -> SweepPlan {
+            let mut plan = json!({
+                "format": "", "version": 2, "program": "", "engines": [], "scenario": "a.json",
+                "name": "a", "scenario_sha256": "", "design": "grid", "samples": null,
+                "over": ["seed=1,2", "contact.restitution=0.1,0.3"], "parameters": [],
+                "quick": false, "ranges": [], "changes": ["rest_test_s=1"], "configurations": 2,
+                "runs": []
+            });
+            change(&mut plan);
+            serde_json::from_value(plan).expect("a plan")
+        };
+        let own = plan(&|_: &mut Value| ());
+        let more = plan(&|plan: &mut Value| plan["configurations"] = 5.into());
+        assert_eq!(asked_otherwise(&own, &more), [""; 0], "law: configurations may be added");
+        for (field, value, expected) in [
+            (
+                "changes",
+                json!(["rest_test_s=2"]),
+                "`changes` (--set, --seed, --backend): rest_test_s=1 there, rest_test_s=2 now",
+            ),
+            (
+                "changes",
+                json!(["rest_test_s=1", "seed=3"]),
+                "`changes` (--set, --seed, --backend): nothing more there, seed=3 now",
+            ),
+            (
+                "over",
+                json!(["contact.restitution=0.1,0.3", "seed=1,2"]),
+                "`over`: seed=1,2 and contact.restitution=0.1,0.3 there, \
+                 contact.restitution=0.1,0.3 and seed=1,2 now",
+            ),
+            ("samples", json!(4), "`design`: grid there, grid of 4 samples now"),
+        ] {
+            let other = plan(&|plan: &mut Value| plan[field] = value.clone());
+            assert_eq!(asked_otherwise(&own, &other), [expected], "law: {field} is named");
+        }
     }
 
     #[test]

@@ -211,15 +211,6 @@ impl SweepPlan {
             folder: self.folder.as_ref().map(PathBuf::from).unwrap_or_default(),
         })
     }
-
-    /// What was asked for, configurations aside, which may be added to a sweep.
-    pub(super) fn command(&self) -> impl PartialEq + '_ {
-        let ends = self.parameters.iter().map(|p| (&p.low_changes, &p.high_changes));
-        (
-            (&self.design, self.samples, &self.over, &self.ranges, &self.changes),
-            ends.collect::<Vec<_>>(),
-        )
-    }
 }
 
 #[cfg(test)]
