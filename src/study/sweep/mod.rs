@@ -130,6 +130,7 @@ impl SweepStudy {
             points.iter().map(|point| Variation::new(&point.name, "sweep", point.changes.clone()));
         let varied = Varied::load(&options.scenario, &common, variations.collect())?;
         refuse_repeats(&varied, CONFIGURATIONS, options.configurations)?;
+        twice::refuse_same_runs(&points, &varied)?;
         let specimens = specimens::realisations(&options, &points, &varied);
         Ok(Self { options, gathered, scenario, points, varied, specimens })
     }

@@ -61,6 +61,32 @@ pub(super) fn refuse_shared_realisations(
     })
 }
 
+/// Refuses points that are the same run: nothing that a result depends on differs.
+pub(super) fn refuse_same_runs(points: &[Point], varied: &Varied) -> Result<(), StudyError> {
+    let changed = |point: &Point| match point.changes.as_slice() {
+        [] => "the scenario as it is".to_owned(),
+        changes => changes.iter().map(Override::text).collect::<Vec<_>>().join(" "),
+    };
+    let mut known: BTreeMap<String, &Point> = BTreeMap::new();
+    for (point, scenario) in points.iter().zip(varied.scenarios()) {
+        let mut run = in_question(scenario);
+        if let Some(fields) = run.as_object_mut() {
+            fields.remove("name");
+        }
+        if let Some(other) = known.insert(run.to_string(), point) {
+            return refused(format!(
+                "{} ({}) and {} ({}) are the same run: nothing that a result depends on differs; \
+                 vary other fields or values, or take realisations with --configurations",
+                other.name,
+                changed(other),
+                point.name,
+                changed(point)
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// Refuses two fields of which one is the other, or part of it.
 fn apart(
     (name, place): (&str, &Override),
