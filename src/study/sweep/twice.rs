@@ -3,8 +3,9 @@
 
 use super::*;
 
-/// Refuses fields that are varied twice, however their paths are written, and fields that are varied
-/// together with a part of them, be it by `--set`.
+/// Refuses fields that are varied twice, however their paths are written, fields that are varied
+/// together with a part of them, be it by `--set`, and changes of fields that every run has a value
+/// of by `--over`.
 pub(super) fn refuse(options: &SweepOptions) -> Result<(), StudyError> {
     // A parameter that changes several fields has a name in place of a path.
     let is_no_path =
@@ -34,8 +35,30 @@ pub(super) fn refuse(options: &SweepOptions) -> Result<(), StudyError> {
                 change.text()
             ));
         }
+        // One at a time a field is varied around its value; of a range that says whether numbers
+        // are whole.
+        let varied = options.over.iter().filter(|_| options.design != Design::OneAtATime);
+        let lost = varied.zip(&known).find(|(factor, (_, place))| {
+            let is_same = place.as_ref().is_some_and(|place| change.is_where(place));
+            is_same && !is_added(change, factor)
+        });
+        if let Some((factor, _)) = lost {
+            return refused(format!(
+                "{}: it would be lost, for every run has a value of `{}` by --over; leave it out, or \
+                 add it to these values",
+                change.text(),
+                factor.path
+            ));
+        }
     }
     Ok(())
+}
+
+/// Whether a change is the specimen that a sweep over specimens takes for the scenario's own, and
+/// its plan has.
+fn is_added(change: &Override, factor: &Factor) -> bool {
+    let first = factor.values.first();
+    factor.path == SPECIMEN && first.is_some_and(|(_, first)| first.text() == change.text())
 }
 
 /// Refuses values of `configuration` that lie closer together than the number of realisations at
@@ -130,7 +153,7 @@ mod tests {
     /// Law: a value is varied once; the message names both paths as they were typed.
     #[test]
     fn a_value_that_is_changed_twice_is_refused() {
-        let cases: [(SweepOptions, [&str; 2]); 7] = [
+        let cases: [(SweepOptions, [&str; 2]); 9] = [
             (options(&["seed=1", "seed=2"], &[], &[]), ["`seed`", "varied twice"]),
             (
                 options(&["stages[1].x=1,200", "stages.1.x=3,4"], &[], &[]),
@@ -163,6 +186,14 @@ mod tests {
             (
                 options(&["contact={\"restitution\":0.1}"], &[], &["contact.restitution=0.2"]),
                 ["--set contact.restitution=0.2", "`contact` is varied"],
+            ),
+            (
+                options(&["seed=7", "stages[1].x=1,2"], &[], &["stages.1.x=3"]),
+                ["stages.1.x=3: it would be lost", "`stages[1].x` by --over"],
+            ),
+            (
+                options(&["begin.specimen=a,b"], &[], &["begin.specimen=b"]),
+                ["begin.specimen=b: it would be lost", "`begin.specimen` by --over"],
             ),
         ];
         for (options, words) in cases {
@@ -211,9 +242,12 @@ mod tests {
     #[test]
     fn what_is_changed_once_is_accepted() {
         let apart = ["stages[1].x=1", "stages[2].x=1", "contact.restitution=1", "seed=1"];
-        let set = ["contact.restitution=0.2", "contact={\"restitution\":0.1}"];
+        let set = ["contact.friction=0.2", "contact={\"restitution\":0.1}", "stages[3].x=1"];
         let mut options = options(&apart, &["stages.3.x=1..2"], &set);
         assert!(refuse(&options).is_ok(), "law: {:?}", refuse(&options));
+        options.changes.push("seed=2".parse().expect("a change"));
+        options.design = Design::OneAtATime;
+        assert!(refuse(&options).is_ok(), "law: a value to vary around: {:?}", refuse(&options));
         let name = "contact".to_owned();
         options.parameters = vec![Parameter { name, ..Parameter::default() }];
         assert!(refuse(&options).is_ok(), "law: a name is no path: {:?}", refuse(&options));
