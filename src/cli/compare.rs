@@ -51,6 +51,13 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
         ));
     }
     let changes = args.changes.overrides()?;
+    let backend = Override::new(&["engine", "backend"], Value::Null);
+    if let Some(change) = changes.iter().find(|change| change.is_where(&backend)) {
+        return Err(CliError::Usage(format!(
+            "--set {}: it would be lost, for the engines are those of --backends; name them there",
+            change.text()
+        )));
+    }
     let loaded = load_scenario(&args.scenario, changes)?;
     let study = compare(loaded, changes, backends)?;
     let run = context.run_options(&args.out, args.jobs);

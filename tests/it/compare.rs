@@ -69,6 +69,18 @@ fn faults_in_one_engine_name_the_file_and_the_engine() {
     assert!(!folder.path("out").exists(), "law: faults are found before anything is written");
 }
 
+/// Law: an engine is named by `--backends`, and a change of it that no run would have is refused.
+#[test]
+fn an_engine_is_not_set() {
+    let folder = Folder::new();
+    let scenario = folder.scenario("small.json", &small::scenario(30.0, 0.25, 0.2));
+    let out = folder.out("out");
+    let asked = compare(&scenario, "bullet,rapier", &out);
+    let asked = [&asked[..], &["--set", "engine.backend=rapier"]].concat();
+    program::refused(&asked, 2, &["--set engine.backend=rapier: it would be lost", "--backends"]);
+    assert!(!folder.path("out").exists(), "law: nothing is written");
+}
+
 /// Law: grains that cannot be read are reported before anything is written.
 #[test]
 fn grains_that_are_not_there_leave_nothing() {
