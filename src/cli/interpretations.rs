@@ -42,6 +42,11 @@ pub(super) fn interpretation(name: &str) -> Result<Interpretation, String> {
 
 pub(super) fn run(args: &InterpretationsArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let all = args.only.is_empty();
+    let twice = |(n, of): &(usize, &Interpretation)| args.only[..*n].contains(of);
+    if let Some((_, twice)) = args.only.iter().enumerate().find(twice) {
+        let name = twice.name;
+        return Err(CliError::Usage(format!("--only names {name} twice; name each once")));
+    }
     let study = interpretations(InterpretationsOptions {
         quick: args.quick,
         configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),

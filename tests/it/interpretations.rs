@@ -75,6 +75,8 @@ fn wrong_names_are_refused_with_the_allowed_ones() {
         let names = ["`blender`", "converged", "per_body", "bullet_stock", "blender_2014_mm"];
         refused(&args, 2, &names);
     }
+    let twice = ["interpretations", "--only", "converged,per_body,converged"];
+    refused(&twice, 2, &["--only names converged twice"]);
 }
 
 #[test]

@@ -239,6 +239,12 @@ pub fn meet_targets(
             ));
         }
     }
+    for (n, target) in targets.iter().enumerate() {
+        let title = target.title();
+        if targets[..n].iter().any(|earlier| earlier.title() == title) {
+            return refused(format!("--target {title}: it is given twice; give it one range"));
+        }
+    }
     let mut models = Vec::new();
     let mut found: Vec<TargetFound> = Vec::new();
     for target in targets {

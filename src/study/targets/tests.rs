@@ -384,6 +384,21 @@ fn a_field_that_differs_between_sweeps_of_a_name_is_a_factor() {
     assert!(refused.contains("--runs t: `x` varies, but is no column"), "law: got `{refused}`");
 }
 
+/// Law: a result has one target: two of it would have equal residuals, and exclude each other.
+#[test]
+fn a_target_is_given_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sweep.csv");
+    of_numbers(&path, "a,b,settlement_mm.final", |a, b| format!("{a},{b},{}", 10.0 * a + b));
+    for second in ["t:settlement_mm.final=20..22", "t:settlement_mm.final=21..30"] {
+        let wanted = [target("t:settlement_mm.final=20..22"), target(second)];
+        let said = meet_targets(&[runs("t", path.clone())], &wanted, &[]);
+        let said = said.expect_err("law: refused").to_string();
+        let expected = "--target t:settlement_mm.final: it is given twice";
+        assert!(said.contains(expected), "law: expected `{expected}`, got `{said}`");
+    }
+}
+
 /// Law: a result that is no number, as with a decimal comma, is refused where a target asks for it:
 /// its run would be missing in the count.
 #[test]
