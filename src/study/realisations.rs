@@ -64,12 +64,20 @@ pub(super) fn refuse_shared(varied: &Varied, count: u32) -> Result<(), StudyErro
     let is_moved = |variation: &Variation| {
         variation.changes.iter().any(|change| change.path() == "configuration")
     };
+    let taken = |variation: &Variation, scenario: &Scenario| {
+        let most = variation.configurations.map_or(count, |most| most.min(count));
+        scenario.configuration..scenario.configuration.saturating_add(most)
+    };
     for (variation, scenario) in varied.all.iter().filter(|(variation, _)| is_moved(variation)) {
-        let shares = |of: &Scenario| {
-            (1..count).contains(&scenario.configuration.abs_diff(of.configuration))
+        let own = taken(variation, scenario);
+        let shares = |other: &Variation, of: &Scenario| {
+            let others = taken(other, of);
+            own.start != others.start
+                && own.start < others.end
+                && others.start < own.end
                 && otherwise(scenario) == otherwise(of)
         };
-        if let Some((other, of)) = varied.all.iter().find(|(_, of)| shares(of)) {
+        if let Some((other, of)) = varied.all.iter().find(|(other, of)| shares(other, of)) {
             return refused(format!(
                 "--configurations {count} cannot be taken: `{}` begins with configuration {} and \
                  `{}` with {}, so that some runs would belong to both (allowed: values of \
@@ -160,6 +168,12 @@ mod tests {
             assert!(got.contains(words), "law: `{words}` is said, got `{got}`");
         }
         assert_eq!(said(&near, 2), "", "law: 1 and 2, 3 and 4 share none");
+        let mut few = near.clone();
+        few[0].0.configurations = Some(2);
+        assert_eq!(said(&few, 3), "", "law: 1 and 2 alone, where no more are taken");
+        few[1].0.configurations = Some(1);
+        few[0].0.configurations = None;
+        assert!(!said(&few, 3).is_empty(), "law: 3 is in 1 to 3");
         let free = [of("default", 1, 1), of("again", 1, 1), of("seed-high", 2, 2)];
         assert_eq!(said(&free, 3), "", "law: the same runs, and other grains");
     }

@@ -32,12 +32,13 @@ pub struct StudyOptions {
 ///
 /// # Errors
 /// [`StudyError::Faults`] with all its faults; [`StudyError::Scenario`] of realisations that are
-/// all the same run.
+/// all the same run, or of rungs that share some.
 pub fn converge(options: &StudyOptions) -> Result<Study<Convergence>, StudyError> {
     let read = |file: &Path| Designed::of_file(file, options.quick);
     let design = with_design(options.design.as_deref(), BUILT_IN, read)?;
     let configurations = options.configurations.unwrap_or(design.configurations);
     refuse_repeats(&design.varied, CONFIGURATIONS, configurations)?;
+    refuse_shared(&design.varied, configurations)?;
     let mut question = design.varied.question(configurations);
     question["limits"] = json!(design.limits);
     question["reference"] = design.reference.as_str().into();

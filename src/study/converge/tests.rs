@@ -1,7 +1,7 @@
 //! Deviations, verdicts and the choice of the cheapest setting, on canned rows.
 
 use super::{
-    BUILT_IN,
+    BUILT_IN, StudyOptions, converge,
     design::{ConvergenceLimits, Designed, Ladder},
     judge::{cheapest, judge},
 };
@@ -400,6 +400,44 @@ fn ladders_and_runs_are_told_apart() {
     assert_eq!(found, [told("ladders[1].title", "the title is given twice")]);
     let found = faults(serde_json::json!([one, ladder("a", "Two", ["b-c", "d"])]));
     assert_eq!(found, [told("ladders[1].name", "the name is given twice")], "law: no more");
+}
+
+/// Law: rungs that differ in their configuration alone share no realisation, as parameters of
+/// `pluvia sensitivity` do not.
+#[test]
+fn rungs_share_no_realisation() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, value: serde_json::Value| {
+        let file = folder.path().join(name);
+        std::fs::write(&file, value.to_string()).expect("a file");
+        file
+    };
+    let scenario = serde_json::json!({
+        "name": "small",
+        "grains": { "total_mass_g": 20, "density_kg_per_m3": 2650, "sieve_table":
+            [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }] },
+        "stages": [{ "stage": "fill_funnel" }, { "stage": "pour", "falling_height_mm": 0 }]
+    });
+    write("small.json", scenario);
+    let said = |configuration: u32| {
+        let changes = [format!("configuration={configuration}")];
+        let design = serde_json::json!({
+            "full": { "scenario": "small.json", "configurations": 3 },
+            "limits": { "height_percent": 1, "settlement_percent": 5 },
+            "reference": "a",
+            "ladders": [{ "name": "a", "title": "One", "rungs": [
+                { "name": "b", "title": "first" },
+                { "name": "c", "title": "second", "changes": changes }
+            ] }]
+        });
+        let design = Some(write("design.json", design));
+        let study = converge(&StudyOptions { design, quick: false, configurations: None });
+        study.err().map_or(String::new(), |error| error.to_string())
+    };
+    for words in ["--configurations 3 cannot be taken", "`a-c`", "`a-b`", "at least 3 apart"] {
+        assert!(said(3).contains(words), "law: `{words}` is said, got `{}`", said(3));
+    }
+    assert_eq!(said(4), "", "law: 1 to 3 and 4 to 6 share none");
 }
 
 #[test]
