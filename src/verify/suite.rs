@@ -103,6 +103,10 @@ pub fn run_suite(options: &SuiteOptions, make: WorldMaker) -> Result<Vec<Verdict
     // A lock, so that experiments are reported in the order in which they are counted.
     let done = Mutex::<Done>::default();
     let pool = pool(options.jobs.max(1))?;
+    if let Some(out) = &options.out {
+        // The suite begins anew: rows of an earlier one are none of it.
+        let _ = std::fs::remove_file(out.join(UNFINISHED));
+    }
     options.progress.begin_pieces(SUITE, "experiments", todo.len());
     pool.install(|| {
         // One at a time from the front: the order of the table is that of the work.
@@ -214,6 +218,10 @@ mod tests {
         assert_eq!(kept.len(), 2, "law: each finished one, got {kept:?}");
         assert_eq!(rows("verify.csv"), None, "law: no table looks like that of the whole suite");
         let silent = Arc::new(crate::protocol::Silent);
+        let stopped = run(Arc::new(AtomicBool::new(true)), silent.clone());
+        let said = stopped.expect_err("law: nothing begins").to_string();
+        assert!(said.contains("0 of 3 experiments"), "law: nothing is finished, got `{said}`");
+        assert_eq!(rows(UNFINISHED), None, "law: no rows of the suite before are left");
         run(Arc::default(), silent).expect("law: the same begins anew");
         let all = rows("verify.csv").expect("law: the whole table");
         assert_eq!(all[..2], kept[..], "law: the same rows, first");
