@@ -188,4 +188,9 @@ fn wrong_usage_is_told_before_anything_runs() {
         let is_written = folder.path("out").exists();
         assert!(printed.is_empty() && !is_written, "nothing is printed or written: {more}");
     }
+    // All that is wrong is said at once.
+    let both =
+        format!("--target settlement_mm.final=3 --unknown contact.grain_grain_friction {between}");
+    let (_, _, err) = calibrate(&folder, &words(&format!("{both} --set rest_test_s=0")));
+    assert_holds(&err, &["does not measure it", "rest_test_s is 0"]);
 }
