@@ -69,13 +69,24 @@ pub struct ParameterRow {
     pub surface: Effect,
 }
 
-/// What a parameter moves: its name in tables, its title, and which effect of a row that is.
-type Outcome = (&'static str, &'static str, fn(&ParameterRow) -> Effect);
+/// What a parameter moves: its name in tables, its title, which effect of a row that is, and its
+/// mean without a change.
+type Outcome = (
+    &'static str,
+    &'static str,
+    fn(&ParameterRow) -> Effect,
+    fn(&VariationRow) -> Option<Estimate>,
+);
 
-pub(super) const OUTCOMES: [Outcome; 3] = [
-    ("height", "Height after pouring", |r| r.height),
-    ("plate_settlement", "Settlement of the plate", |r| r.plate),
-    ("surface_settlement", "Settlement of the mean surface", |r| r.surface),
+const OUTCOMES: [Outcome; 3] = [
+    ("height", "Height after pouring", |r| r.height, |d| d.poured_height_mm),
+    ("plate_settlement", "Settlement of the plate", |r| r.plate, |d| d.plate_settlement_mm),
+    (
+        "surface_settlement",
+        "Settlement of the mean surface",
+        |r| r.surface,
+        |d| d.surface_settlement_mm,
+    ),
 ];
 
 /// `sensitivity.json`.
@@ -97,6 +108,19 @@ pub struct Sensitivity {
     pub default: Option<VariationRow>,
     /// The parameters, in the order of the design.
     pub parameters: Vec<ParameterRow>,
+}
+
+impl Sensitivity {
+    /// What page and figure show: outcomes that some run has, as no settlement of a scenario that
+    /// does not vibrate; all of them where no run has any.
+    pub(super) fn shown(&self) -> Vec<Outcome> {
+        let has = |(_, _, effect, mean): &&Outcome| {
+            self.parameters.iter().any(|row| effect(row).largest_mm.is_some())
+                || self.default.as_ref().and_then(mean).is_some()
+        };
+        let measured: Vec<Outcome> = OUTCOMES.iter().filter(has).copied().collect();
+        if measured.is_empty() { OUTCOMES.to_vec() } else { measured }
+    }
 }
 
 /// The parameters, that with the largest effect first; those without one last.
@@ -131,7 +155,7 @@ fn records(of: &Sensitivity) -> impl Iterator<Item = Vec<(String, String)>> {
         record.add("failed", row.failed);
         record.add("left_out", row.left_out);
         record.add("grains_outside", row.grains_outside);
-        for (outcome, _, effect) in OUTCOMES {
+        for (outcome, _, effect, _) in OUTCOMES {
             let e = effect(row);
             record.add_estimate(&format!("{outcome}_low_minus_default_mm"), e.low_mm);
             record.add_estimate(&format!("{outcome}_high_minus_default_mm"), e.high_mm);
@@ -174,7 +198,7 @@ fn page(of: &Sensitivity, figure: Figure) -> Page {
         "Figure",
         [figure],
     );
-    for (outcome, title, effect) in OUTCOMES {
+    for (outcome, title, effect, _) in of.shown() {
         page = page.section(outcome, title, [Block::Table(effects(of, effect))]);
     }
     page.section("ranges", "Ranges", [Block::Table(ranges)])
@@ -374,6 +398,27 @@ mod tests {
         let line = |name: &str| table.lines().find(|l| l.contains(name)).unwrap_or_default();
         assert!(line("of once").ends_with("| scatter unknown |"), "law: once, got {table}");
         assert!(line("of never").ends_with("|  |"), "law: never, got {table}");
+    }
+
+    /// Law: what no run has is left out of page and figure, unless no run has anything.
+    #[test]
+    fn what_is_not_measured_has_no_table() {
+        let none = row("none", None, None).plate;
+        let poured = ParameterRow { plate: none, surface: none, ..row("poured", Some(1.0), None) };
+        let titles = OUTCOMES.map(|(_, title, ..)| title);
+        for (of, expected) in [
+            (study(vec![poured]), vec![titles[0]]),
+            (study(vec![row("failed", None, None)]), titles.to_vec()),
+        ] {
+            let figure = figures::of_sensitivity(&of).expect("a figure").svg;
+            let page = page_of(&of);
+            for title in titles {
+                let is_there = page.contains(&format!("## {title}"));
+                assert_eq!(is_there, expected.contains(&title), "law: table of {title}: {page}");
+                let is_drawn = figure.contains(&format!("{title}, change (mm)"));
+                assert_eq!(is_drawn, expected.contains(&title), "law: panel of {title}");
+            }
+        }
     }
 
     /// Law: an end that is the default is not compared with itself.

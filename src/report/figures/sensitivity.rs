@@ -1,7 +1,7 @@
 //! The effects of parameters as ranked bars, a panel an outcome.
 
 use super::*;
-use crate::report::sensitivity::{OUTCOMES, ranked};
+use crate::report::sensitivity::ranked;
 
 /// Height given to a parameter, in SVG units.
 const ROW: u32 = 80;
@@ -17,7 +17,7 @@ pub(in crate::report) fn of_sensitivity(of: &Sensitivity) -> Result<Figure, Repo
     let mut table =
         Table::new(["outcome", "parameter", "end", "value", "change_mm", "standard_error_mm"]);
     let mut panels = Vec::new();
-    for (outcome, title, effect) in OUTCOMES {
+    for (outcome, title, effect, _) in of.shown() {
         let rows = ranked(&of.parameters, effect);
         panels.push(panel(&format!("{title}, change (mm)"), &rows, effect));
         for row in rows {
