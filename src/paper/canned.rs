@@ -38,5 +38,6 @@ pub fn study(runs: &[RunRecord]) -> StudyView<'_> {
         intermittent: TableMotion { periods: 4, rest: 1.0, ..TableMotion::sine(0.025, 3.0, 5.0) },
         pile_friction: constants::FRICTION_COEFFICIENT,
         quick: false,
+        departures: Vec::new(),
     }
 }

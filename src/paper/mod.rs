@@ -35,7 +35,7 @@ pub use report::{
 };
 pub use scorecard::{ResultCounts, RowCounts, ScoreRow, Scorecard, scorecard};
 pub use uncertainty::{Uncertainty, uncertainty};
-pub use view::StudyView;
+pub use view::{Departs, Departure, StudyView};
 
 use std::{
     path::{Path, PathBuf},

@@ -38,6 +38,28 @@ pub struct StudyView<'a> {
     pub pile_friction: f64,
     /// Whether this is the small, quick study, whose specimen is not the paper's.
     pub quick: bool,
+    /// What is changed of the paper's specimen, plate and motion.
+    pub departures: Vec<Departure>,
+}
+
+/// A value of the paper that is another in a changed programme.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Departure {
+    /// What it is a value of.
+    pub of: Departs,
+    /// Both values in words.
+    pub words: String,
+}
+
+/// What a changed value belongs to, and with it which results depend on it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Departs {
+    /// The grains: of everything.
+    Grains,
+    /// The cylinder: of what stands in it.
+    Cylinder,
+    /// Plate and motion: of what is shaken.
+    Shaking,
 }
 
 impl StudyView<'_> {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::measure::{Interval, testing::assert_near};
-use crate::paper::{ClaimKind, Verdict, canned};
+use crate::paper::{ClaimKind, Departs, Departure, Verdict, canned};
 use crate::record::SecondarySieve;
 
 fn claim(study: &StudyView, id: &str) -> Claim {
@@ -323,6 +323,33 @@ fn the_quick_study_compares_nothing_of_the_full_size() {
         full.iter().all(|c| !c.reason.contains("instead of")),
         "law: the paper's own is compared"
     );
+}
+
+/// Law: of a changed specimen or programme nothing is compared that depends on the change, with the
+/// reason; all else is.
+#[test]
+fn a_changed_programme_compares_nothing_that_depends_on_the_change() {
+    let runs = canned::valid_runs();
+    let study = canned::study(&runs);
+    let verdict = |study: &StudyView, id: &str| claim(study, id).verdict;
+    for (of, not) in [
+        (Departs::Grains, [true, true, true]),
+        (Departs::Cylinder, [false, true, true]),
+        (Departs::Shaking, [false, false, true]),
+    ] {
+        let words = "another value".to_owned();
+        let changed = StudyView { departures: vec![Departure { of, words }], ..study.clone() };
+        let ids = ["grain-count", "standing-height-falls", "continuous-final-settlement-1"];
+        for (id, not) in ids.into_iter().zip(not) {
+            let c = claim(&changed, id);
+            let expected = if not { Verdict::NotComparable } else { verdict(&study, id) };
+            assert_eq!(c.verdict, expected, "law: {id} of {of:?}: {c:?}");
+            let reason = if not { "another value" } else { "" };
+            assert_eq!((c.reason.as_str(), c.is_missed() && not), (reason, false), "law: {c:?}");
+        }
+        let same = verdict(&changed, "solid-density");
+        assert_eq!(same, verdict(&study, "solid-density"), "law: whatever its size");
+    }
 }
 
 /// Law: a configuration that lacks a height does not show each step, and is not counted.

@@ -190,8 +190,10 @@ fn below_minimum(study: &StudyView) -> Claim {
         let percent = 100.0 * (1.0 - s / minimum);
         format!("{} % (configuration {})", number(percent, 0), r.configuration)
     };
-    let by: Vec<String> = below.iter().filter(|_| !study.quick).map(in_words).collect();
-    Draft::of("intermittent-case-below-minimum")
+    const ID: &str = "intermittent-case-below-minimum";
+    let is_compared = why_not_comparable(study, ID).is_none();
+    let by: Vec<String> = below.iter().filter(|_| is_compared).map(in_words).collect();
+    Draft::of(ID)
         .ours((!finals.is_empty()).then_some(below.len() as f64))
         .runs(finals.iter().map(|f| f.0))
         .note(listed("They stay below it by", &by))

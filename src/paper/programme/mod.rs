@@ -2,6 +2,7 @@
 //! several interpretations of the paper side by side.
 
 mod beside;
+mod departures;
 mod interpretations;
 mod pictures;
 mod reproduce;

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use super::departures::departures;
 use super::pictures::of_programme;
 use super::*;
 use crate::grains::{GrainSet, ParticleSizeDistribution};
@@ -86,6 +87,8 @@ pub(super) struct Scenarios {
     pub label: String,
     /// What its runs and files are called beside those of the default.
     pub suffix: String,
+    /// What changes make otherwise than the paper gives it.
+    pub departures: Vec<Departure>,
     quick: bool,
     changes: Vec<Override>,
 }
@@ -102,22 +105,24 @@ impl Scenarios {
             Ok(preset(poured, &of.changes_of(poured)?)?.engine)
         };
         let own_engine = interpretation.map(own_engine).transpose()?;
-        let preset = |name| {
+        let with = |name, changes: &[Override]| {
             let mut all = interpretation.map_or(Ok(Vec::new()), |r| r.changes_of(name))?;
             all.extend_from_slice(changes);
             preset(name, &all)
         };
+        let preset = |name| with(name, changes);
+        let shaken = ["paper/vibration-continuous.json", "paper/vibration-intermittent.json"];
         let [pluviation, continuous, intermittent] = if quick {
             let continuous = preset("quick/vibration.json")?;
             let intermittent = intermittent_of(&continuous);
             [preset(poured)?, continuous, intermittent]
         } else {
-            [
-                preset(poured)?,
-                preset("paper/vibration-continuous.json")?,
-                preset("paper/vibration-intermittent.json")?,
-            ]
+            [preset(poured)?, preset(shaken[0])?, preset(shaken[1])?]
         };
+        let own = [with(shaken[0], &[])?, with(shaken[1], &[])?];
+        let pairs = [(&own[0], &continuous), (&own[1], &intermittent)];
+        // The quick study's specimen is another one anyhow.
+        let departures = if quick { Vec::new() } else { departures(&pairs) };
         own_values(&pluviation, changes)?;
         let repose = match interpretation {
             None if quick => Some(preset("quick/repose.json")?),
@@ -134,7 +139,17 @@ impl Scenarios {
             }
         };
         let changes = changes.to_vec();
-        Ok(Self { pluviation, continuous, intermittent, repose, label, suffix, quick, changes })
+        Ok(Self {
+            pluviation,
+            continuous,
+            intermittent,
+            repose,
+            label,
+            suffix,
+            departures,
+            quick,
+            changes,
+        })
     }
 
     /// A hash of the programme without its engine and its interpretation: programmes
@@ -403,6 +418,7 @@ pub(super) fn study_view<'a>(
             .as_ref()
             .map_or(f64::NAN, |s| s.contact.grain_grain_friction),
         quick: scenarios.quick,
+        departures: scenarios.departures.clone(),
     })
 }
 

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::paper::{
-    claims::edge_ratio,
+    claims::{edge_ratio, why_not_comparable},
     constants::PERIOD_S,
     uncertainty::{SETTLEMENT_OF_PLATE, SHARE_AFTER_5_S, placement_scatter},
 };
@@ -33,8 +33,9 @@ pub(super) fn rows(all: &StudyView, study: &StudyView, claims: &[Claim]) -> Vec<
         |kind, value: fn(&Settlement) -> Option<f64>| study.values(kind, move |r| value(plate(r)?));
     let (continuous, intermittent) = (RunKind::VibrationContinuous, RunKind::VibrationIntermittent);
     let placements = placement_scatter(all, study);
+    let stands_alone = why_not_comparable(all, "continuous-").is_none();
     let under_plates = |own: &[f64], name: &str| Measured {
-        stands_alone: !all.quick,
+        stands_alone,
         ..Measured::under_plates(own, &placements, name)
     };
     let after_20_s = settled(continuous, |s| Some(s.final_mm));

@@ -29,7 +29,7 @@ pub(in crate::paper::report) fn figure(
     let stock: Vec<Stock> = stock.filter_map(|c| Some((name(c), c.settlement.as_ref()?))).collect();
     let laboratory = bands::FINAL_SETTLEMENT_MM;
     // The quick study shakes a smaller specimen for less time: nothing of it stands at 20 s.
-    let bracket = !study.quick;
+    let bracket = no_range(study).is_none();
     let mut plot = Plot::of_settlement();
     let mut table = Table::new(["curve", "time_s", "mean_mm", "lowest_mm", "highest_mm"]);
     if let Some(m) = &ours {
@@ -90,11 +90,10 @@ fn rows_of(table: &mut Table, name: &str, m: &MeanSettlement) {
 fn caption(study: &StudyView, ours: Option<&MeanSettlement>, stock: &[Stock]) -> String {
     let Some(m) = ours else { return "No run was vibrated continuously.".to_owned() };
     let mut said = vec!["Settlement under continuous vibration, downwards.".to_owned()];
-    said.push(if study.quick {
-        NO_RANGE_OF_QUICK.to_owned()
-    } else {
-        "Bracket: the laboratory's range, read after 20 s.".to_owned()
-    });
+    said.push(
+        no_range(study)
+            .unwrap_or_else(|| "Bracket: the laboratory's range, read after 20 s.".to_owned()),
+    );
     if m.band_runs > m.runs {
         said.push(
             "The mean is of the programme's runs; the band holds other placements of the plate as \

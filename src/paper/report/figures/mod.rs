@@ -8,6 +8,7 @@ mod settlement;
 mod sizes;
 
 use super::*;
+use crate::paper::claims::why_not_comparable;
 use crate::record::AngleOfRepose;
 use crate::report::figures::{by_azimuth, grains::of_shapes};
 
@@ -17,6 +18,15 @@ pub(super) use interpretations::of_interpretations;
 /// Why the quick study has no range of the laboratory beside its settlements.
 const NO_RANGE_OF_QUICK: &str = "The laboratory's range is not drawn: the quick study's specimen is \
                                  smaller, and shaken for less time.";
+
+/// Why a study has no range of the laboratory beside its settlements; none where it has.
+fn no_range(study: &StudyView) -> Option<String> {
+    if study.quick {
+        return Some(NO_RANGE_OF_QUICK.to_owned());
+    }
+    let why = why_not_comparable(study, "continuous-")?;
+    Some(format!("The laboratory's range is not drawn: {why}."))
+}
 
 /// The figures of a study, in the order of the paper.
 pub(super) fn of_study(study: &StudyView, standard: &Standard) -> Result<Vec<Figure>, ReportError> {

@@ -9,8 +9,8 @@ pub(super) fn continuous(study: &StudyView) -> Result<Figure, ReportError> {
     // The quick study ends long before the paper's; an empty figure still has the paper's scale.
     let at_least_s = if study.quick && !runs.is_empty() { 0.0 } else { CONTINUOUS_S };
     let (mut plot, table) = curves(&runs, at_least_s);
-    let laboratory = if study.quick {
-        NO_RANGE_OF_QUICK.to_owned()
+    let laboratory = if let Some(why) = no_range(study) {
+        why
     } else {
         plot.add_band("Laboratory, range of the final settlement", (band.low, band.high));
         format!(
