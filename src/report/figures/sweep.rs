@@ -200,6 +200,11 @@ fn pair_figure(of: &Sweep, a: usize, b: usize) -> Result<Option<Figure>, ReportE
     let mut table = Table::new(["outcome", "first", "second", "mean"]);
     let has = |path: &&str| of.points.iter().any(|p| p.outcomes.contains_key(*path));
     let outcomes: Vec<&str> = main_outcomes(&of.runs).into_iter().filter(has).collect();
+    let of_point = |p: &SweepPoint| {
+        let counts = outcomes.iter().filter_map(|path| Some(p.outcomes.get(*path)?.count));
+        counts.min()
+    };
+    let fewest = of.points.iter().filter_map(of_point).min();
     let mut panels = Vec::new();
     for path in outcomes {
         let mut plot = panel(of, first, path);
@@ -218,9 +223,18 @@ fn pair_figure(of: &Sweep, a: usize, b: usize) -> Result<Option<Figure>, ReportE
         }
         panels.push(plot);
     }
+    let all = of.configurations as usize;
+    let uneven = match fewest.filter(|fewest| *fewest < all) {
+        Some(fewest) => format!(
+            " Some points are over {fewest} of {} (the others lack runs that count), which need not \
+             be those of the next point.",
+            counted(all, of.realisation())
+        ),
+        None => String::new(),
+    };
     let caption = format!(
         "Means over {}s, and over all values of any further factor. Lines that run beside each \
-         other: the two factors act each by itself.{}",
+         other: the two factors act each by itself.{uneven}{}",
         of.realisation(),
         of_withheld(of)
     );
@@ -393,6 +407,33 @@ mod tests {
         };
         let is_same = pair(&[0.9, 0.3, 0.6]) == pair(&[0.3, 0.6, 0.9]);
         assert!(is_same, "law: the same lines, whatever the order of the values");
+    }
+
+    /// Law: where points lack realisations the caption of two factors says so, and else does not.
+    #[test]
+    fn means_over_fewer_realisations_are_said() {
+        let factor = |path: &str| SweepFactor { path: path.into(), ..sweep(2).factors.remove(0) };
+        let point = |a: u32, b: u32, results: &[f64]| SweepPoint {
+            point: String::new(),
+            values: vec![a.into(), b.into()],
+            runs: 2,
+            valid: results.len(),
+            left_out: 2 - results.len(),
+            failed: 0,
+            outcomes: BTreeMap::from([(
+                "void_ratio".to_owned(),
+                SweepEstimate::of(results).expect("a value"),
+            )]),
+        };
+        for (results, expected) in [(&[0.8, 0.9][..], false), (&[0.8], true)] {
+            let mut of = sweep(2);
+            of.factors = vec![factor("a"), factor("b")];
+            of.points = vec![point(1, 1, &[0.7, 0.8]), point(1, 2, &[0.7, 0.8])];
+            of.points.extend([point(2, 1, &[0.7, 0.8]), point(2, 2, results)]);
+            let got = pair_figure(&of, 0, 1).expect("drawn").expect("a figure").caption;
+            let said = "Some points are over 1 of 2 realisations (the others lack runs that count)";
+            assert_eq!(got.contains(said), expected, "law: of {results:?}, got `{got}`");
+        }
     }
 
     /// The texts of a figure, each with its size.

@@ -58,12 +58,15 @@ fn heights(columns: &[InterpretationColumn]) -> Result<Figure, ReportError> {
         "left_out",
     ]);
     let mut curves: Vec<Curve> = Vec::new();
+    let mut uneven = Vec::new();
     for column in columns {
         let mut points = Vec::new();
         let mut some_not_valid = false;
+        let mut realisations: Vec<Vec<u32>> = Vec::new();
         for fh in FALLING_HEIGHTS_MM {
             let from = column.poured_from(fh).filter(|r| height_mm(r).is_finite());
             let (shown, left_out) = never_mixed(from);
+            realisations.push(shown.iter().map(|r| r.configuration).collect());
             let heights: Vec<f64> = shown.into_iter().map(height_mm).collect();
             if let Some(mean) = mean(&heights) {
                 points.push((fh / MM_IN_CM, mean));
@@ -72,15 +75,23 @@ fn heights(columns: &[InterpretationColumn]) -> Result<Figure, ReportError> {
                 table.row(row![&column.name, count, fh, mean, valid, left_out.runs]);
             }
         }
+        if realisations.windows(2).any(|next| next[0] != next[1]) {
+            uneven.push(column.name.clone());
+        }
         curves.push((column, points, some_not_valid));
     }
+    let uneven = listed(
+        " Heights of these are not all of the same realisations, as some runs do not count or are \
+         missing:",
+        &uneven,
+    );
     let mut plot = Plot::of_standing_heights(20.0);
     let missing = add(&mut plot, curves, None);
     let caption = format!(
         "Mean surface after pluviation over falling height, mean over the configurations. The \
          laboratory's range stood in the paper's figure, which was not available to us (only its text \
          was). A height is comparable only where \
-         grains do not overlap: see the table. {MIND}{missing}"
+         grains do not overlap: see the table.{uneven} {MIND}{missing}"
     );
     let stem = "interpretations-standing-height";
     Figure::new(stem, "Figure 7 under each interpretation", caption, &[plot], &table)

@@ -275,6 +275,18 @@ fn a_claim_without_a_value_says_why() {
     assert_eq!(got, expected, "law: got left, expected right");
 }
 
+/// Law: an interpretation whose heights are of different realisations is named.
+#[test]
+fn heights_of_different_realisations_are_said() {
+    let uneven = column("uneven", |runs| runs.retain(|run| run.name != "pluviation-fh10-c2"));
+    let columns = [column("plain", |_| {}), uneven];
+    let figures = figures::of_interpretations(&columns).expect("figures");
+    let stem = "interpretations-standing-height";
+    let figure = figures.iter().find(|figure| figure.stem == stem).expect("a figure");
+    let said = "some runs do not count or are missing: uneven.";
+    assert!(figure.caption.contains(said), "law: `{said}`, got `{}`", figure.caption);
+}
+
 /// Law: no figure of the quick study has the laboratory's settlement beside its own, which is of a
 /// smaller specimen and of less time.
 #[test]
