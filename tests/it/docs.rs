@@ -360,6 +360,25 @@ fn commands_page() -> String {
     page
 }
 
+/// Law: every field that a `summary.json` may have stands in the pages.
+#[test]
+fn every_field_of_summaries_is_explained() {
+    let schema = schemars::schema_for!(pluvia::record::Summary).to_value();
+    let parts = schema["$defs"].as_object().expect("parts").values().chain([&schema]);
+    let fields: BTreeSet<&String> =
+        parts.filter_map(|part| part["properties"].as_object()).flat_map(|of| of.keys()).collect();
+    assert!(fields.len() > 100, "law: fields are found, got {}", fields.len());
+    let pages: String = documents()
+        .iter()
+        .filter(|page| page.starts_with("docs/"))
+        .map(|page| read(page))
+        .collect();
+    let is_in_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let words: BTreeSet<&str> = pages.split(|c: char| !is_in_name(c)).collect();
+    let missing: Vec<_> = fields.iter().filter(|field| !words.contains(field.as_str())).collect();
+    assert!(missing.is_empty(), "law: no page explains {missing:?}");
+}
+
 /// `PLUVIA_WRITE=1` writes the page anew.
 #[test]
 fn every_command_is_on_its_page() {
