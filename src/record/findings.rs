@@ -27,7 +27,6 @@ impl Summary {
 #[cfg(test)]
 mod tests {
     use super::super::summary::tests::summary;
-    use super::*;
 
     /// Law: a miss of the standard at the end is no finding beside it, whatever else misses the
     /// standard; what a check found earlier alone is one, as is any other check, and a run that
