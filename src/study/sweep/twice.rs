@@ -38,10 +38,9 @@ pub(super) fn refuse(options: &SweepOptions) -> Result<(), StudyError> {
         // One at a time a field is varied around its value; of a range that says whether numbers
         // are whole.
         let varied = options.over.iter().filter(|_| options.design != Design::OneAtATime);
-        let lost = varied.zip(&known).find(|(factor, (_, place))| {
-            let is_same = place.as_ref().is_some_and(|place| change.is_where(place));
-            is_same && !is_added(change, factor)
-        });
+        let lost = varied
+            .zip(&known)
+            .find(|(_, (_, place))| place.as_ref().is_some_and(|place| change.is_where(place)));
         if let Some((factor, _)) = lost {
             return refused(format!(
                 "{}: it would be lost, for every run has a value of `{}` by --over; leave it out, or \
@@ -52,13 +51,6 @@ pub(super) fn refuse(options: &SweepOptions) -> Result<(), StudyError> {
         }
     }
     Ok(())
-}
-
-/// Whether a change is the specimen that a sweep over specimens takes for the scenario's own, and
-/// its plan has.
-fn is_added(change: &Override, factor: &Factor) -> bool {
-    let first = factor.values.first();
-    factor.path == SPECIMEN && first.is_some_and(|(_, first)| first.text() == change.text())
 }
 
 /// Refuses values of `configuration` that lie closer together than the number of realisations at
