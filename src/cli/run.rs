@@ -53,7 +53,7 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
         earlier_run::refuse(&args.out, scenario, args.force)?;
     }
     // Before anything is written or removed it is known that the run can begin.
-    let ready = ReadyRun::new(scenario)?;
+    let ready = ReadyRun::new(scenario).map_err(|error| of_file(&args.scenario, error))?;
     let _at_work = earlier_run::begin(&args.out, scenario, args.force)?;
     let options = RunOptions { frames: true, ..context.run_options(&args.out, args.jobs) };
     let record = ready.carry_out(&options)?;
@@ -65,4 +65,12 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
     text += &format!("results in {}\n", plain_path(&args.out));
     text += &last_line::of_run(&record.summary);
     context.done(&text, &record.summary)
+}
+
+/// An error that names the file of the scenario that it is about.
+fn of_file(file: &Path, error: StudyError) -> StudyError {
+    match error {
+        StudyError::Scenario(why) => StudyError::Scenario(format!("{}: {why}", plain_path(file))),
+        other => other,
+    }
 }

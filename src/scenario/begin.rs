@@ -42,6 +42,9 @@ const OWN: [&str; 5] = ["name", "description", "notes", "stages", "begin"];
 /// Largest manifest in bytes, scenario with a recorded motion included.
 const LARGEST_MANIFEST: u64 = 64 << 20;
 
+/// Name of the file that holds a run's grains.
+const GRAINS_FILE: &str = "grains.json";
+
 /// Name of the file that may be named in place of a run's folder.
 const SPECIMEN_FILE: &str = "specimen.json";
 
@@ -70,7 +73,9 @@ fn run_folder(named: &Path) -> (PathBuf, Option<String>) {
 /// run, and which stage it is. The run's scenario, and the faults of what cannot be begun with.
 pub(super) fn read(document: &mut Document) -> (Option<Map<String, Value>>, Vec<Fault>) {
     let Some(begin) = document.value.get("begin") else { return (None, Vec::new()) };
-    let Ok(mut spec) = BeginSpec::deserialize(begin) else {
+    let has_form =
+        |spec: &BeginSpec| !spec.specimen.is_empty() && spec.stage.as_deref() != Some("");
+    let Some(mut spec) = BeginSpec::deserialize(begin).ok().filter(has_form) else {
         // The schema reports faults of form.
         put_grains(document);
         return (None, Vec::new());
@@ -190,6 +195,13 @@ fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>
         };
         check_unchanged(&named, noted).map_err(of_specimen)?;
     }
+    // Runs of one command share them, in the folder that holds `runs/`.
+    let lies_in = |place: &Path| ["stages", GRAINS_FILE].map(|name| place.join(name));
+    let mut needed = lies_in(&folder).into_iter().zip(lies_in(&folder.join("../..")));
+    if let Some((missing, _)) = needed.find(|(own, shared)| !own.exists() && !shared.exists()) {
+        let why = "is not there, and the specimen is read from it";
+        return Err(of_specimen(format!("{} {why}", missing.display())));
+    }
     // What a specimen began with itself has been done, too.
     let earlier = scenario.get("begin").and_then(|begin| begin["after"].as_array());
     let earlier = earlier.into_iter().flatten().filter_map(Value::as_str).map(str::to_owned);
@@ -272,9 +284,9 @@ fn take_over(document: &mut Document, mut scenario: Map<String, Value>, spec: &B
     if !is_sieved {
         let (named, _) = run_folder(Path::new(&spec.specimen));
         let (here, _) = run_folder(&placed(&spec.specimen, document));
-        let shared = !here.join("grains.json").is_file();
+        let shared = !here.join(GRAINS_FILE).is_file();
         let folder = if shared { named.join("../..") } else { named };
-        let file = folder.join("grains.json").to_string_lossy().into_owned();
+        let file = folder.join(GRAINS_FILE).to_string_lossy().into_owned();
         let grains = json!({ "file": file });
         // A name of the document's own leads from where it is given. What else it says of grains
         // repeats the run's, or would be a contradiction.

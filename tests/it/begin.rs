@@ -215,6 +215,8 @@ fn a_beginning_of_a_wrong_form_is_no_second_fault() {
     for (begin, at) in [
         (json!({ "specimen": "none", "stage": 1 }), "begin.stage"),
         (json!({ "specimen": 1 }), "begin.specimen"),
+        (json!({ "specimen": "" }), "begin.specimen"),
+        (json!({ "specimen": whole(), "stage": "" }), "begin.stage"),
         (json!({ "stage": "pour" }), "begin.specimen"),
         (json!("none"), "begin"),
         (json!(null), "begin"),
@@ -399,7 +401,7 @@ fn a_specimen_is_not_called_another_realisation() {
         ["run", text(&rests), "--out", text(&out), "--no-figures", "--set", one, "--set", two]
     };
     let words = [
-        "`rests` begins with one specimen",
+        "rests.json: `rests` begins with one specimen",
         "seed: it is not that of the specimen (found 7; allowed: 1",
         "configuration: it is not that of the specimen (found 3; allowed: 1",
     ];

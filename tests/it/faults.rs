@@ -120,6 +120,13 @@ fn each_refusal_has_one_exit_code() {
     let rest = json!([{ "stage": "rest", "duration_s": 1 }]);
     let begun = json!({ "name": "begun", "begin": { "specimen": "missing" }, "stages": rest });
     folder.scenario("of-missing-run.json", &begun);
+    for name in ["stages", "grains.json"] {
+        let part = folder.path(&format!("without-{name}"));
+        copy(small_run(), &part);
+        fs::rename(part.join(name), part.join("moved")).expect("it is moved");
+        let begun = json!({ "name": "begun", "begin": { "specimen": part }, "stages": rest });
+        folder.scenario(&format!("of-run-without-{name}"), &begun);
+    }
     let mut shaken = small::scenario(30.0, 0.25, 0.1);
     shaken["stages"][3] = json!({ "stage": "vibrate", "waveform": "file",
         "motion_file": "missing.csv" });
@@ -131,7 +138,7 @@ fn each_refusal_has_one_exit_code() {
     let (export, png) = (["--format", "csv"], at("x.png"));
     let to_png = ["--out", &*png];
     type Case<'a> = (&'a str, &'a str, &'a [&'a str], i32, &'a [&'a str]);
-    let cases: [Case; 24] = [
+    let cases: [Case; 26] = [
         ("run", &at("large.json"), &[], 2, &["large.json", "4.0 MiB", "at most 4.0 MiB"]),
         ("run", &at("."), &[], 2, &["a folder", "regular files"]),
         ("run", &at("words.json"), &[], 2, &["words.json", "not JSON"]),
@@ -143,6 +150,14 @@ fn each_refusal_has_one_exit_code() {
         ("grains", &at("of-missing-mesh.json"), &[], 4, &["missing.stl", "grains.meshes"]),
         ("run", &at("extends-missing.json"), &[], 4, &["missing.json", "No such file"]),
         ("run", &at("of-missing-run.json"), &[], 2, &["begin.specimen", "is not there"]),
+        ("run", &at("of-run-without-stages"), &[], 2, &["begin.specimen", "stages is not there"]),
+        (
+            "run",
+            &at("of-run-without-grains.json"),
+            &[],
+            2,
+            &["begin.specimen", "json is not there"],
+        ),
         ("run", &at("of-missing-motion.json"), &[], 2, &["missing.csv", "motion_file"]),
         ("export", &run, &export, 2, &["manifest.json", "as Pluvia writes it"]),
         ("export", &device, &export, 2, &["/dev/zero", "a device", "a folder is read here"]),

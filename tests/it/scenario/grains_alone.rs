@@ -1,5 +1,7 @@
 //! Scenarios that are loaded for their grains alone.
 
+use std::fs;
+
 use pluvia::grains::load_grains;
 use pluvia::scenario::{GrainsSpec, Override, Scenario};
 use serde_json::{Value, json};
@@ -102,7 +104,8 @@ fn grains_of_a_specimen_are_found_where_a_change_names_it() {
             "pieces": [{ "name": "box", "shape": shape }] },
         "stages": [{ "stage": "deposit", "key": "a", "specimen_sha256": "b" }]
     });
-    let folder = folder(&[("manifest.json", &run.to_string())]);
+    let folder = folder(&[("manifest.json", &run.to_string()), ("grains.json", "{}")]);
+    fs::create_dir(folder.path().join("stages")).expect("a store");
     let stages = json!([{ "stage": "rest", "duration_s": 1 }]);
     let change = format!("begin.specimen={}", folder.path().display());
     let scenario = load(&json!({ "name": "rests", "stages": stages }), &[&change]);
