@@ -7,7 +7,7 @@ use crate::record::{
     Balance, GroupSummary, LaboratoryNames, LaboratorySeries, LaboratorySummary, OpeningSummary,
     PieceRow, PieceSummary, RegionSummary, of_group,
 };
-use crate::scenario::GroupSpec;
+use crate::scenario::{GroupSpec, RegionSpec};
 use crate::specimen::{Opening, PieceState, centroids};
 use crate::units::to_kpa;
 
@@ -221,6 +221,21 @@ pub(super) fn laboratory_summary(
     })
 }
 
+/// A warning of each region in which no grain was at any sample: why it has no void ratio.
+pub(super) fn never_filled(regions: &[RegionSpec], rows: &[LaboratoryRow]) -> Vec<String> {
+    let was_filled =
+        |n: usize| rows.iter().any(|row| matches!(row.void_ratios.get(n), Some(Some(_))));
+    let never = regions.iter().enumerate().filter(|(n, _)| !rows.is_empty() && !was_filled(*n));
+    let warning = |(_, region): (usize, &RegionSpec)| {
+        format!(
+            "no grain was in the region `{}` at any sample, so it has no void ratio: it may lie \
+             away from where grains come",
+            region.name
+        )
+    };
+    never.map(warning).collect()
+}
+
 /// Weight in N against the force of grains on all pieces in N.
 pub(super) fn balance(weight_n: f64, force: &Vector) -> Balance {
     // The sum of no weights is −0.
@@ -232,6 +247,26 @@ pub(super) fn balance(weight_n: f64, force: &Vector) -> Balance {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Law: a region in which a grain was once has a void ratio to show; of one in which none ever
+    /// was it is said why it has none.
+    #[test]
+    fn a_region_away_from_all_grains_is_warned_of() {
+        let regions = ["filled", "emptied", "far"].map(|name| RegionSpec {
+            name: name.to_owned(),
+            low_mm: [0.0; 3],
+            high_mm: [1.0; 3],
+        });
+        let row = |void_ratios: [Option<f64>; 3]| LaboratoryRow {
+            void_ratios: void_ratios.to_vec(),
+            ..LaboratoryRow::default()
+        };
+        let rows = [row([Some(0.8), Some(0.9), None]), row([Some(0.7), None, None])];
+        let got = never_filled(&regions, &rows);
+        assert_eq!(got.len(), 1, "law: of one of the three, got {got:?}");
+        assert!(got[0].contains("the region `far`"), "law: it is named, got {got:?}");
+        assert!(never_filled(&regions, &[]).is_empty(), "law: without a sample nothing is known");
+    }
 
     #[test]
     fn a_balance_tells_what_is_missing() {

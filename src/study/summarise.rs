@@ -143,6 +143,7 @@ pub fn summarise(
         ));
     }
     let laboratory_rows = super::laboratory::rows(&stages);
+    warnings.extend(super::laboratory::never_filled(&setup.measures.regions, &laboratory_rows));
     let at_rest = inside::AtRest::of(setup, &specimen, rest_test);
     let end_of = (&at_rest.specimen, &at_rest.contacts[..]);
     let relative = |e: Option<f64>| Some(scenario.index_densities.as_ref()?.relative_density(e?));

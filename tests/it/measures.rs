@@ -275,17 +275,23 @@ fn any_columns_can_be_drawn_and_others_are_refused_with_the_nearest() {
 fn groups_that_make_no_sense_are_refused_with_the_field() {
     let folder = Folder::new();
     for (groups, words) in [
-        (json!([{ "name": "floor", "pieces": ["floor"] }]), "measures.groups"),
+        (json!([{ "name": "floor", "pieces": ["floor"] }]), "measures.groups[0].name: a piece has"),
+        (json!([{ "name": "table", "pieces": ["floor"] }]), "measures.groups[0].name: columns of"),
         (json!([{ "name": "a", "pieces": ["flor"] }]), "measures.groups[0].pieces[0]"),
         (json!([{ "name": "a", "pieces": ["floor", "floor"] }]), "in the group already"),
         (json!([{ "name": "a", "pieces": [] }]), "measures.groups[0].pieces"),
-        (json!([{ "name": "all", "pieces": ["floor"] }]), "unique names"),
+        (json!([{ "name": "all", "pieces": ["floor"] }]), "measures.groups[0].name: a region"),
     ] {
         let mut value = scenario();
         value["measures"]["groups"] = groups;
         let file = folder.scenario("s.json", &value);
         refused(&["run", &file, "--out", &folder.out("out")], 2, &[words]);
     }
+    let mut value = scenario();
+    value["measures"]["regions"][1]["name"] = json!("walls");
+    let file = folder.scenario("s.json", &value);
+    let words = ["measures.regions[1].name: a piece has this name", "found \"walls\""];
+    refused(&["run", &file, "--out", &folder.out("out")], 2, &words);
 }
 
 /// Law: at rest the cylinder carries the grains and the plate.

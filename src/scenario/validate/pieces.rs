@@ -356,18 +356,29 @@ fn check_measures(parts: &Parts, measures: &MeasuresSpec, faults: &mut Faults) {
         let field = format!("openings[{i}].direction");
         faults.not_zero(&field, opening.direction, "the opening has no direction");
     }
-    let regions = measures.regions.iter().map(|r| ("regions", &r.name));
-    let openings = measures.openings.iter().map(|o| ("openings", &o.name));
-    let groups = measures.groups.iter().map(|g| ("groups", &g.name));
+    let regions = measures.regions.iter().map(|r| &r.name).enumerate();
+    let openings = measures.openings.iter().map(|o| &o.name).enumerate();
+    let groups = measures.groups.iter().map(|g| &g.name).enumerate();
+    let all = regions.map(|(i, name)| ("regions", i, name));
+    let all = all.chain(openings.map(|(i, name)| ("openings", i, name)));
+    let all = all.chain(groups.map(|(i, name)| ("groups", i, name)));
     let mut known = HashSet::new();
-    // Groups have the columns that pieces have.
     let pieces: HashSet<&String> = parts.pieces().map(|(_, piece)| &piece.name).collect();
-    for (list, name) in regions.chain(openings).chain(groups) {
-        let is_new = known.insert(name) && !(list == "groups" && pieces.contains(name));
-        let wrong = !is_new || !is_plain(name);
-        let shown = Value::from(name.as_str());
-        let allowed = "unique names of letters, digits, `-` and `_`";
-        faults.add_if(wrong, list, shown, allowed, "results would have ambiguous names");
+    for (list, i, name) in all {
+        let is_new = known.insert(name);
+        let (allowed, why) = match () {
+            () if !is_plain(name) => {
+                ("letters, digits, `-` and `_`", "the name cannot be that of columns")
+            }
+            () if name == TABLE => ("another name", "columns of this name are the table's"),
+            () if pieces.contains(name) => ("another name", "a piece has this name"),
+            () if !is_new => {
+                ("a unique name", "a region, an opening or a group before has this name")
+            }
+            () => continue,
+        };
+        let field = format!("{list}[{i}].name");
+        faults.add(&field, Value::from(name.as_str()), allowed, why);
     }
 }
 
