@@ -374,7 +374,7 @@ fn a_mean_stress_is_kept_by_pieces_that_a_force_presses_and_by_no_others() {
     for (field, words) in [
         ("region", "no such region (found \"rim\"; allowed: core)"),
         ("pieces[0]", "no such piece (found \"nobody\"; allowed: cover)"),
-        ("pieces[2]", "named twice"),
+        ("pieces[2]", "named twice (found \"cover\"; allowed: each piece once)"),
         ("pieces[3]", "moved by this stage"),
         ("pieces[4]", "a moment turns the piece"),
         ("pieces[5]", "moves freely"),

@@ -278,7 +278,10 @@ fn groups_that_make_no_sense_are_refused_with_the_field() {
         (json!([{ "name": "floor", "pieces": ["floor"] }]), "measures.groups[0].name: a piece has"),
         (json!([{ "name": "table", "pieces": ["floor"] }]), "measures.groups[0].name: columns of"),
         (json!([{ "name": "a", "pieces": ["flor"] }]), "measures.groups[0].pieces[0]"),
-        (json!([{ "name": "a", "pieces": ["floor", "floor"] }]), "in the group already"),
+        (
+            json!([{ "name": "a", "pieces": ["floor", "floor"] }]),
+            "group already (found \"floor\"; allowed: each piece once)",
+        ),
         (json!([{ "name": "a", "pieces": [] }]), "measures.groups[0].pieces"),
         (json!([{ "name": "all", "pieces": ["floor"] }]), "measures.groups[0].name: a region"),
     ] {

@@ -108,9 +108,14 @@ fn check_pieces(
     let none = "a piece that a force presses in an earlier stage; there is none";
     let allowed = any_of(&allowed, none);
     for (k, name) in keep.pieces.iter().enumerate() {
+        let field = format!("pieces[{k}]");
         let message = match holds.get(name.as_str()) {
             _ if !known.contains(&name.as_str()) => "there is no such piece",
-            _ if keep.pieces[..k].contains(name) => "the piece is named twice",
+            _ if keep.pieces[..k].contains(name) => {
+                let found = Value::from(name.as_str());
+                faults.add(&field, found, "each piece once", "the piece is named twice");
+                continue;
+            }
             _ if moved.contains(name) => "the piece is moved by this stage",
             Some(Hold::Force) => continue,
             Some(Hold::Moment) => "a moment turns the piece, no force presses it",
@@ -120,6 +125,6 @@ fn check_pieces(
             None if !all_known => continue,
             Some(Hold::Held) | None => "no force presses the piece when the stage begins",
         };
-        faults.add(&format!("pieces[{k}]"), Value::from(name.as_str()), &allowed, message);
+        faults.add(&field, Value::from(name.as_str()), &allowed, message);
     }
 }

@@ -388,13 +388,17 @@ fn check_groups(parts: &Parts, measures: &MeasuresSpec, faults: &mut Faults) {
     for (i, group) in measures.groups.iter().enumerate() {
         let mut faults = faults.at(format!("groups[{i}]"));
         for (k, name) in group.pieces.iter().enumerate() {
-            let message = match () {
-                () if !known.contains(&name.as_str()) => "there is no such piece",
-                () if group.pieces[..k].contains(name) => "the piece is in the group already",
+            let (allowed, message) = match () {
+                () if !known.contains(&name.as_str()) => {
+                    (known.join(", "), "there is no such piece")
+                }
+                () if group.pieces[..k].contains(name) => {
+                    ("each piece once".to_owned(), "the piece is in the group already")
+                }
                 () => continue,
             };
             let field = format!("pieces[{k}]");
-            faults.add(&field, Value::from(name.as_str()), known.join(", "), message);
+            faults.add(&field, Value::from(name.as_str()), allowed, message);
         }
     }
 }
