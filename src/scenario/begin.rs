@@ -82,7 +82,8 @@ pub(super) fn read(document: &mut Document) -> (Option<Map<String, Value>>, Vec<
     };
     match found(document, &mut spec) {
         Ok(scenario) => {
-            let found = begun::contradictions(&scenario, &document.value);
+            let mut found = begun::contradictions(&scenario, &document.value);
+            found.extend(begun::other_apparatus(&scenario, &document.value, &spec.after));
             // Grains that are refused are not judged as a mixture with those of the run.
             if let Value::Object(fields) = &mut document.value
                 && found.iter().any(|fault| fault.path.starts_with("grains"))

@@ -40,6 +40,35 @@ pub(super) fn contradictions(run: &Map<String, Value>, own: &Value) -> Vec<Fault
     faults
 }
 
+/// The faults of another apparatus than that in which the specimen stands after stages of these
+/// names: grains would lie within it, or away from it. A plate that lies there may get another mass.
+pub(super) fn other_apparatus(
+    run: &Map<String, Value>,
+    own: &Value,
+    after: &[String],
+) -> Vec<Fault> {
+    let done = |stage: &str| after.iter().any(|name| name == stage);
+    let parts = [
+        ("funnel", done("fill_funnel") && !done("pour")),
+        ("cylinder", done("pour")),
+        ("top_plate", done("place_top_plate")),
+    ];
+    let mut faults = Vec::new();
+    for (part, _) in parts.into_iter().filter(|(_, stands)| *stands) {
+        let there = run.get("apparatus").map_or(&Value::Null, |all| &all[part]);
+        let typed = own["apparatus"][part].as_object().into_iter().flatten();
+        for (field, own) in typed.filter(|(field, _)| field.as_str() != "mass_g") {
+            let path = format!("apparatus.{part}.{field}");
+            let found = difference(&path, &there[field], own).map(|(path, found, allowed)| {
+                let message = "the specimen stands in the run's apparatus: leave the field out";
+                Fault::new(message, found, allowed).at(path)
+            });
+            faults.extend(found);
+        }
+    }
+    faults
+}
+
 /// The first field of `own` that the run has otherwise: its path, what was found, and what the run
 /// has. What `own` leaves out is as in the run; files may have other names.
 fn difference(path: &str, run: &Value, own: &Value) -> Option<(String, Value, String)> {
@@ -194,6 +223,42 @@ mod tests {
         assert_eq!(swapped, ["pieces[0].name", "pieces[1].name"], "law: the order counts");
         let fewer = pieces(&|p| drop(p.as_array_mut().expect("a list").pop()));
         assert_eq!(fewer, ["pieces"]);
+    }
+
+    /// Law: what stands about the specimen is as the run has left it, each field that is not is
+    /// named; what was taken away, or is to come, may be another.
+    #[test]
+    fn a_specimen_keeps_the_apparatus_that_it_stands_in() {
+        let apparatus = json!({
+            "funnel": { "opening_diameter_mm": 80 },
+            "cylinder": { "inner_diameter_mm": 115, "height_mm": 200 },
+            "top_plate": { "diameter_mm": 113, "mass_g": 104 }
+        });
+        let run = Map::from_iter([("apparatus".to_owned(), apparatus)]);
+        let own = json!({ "apparatus": {
+            "funnel": { "opening_diameter_mm": 70 },
+            "cylinder": { "inner_diameter_mm": 130, "height_mm": 20 },
+            "top_plate": { "diameter_mm": 100, "mass_g": 50 }
+        } });
+        let [funnel, plate] =
+            ["apparatus.funnel.opening_diameter_mm", "apparatus.top_plate.diameter_mm"];
+        let [across, height] =
+            ["inner_diameter_mm", "height_mm"].map(|field| format!("apparatus.cylinder.{field}"));
+        let cases: [(&[&str], &[&str]); 4] = [
+            (&["fill_funnel"], &[funnel]),
+            (&["fill_funnel", "pour"], &[&across, &height]),
+            (&["fill_funnel", "pour", "place_top_plate"], &[&across, &height, plate]),
+            (&["slow_pluviation"], &[]),
+        ];
+        for (after, expected) in cases {
+            let after: Vec<String> = after.iter().map(|stage| (*stage).to_owned()).collect();
+            let mut paths: Vec<String> =
+                other_apparatus(&run, &own, &after).into_iter().map(|fault| fault.path).collect();
+            paths.sort_by_key(|path| expected.iter().position(|of| of == path));
+            assert_eq!(paths, expected, "law: after {after:?}");
+            let same = other_apparatus(&run, &Value::Object(run.clone()), &after);
+            assert!(same.is_empty(), "law: what repeats the run is none, got {same:?}");
+        }
     }
 
     /// Law: a press of 100 kPa asks for stiffer contacts than those of the run; a rest asks for

@@ -9,7 +9,7 @@ use super::{
     export::small_run as whole,
     interruption::{copy, stored},
     program::{self, assert_holds, done, json as read, refused, said, text, write},
-    scenario::assert_one,
+    scenario::{assert_one, assert_told, told_of},
     small,
 };
 
@@ -169,7 +169,7 @@ fn what_cannot_be_begun_with_is_refused() {
     let pinned = json!({ "specimen": whole_run, "specimen_sha256": "00" });
     refused(&pinned, &rest, &["begin.specimen_sha256", "another specimen"]);
 
-    // A stored specimen that was changed, and one that is too large for the laboratory.
+    // A stored specimen that was changed, and one that does not stand in such a cylinder.
     let changed = folder.path().join("changed");
     copy(whole(), &changed);
     for file in stored(&changed).iter().map(|stage| stage.join("specimen.json")) {
@@ -177,16 +177,15 @@ fn what_cannot_be_begun_with_is_refused() {
         fs::write(&file, content.replacen("0.0", "0.1", 1)).expect("changed");
     }
     refused(&json!({ "specimen": text(&changed) }), &rest, &["specimen.json", "not what was"]);
-    let narrow = json!({
-        "name": "begun", "begin": { "specimen": whole_run, "stage": "pour" }, "stages": rest,
-        "apparatus": { "cylinder": { "inner_diameter_mm": 60, "wall_thickness_mm": 5 },
-            "funnel": { "opening_diameter_mm": 55, "wall_thickness_mm": 5 },
-            "top_plate": { "diameter_mm": 50 } }
-    });
-    let narrow = write(folder.path(), "narrow.json", &narrow);
-    let output = run(&narrow, &folder.path().join("narrow"));
-    assert_eq!(output.status.code(), Some(2), "law: it cannot stand there: {}", said(&output));
-    assert!(said(&output).contains("outside of the apparatus"), "law: got {}", said(&output));
+    for (inner_mm, height_mm) in [(60, 200), (130, 20)] {
+        let cylinder = json!({ "inner_diameter_mm": inner_mm, "height_mm": height_mm });
+        let scenario = json!({
+            "name": "begun", "begin": { "specimen": whole_run, "stage": "pour" }, "stages": rest,
+            "apparatus": { "cylinder": cylinder }
+        });
+        let words = format!("stands in the run's apparatus: leave the field out (found {inner_mm}");
+        assert_told(&told_of(&scenario), "apparatus.cylinder.inner_diameter_mm", &words);
+    }
 }
 
 /// Law: a specimen that is not there is the only fault: pieces, regions and openings of its run
