@@ -488,11 +488,13 @@ fn what_does_not_suit_is_reported_and_pieces_in_each_other_are_refused() {
 #[test]
 fn pieces_in_each_other_are_faults_of_the_scenario() {
     let mut within = changed(sound(), "pieces[1].at_mm", json!([0, 0, 100]));
-    let words =
-        "`box` and `lid` overlap (found [0.0, 0.0, 100.0]; allowed: a place where they touch";
-    assert_told(&faults(&within), "pieces[1].at_mm", words);
+    let words = "overlap (found [0.0, 0.0, 100.0]; allowed: a place where they touch";
+    assert_told(&faults(&within), "pieces[1].at_mm", &format!("`box` and `lid` {words}"));
     within["rest_test_s"] = json!(-1);
+    within["pieces"][1]["name"] = json!("box");
     let found = faults(&within);
     assert_told(&found, "pieces[1].at_mm", words);
+    assert_told(&found, "pieces[1].name", "two pieces have this name");
+    assert_told(&found, "stages[1].pieces[0]", "no such piece");
     assert_told(&found, "rest_test_s", "out of range");
 }
