@@ -5,6 +5,7 @@ use rand_pcg::Pcg64;
 
 use super::*;
 use crate::grains::{self, Realisation};
+use crate::in_order::each_once;
 use crate::plain::counted;
 use crate::units::to_mm;
 
@@ -263,6 +264,25 @@ impl Feeder {
     /// Whether no grain will find a place any more, as far as that can be known.
     pub(super) fn is_stuck(&self) -> bool {
         self.so_far.blocked >= STUCK_AFTER
+    }
+
+    /// The pieces, by number, that leave the next grain no place somewhere in the area that it is let
+    /// go from; none under a spout.
+    pub(super) fn in_the_way(&self, specimen: &Specimen, solids: &Solids) -> Vec<usize> {
+        let (Outlet::Area(area) | Outlet::Above { area, .. }) = self.feed.outlet else {
+            return Vec::new();
+        };
+        let Some(&grain) = self.order.get(self.so_far.count) else { return Vec::new() };
+        let radius = self.radii[grain];
+        let half = area.half.map(|half| (half - radius).max(0.0));
+        let quarters = |n: i32| f64::from(n) / 4.0;
+        let all = (-4..=4).flat_map(|x| (-4..=4).map(move |y| [x, y])).map(|at| at.map(quarters));
+        let within = all.filter(|[x, y]| !area.round || x.hypot(*y) <= 1.0);
+        let touched = within.flat_map(|[x, y]| {
+            let place = area.middle + Vector::new(x * half[0], y * half[1], 0.0);
+            solids.touched(&place, radius, &specimen.state).collect::<Vec<usize>>()
+        });
+        each_once(touched)
     }
 
     /// Whether the next grain is due at a time in s.

@@ -210,8 +210,17 @@ fn a_deposit_without_room_ends_long_before_its_limit() {
     assert!(told.starts_with(&end), "law: when it ended, got {told}");
     let left = format!("no place was free for the next of {waiting} grains");
     assert!(told.contains(&left), "law: and why, got {told}");
-    // So low that grains at rest on the floor are in the way of others.
+    assert!(told.ends_with("still to come"), "law: no piece is in the way, got {told}");
+    let beside = json!({ "name": "insert", "shape": { "plate": { "size_mm": [40, 40, 20] } },
+        "at_mm": [0, 0, 100] });
     let mut scenario = scenario();
+    scenario.pieces.push(serde_json::from_value(beside).expect("a piece"));
+    let make = scripted_worlds(|| ScriptedWorld::still(STEP));
+    let outcome = run_stage(&scenario, &make, specimen(), &rain, None, &mut ()).expect("rain");
+    let [told] = &outcome.warnings[..] else { panic!("one warning, got {:?}", outcome.warnings) };
+    assert!(told.ends_with("; pieces in its area: `insert`"), "law: it is named, got {told}");
+    // So low that grains at rest on the floor are in the way of others.
+    scenario.pieces.pop();
     scenario.engine.native.checkpoint_every_s = Some(0.5);
     let low = stage(json!({ "stage": "deposit", "at_mm": [0, 0, 12],
         "area_mm": [40, 40], "rate_g_per_s": 200, "time_limit_s": 60 }));

@@ -21,11 +21,24 @@ impl Solids {
 
     /// Whether a ball is clear of every part; it may be called not clear near an edge.
     pub(super) fn is_clear(&self, centre: &Vector, radius: f64, state: &SpecimenState) -> bool {
-        state.pieces.iter().enumerate().filter(|(_, piece)| piece.present).all(|(n, piece)| {
-            let at = piece.pose.inverse() * Point::from(*centre);
-            at.coords.norm() > self.radii[n] + radius
-                || self.parts[n].iter().all(|part| depth(part, &at) < -radius)
-        })
+        self.touched(centre, radius, state).next().is_none()
+    }
+
+    /// The pieces, by number, that a ball is not clear of.
+    pub(super) fn touched(
+        &self,
+        centre: &Vector,
+        radius: f64,
+        state: &SpecimenState,
+    ) -> impl Iterator<Item = usize> {
+        let centre = Point::from(*centre);
+        let present = state.pieces.iter().enumerate().filter(|(_, piece)| piece.present);
+        let touches = move |(n, piece): &(usize, &PieceState)| {
+            let at = piece.pose.inverse() * centre;
+            at.coords.norm() <= self.radii[*n] + radius
+                && self.parts[*n].iter().any(|part| depth(part, &at) >= -radius)
+        };
+        present.filter(touches).map(|(n, _)| n)
     }
 
     /// The pieces, by number, that hold a place within a part: no grain's centroid can lie there.

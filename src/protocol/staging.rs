@@ -102,13 +102,22 @@ impl<'a> Laboratory<'a> {
         let (limit, time) = (course.until.limit, stand.time_s());
         // Less than a step before its end, a stage has reached its limit.
         let stuck = feeder.as_ref().is_some_and(Feeder::is_stuck) && time < limit - 1e-3;
+        let met = feeder.as_ref().filter(|_| stuck).map_or_else(Vec::new, |feeder| {
+            feeder.in_the_way(&stand.specimen, &Solids::of(self.setup))
+        });
+        let met: Vec<String> =
+            met.into_iter().map(|n| format!("`{}`", self.setup.pieces[n].name)).collect();
         let fall = feeder.as_ref().and_then(|feeder| feeder.fall(&stand.specimen));
         let waiting = feeder.map_or(0, |feeder| feeder.waiting());
         if stuck {
             stand.warn(format!(
                 "the stage ended after {time:.2} s, before its limit of {limit} s: everything was at \
-                 rest, and no place was free for the next of {} still to come",
-                counted(waiting, "grain")
+                 rest, and no place was free for the next of {} still to come{}",
+                counted(waiting, "grain"),
+                match met.is_empty() {
+                    true => String::new(),
+                    false => format!("; pieces in its area: {}", met.join(", ")),
+                }
             ));
         } else if waiting > 0 {
             stand.warn(format!("after {limit} s {} {left}", counted(waiting, "grain")));
