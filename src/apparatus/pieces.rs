@@ -28,8 +28,8 @@ pub struct RigidPiece {
     pub radius: f64,
     /// Whether it may stand in other pieces.
     pub may_cross: bool,
-    /// Whether it may hide the grains: containers and plates do; a vane, a rod, a ramp and a mesh of
-    /// one solid part stand among them.
+    /// Whether it may hide the grains: containers and plates do; a vane, a rod, a ramp, a mesh of one
+    /// solid part and, in a scenario, what a stage releases stand among them.
     pub is_wall: bool,
 }
 

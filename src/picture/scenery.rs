@@ -104,7 +104,8 @@ fn middle_of<'a>(pieces: impl Iterator<Item = &'a Piece>) -> Vector {
 }
 
 /// A part of a piece of a laboratory; none where it is cut away, being nearer to the camera
-/// than the middle of all of them, which a piece that stands among the grains does not get.
+/// than the middle of all of them, which a piece that stands among the grains does not get: it is
+/// neither cut nor glass.
 fn of_piece(
     whole: Solid,
     piece: &Piece,
@@ -114,7 +115,9 @@ fn of_piece(
 ) -> Option<Body> {
     match walls {
         Walls::Hidden => None,
-        Walls::Transparent => Some(Body { glass: true, ..Body::new(whole, Colour::WALL) }),
+        Walls::Transparent => {
+            Some(Body { glass: middle.is_some(), ..Body::new(whole, Colour::WALL) })
+        }
         Walls::Cut => {
             let size = whole.high - whole.low;
             // Last digits do not tell two sides apart that are as far away as the middle.
@@ -237,12 +240,17 @@ mod tests {
 
     /// A laboratory of one piece without grains, from the front and 10° above.
     fn of_a_piece(piece: &serde_json::Value, walls: Walls) -> Scene {
+        in_a_stage(piece, &json!({ "stage": "rest", "duration_s": 1 }), walls)
+    }
+
+    /// The same with a stage.
+    fn in_a_stage(piece: &serde_json::Value, stage: &serde_json::Value, walls: Walls) -> Scene {
         let scenario: Scenario = serde_json::from_value(json!({
             "name": "piece",
             "grains": { "total_mass_g": 8, "density_kg_per_m3": 2650, "sieve_table":
                 [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }] },
             "pieces": [piece],
-            "stages": [{ "stage": "rest", "duration_s": 1 }],
+            "stages": [stage],
         }))
         .expect("a scenario");
         let setup = Setup::new(&scenario).expect("a laboratory");
@@ -278,6 +286,23 @@ mod tests {
             let front = y_mm / 1000.0 - 0.04;
             let is_front = |body: &Body| body.solid.high.y < front + 1e-6;
             assert!(!scene.bodies.iter().any(is_front), "law: no front, at y = {y_mm} mm");
+        }
+    }
+
+    /// Law: what moves freely, or stands among the grains, is no glass: a block was hardly seen.
+    #[test]
+    fn a_free_block_and_a_vane_are_no_glass() {
+        let release = json!({ "stage": "release", "pieces": ["it"] });
+        let rest = json!({ "stage": "rest", "duration_s": 1 });
+        let block = json!({ "plate": { "size_mm": [40, 40, 40] } });
+        let vane = json!({ "vane": { "diameter_mm": 36, "height_mm": 24 } });
+        for (shape, stage, expected) in
+            [(&block, &rest, true), (&block, &release, false), (&vane, &rest, false)]
+        {
+            let piece = json!({ "name": "it", "shape": shape });
+            let scene = in_a_stage(&piece, stage, Walls::Transparent);
+            let glass = scene.bodies.iter().any(|body| body.glass);
+            assert_eq!(glass, expected, "law: whether {shape} is glass in {stage}");
         }
     }
 

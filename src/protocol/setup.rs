@@ -67,9 +67,15 @@ impl Setup {
             own.and_then(|own| pairs.add_piece(own)).unwrap_or(Material::Wall)
         });
         let piece_materials = materials.collect();
-        let pieces: Vec<RigidPiece> =
+        let mut pieces: Vec<RigidPiece> =
             scenario.pieces.iter().map(RigidPiece::new).collect::<Result<_, _>>()?;
         apparatus::overlapping(&pieces)?;
+        // What is let go lies among the grains, whatever its shape.
+        for stage in &scenario.stages {
+            let StageSpec::Release(release) = stage else { continue };
+            let named = |piece: &&mut RigidPiece| release.pieces.contains(&piece.name);
+            pieces.iter_mut().filter(named).for_each(|piece| piece.is_wall = false);
+        }
         Ok(Self {
             gravity: scenario.gravity_m_per_s2,
             scale: scenario.scale(),
