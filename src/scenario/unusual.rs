@@ -18,7 +18,7 @@ const OVERLAP_ALLOWED: f64 = 0.03;
 const LOOSE: f64 = 1.1;
 
 /// Opening of a funnel or a cylinder in median grain sizes below which it jams now and then.
-const JAMS_BELOW: f64 = 5.0;
+pub(super) const JAMS_BELOW: f64 = 5.0;
 
 /// Openings of a fraction's sieves, coarser over finer, above which its cells do not spread over it:
 /// those of one cube have about one size, whatever its width.

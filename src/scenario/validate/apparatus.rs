@@ -1,6 +1,7 @@
 //! Sizes of cylinder, funnel and plate against each other and the grains.
 
 use super::*;
+use crate::scenario::unusual::JAMS_BELOW;
 use crate::scenario::volumes_of_pieces::flats;
 
 /// Length of the longest grain over the opening of the coarsest sieve. Voronoi
@@ -58,7 +59,9 @@ fn check_funnel(parts: &Parts, faults: &mut Faults) {
     faults.add_if(top <= opening, "top_diameter_mm", top, allowed, why);
     if let Some(coarsest) = parts.coarsest_mm().filter(|_| !is_pile(parts)) {
         let least = as_typed(coarsest);
-        let allowed = format!("more than {least} mm, and 7 to 8 grains wide against jams");
+        let allowed = format!(
+            "more than {least} mm, and {JAMS_BELOW} median grain sizes or more against jams"
+        );
         let why = "no grain of the coarsest fraction can leave the funnel";
         faults.add_if(opening <= coarsest, "opening_diameter_mm", opening, allowed, why);
         let longest = LONGEST_GRAIN * coarsest;

@@ -5,6 +5,7 @@ use super::*;
 use crate::geometry::ConvexPolyhedron;
 use crate::scale::LARGEST_DISTANCE;
 use crate::scenario::sizes_of_pieces::lowest_mm;
+use crate::scenario::unusual::JAMS_BELOW;
 use crate::units::to_g;
 
 /// Stages of the built-in apparatus.
@@ -88,7 +89,8 @@ fn check_passage(parts: &Parts, piece: &PieceSpec, faults: &mut Faults) {
     let Some(coarsest) = parts.coarsest_mm().filter(|_| is_judged) else { return };
     let opening = hopper.opening_diameter_mm;
     let least = as_typed(coarsest);
-    let allowed = format!("more than {least} mm, and 7 to 8 grains wide against jams");
+    let allowed =
+        format!("more than {least} mm, and {JAMS_BELOW} median grain sizes or more against jams");
     let why = "no grain of the coarsest fraction can leave the hopper";
     let wrong = opening <= coarsest;
     faults.add_if(wrong, "shape.hopper.opening_diameter_mm", opening, allowed, why);
