@@ -1,5 +1,7 @@
 //! `pluvia stage` runs one stage of a planned sweep and stores it: the work of a job on a cluster.
 
+use clap::builder::NonEmptyStringValueParser;
+
 use super::*;
 
 /// Run one stage of a planned sweep and store it
@@ -19,7 +21,8 @@ pub(super) struct StageArgs {
     #[arg(value_name = "DIR")]
     folder: PathBuf,
     /// The stage's key in the store, or the first characters of it
-    #[arg(long, value_name = "KEY", conflicts_with_all = ["level", "task", "list"])]
+    #[arg(long, value_name = "KEY", conflicts_with_all = ["level", "task", "list"],
+          value_parser = NonEmptyStringValueParser::new())]
     key: Option<String>,
     /// Level of the stage, from 0
     #[arg(long, value_name = "N", requires = "task", value_parser = whole(0, usize::MAX),

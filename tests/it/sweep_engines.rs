@@ -117,6 +117,32 @@ fn a_scenario_edited_between_two_commands_is_told_and_nothing_overwritten() {
     refused(&listed, 2, &["scenario.json was edited"]);
 }
 
+/// Law: a plan that was edited is called so: no file has changed.
+#[test]
+fn an_edited_plan_is_not_taken_for_a_changed_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write(folder.path(), "small.json", &small::layer(30.0));
+    let out = folder.path().join("out");
+    let arguments = ["--over", "contact.restitution=0.2,0.3", "--plan-only"];
+    let (code, _, said) = sweep(&scenario, &out, &arguments);
+    assert_eq!(code, Some(0), "law: it is planned: {said}");
+    let plan = read(&out.join("plan.json"));
+    let listed = ["stage", "--list", "--json", text(&out)];
+    for (field, to) in [
+        ("configurations", json!(2)),
+        ("over", json!(["contact.restitution=0.2,0.4"])),
+        ("runs", json!([plan["runs"][0]])),
+    ] {
+        let mut edited = plan.clone();
+        edited[field] = to;
+        write(&out, "plan.json", &edited);
+        refused(&listed, 2, &["plan.json is no longer", "it was edited, and lists other runs"]);
+    }
+    let (code, _, said) = sweep(&scenario, &out, &arguments);
+    assert_eq!(code, Some(2), "law: nor is it planned again: {said}");
+    assert_holds(&said, &["plan.json there was edited"]);
+}
+
 /// Law: a recorded motion that was edited since a sweep was planned is reported as a file that the
 /// scenario names, not as one that grains come from, which there is none.
 #[test]
@@ -309,6 +335,7 @@ fn folders_with_blanks_and_quotes_come_through_slurm_and_snakemake() {
     // A stage that there is not is refused.
     let moved = super::program::text(&moved);
     refused(&["stage", "--key", "0000", "--quiet", moved], 2, &[]);
+    refused(&["stage", "--key", "", moved], 2, &["a value is required for '--key <KEY>'"]);
     let no_level = ["stage", "--level", "9", "--task", "0", moved];
     refused(&no_level, 2, &["no stage 0 on level 9: level 0 has ", ", level 1 has "]);
 }

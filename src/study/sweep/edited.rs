@@ -43,6 +43,9 @@ pub(super) fn refuse(
             |_| vec![format!("{SCENARIO_FILE} there, which says what it was, cannot be read")],
             |kept| differences(&kept.scenario, scenario),
         );
+        if told.is_empty() && is_edited(&there, now) {
+            return format!("{PLAN_FILE} there was edited");
+        }
         let told = if told.is_empty() {
             format!("{FILES} that it names have changed")
         } else {
@@ -121,10 +124,10 @@ pub(super) fn refuse_planned(
     let file = out.join(SCENARIO_FILE);
     let why = built_otherwise(there, now).unwrap_or_else(|| {
         let kept: Option<Value> = read_json(&file).ok();
-        if kept.is_some_and(|kept| hash_json(&kept) == there.scenario_sha256) {
-            format!("{FILES} that it names have changed")
-        } else {
-            format!("{} was edited", file.display())
+        match kept.is_some_and(|kept| hash_json(&kept) == there.scenario_sha256) {
+            true if is_edited(there, now) => "it was edited, and lists other runs".to_owned(),
+            true => format!("{FILES} that it names have changed"),
+            false => format!("{} was edited", file.display()),
         }
     });
     refused(format!(
@@ -137,12 +140,25 @@ pub(super) fn refuse_planned(
 /// Whether the runs that both have are the same, and they differ in configurations alone.
 fn same_runs(there: &SweepPlan, now: &SweepPlan) -> bool {
     let fewer = there.configurations.min(now.configurations);
-    let shared = |plan: &SweepPlan| {
-        let of_all = plan.configurations.max(1) as usize;
-        let runs = plan.runs.chunks(of_all).flat_map(|point| point.iter().take(fewer as usize));
-        runs.cloned().collect::<Vec<_>>()
+    shared(there, fewer) == shared(now, fewer)
+}
+
+/// The runs of the first configurations of each point, up to a number of them.
+fn shared(plan: &SweepPlan, configurations: u32) -> Vec<&PlannedPoint> {
+    let of_all = plan.configurations.max(1) as usize;
+    let points = plan.runs.chunks(of_all);
+    points.flat_map(|point| point.iter().take(configurations as usize)).collect()
+}
+
+/// Whether the runs that both have are others by what a plan says of them: no file that a scenario
+/// names changes that, but for what they are stored under and which random numbers they have.
+fn is_edited(there: &SweepPlan, now: &SweepPlan) -> bool {
+    let fewer = there.configurations.min(now.configurations);
+    let (were, are) = (shared(there, fewer), shared(now, fewer));
+    let alike = |(a, b): (&&PlannedPoint, &&PlannedPoint)| {
+        (&a.run, &a.point, &a.values, &a.changes) == (&b.run, &b.point, &b.values, &b.changes)
     };
-    shared(there) == shared(now)
+    were.len() != are.len() || !were.iter().zip(&are).all(alike)
 }
 
 /// Whether program or engine are others.

@@ -113,7 +113,9 @@ impl SweepTasks {
         match (found.next(), found.next()) {
             (Some(only), None) => Ok(only),
             (None, _) => refused(format!("the plan has no stage `{key}`")),
-            (Some(_), Some(_)) => refused(format!("several stages of the plan begin with `{key}`")),
+            (Some(_), Some(_)) => refused(format!(
+                "keys of several stages of the plan begin with `{key}`; give more of the key"
+            )),
         }
     }
 
