@@ -41,14 +41,14 @@ fn check_cylinder(parts: &Parts, faults: &mut Faults) {
     let height = grading.solids / (PI / 4.0 * from_mm(across).powi(2));
     let is_higher = height.is_finite() && height > from_mm(cylinder.height_mm);
     let wrong = is_higher && parts.has_stage("pour");
-    let allowed = format!("more than {} mm", short(height * 1e3));
+    let allowed = format!("more than {} mm", no_less(height * 1e3));
     let why = "the cylinder has less room than the grains have volume, voids not counted";
     faults.add_if(wrong, "height_mm", cylinder.height_mm, allowed, why);
 }
 
 /// What is allowed where the longest grains, of a length in mm, must have room.
 fn as_longest(longest: f64) -> String {
-    format!("at least {} mm, the length of the longest grains", short(longest))
+    format!("at least {} mm, the length of the longest grains", no_less(longest))
 }
 
 fn check_funnel(parts: &Parts, faults: &mut Faults) {
@@ -85,7 +85,7 @@ fn check_plate(parts: &Parts, faults: &mut Faults) {
     }
     let corner = flats(plate.sides, 1.0) / (PI / f64::from(plate.sides)).cos();
     let widest = cylinder.inner_diameter_mm * flats(cylinder.wall_pieces, 1.0) / corner;
-    let allowed = format!("less than {} mm, at which its corners touch the wall", short(widest));
+    let allowed = format!("less than {} mm, at which its corners touch the wall", no_more(widest));
     let across = plate.diameter_mm;
     let why = "the top plate does not fit into the cylinder";
     faults.add_if(across >= widest, "diameter_mm", across, allowed, why);

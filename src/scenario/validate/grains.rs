@@ -46,17 +46,17 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
             "the fraction {passing_mm} to {retained_mm} mm is lighter than one grain of its mean \
              size"
         );
-        let allowed = format!("at least {} %", short(enough));
+        let allowed = format!("at least {} %", no_less(enough));
         faults.add_if(count < 1.0, &field, fraction.mass_percent, allowed, why);
     }
     let allowed = match least.is_finite() {
-        true => format!("at least {} g with this sieve table", short(least)),
+        true => format!("at least {} g with this sieve table", no_less(least)),
         false => "none with this sieve table: a sieve is too wide, or a share too small".to_owned(),
     };
     let why = "not every fraction has the mass of one grain of its mean size";
     faults.add_if(least > 0.0, "total_mass_g", mass, allowed, why);
-    let allowed = format!("at most {} g of this gravel", short(mass * MOST_GRAINS / total));
-    let why = format!("this makes {total:.0} grains, more than {MOST_GRAINS:.0}");
+    let allowed = format!("at most {} g of this gravel", no_more(mass * MOST_GRAINS / total));
+    let why = format!("this makes {:.0} grains, more than {MOST_GRAINS:.0}", total.ceil());
     faults.add_if(total > MOST_GRAINS, "total_mass_g", mass, allowed, why);
 }
 
@@ -108,7 +108,7 @@ fn check_order(table: &[SieveFraction], faults: &mut Faults) {
 }
 
 fn check_sum(table: &[SieveFraction], faults: &mut Faults) {
-    let found = format!("a sum of {} %", short(SieveFraction::percent_sum(table)));
+    let found = format!("a sum of {} %", as_typed(nine_digits(SieveFraction::percent_sum(table))));
     let tolerance = short(SieveFraction::percent_tolerance(table));
     let allowed = format!("100 ± {tolerance} %, by which rounded rows may miss it");
     let why = "the mass percentages of the fractions do not add up";

@@ -157,8 +157,35 @@ fn with_grains(sieved: &SievedGrains) -> impl Iterator<Item = &SieveFraction> {
 
 /// A size in m as messages have it: in mm, to nine digits.
 fn shown_mm(size: f64) -> f64 {
-    let mm = to_mm(size);
-    format!("{mm:.8e}").parse().unwrap_or(mm)
+    nine_digits(to_mm(size))
+}
+
+/// A number rounded to nine digits: as near as people type one.
+fn nine_digits(value: f64) -> f64 {
+    format!("{value:.8e}").parse().unwrap_or(value)
+}
+
+/// A lower bound as [`short`] has it, rounded up: who types it is not refused for its last digit.
+fn no_less(value: f64) -> String {
+    rounded(value, f64::ceil)
+}
+
+/// An upper bound as [`short`] has it, rounded down.
+fn no_more(value: f64) -> String {
+    rounded(value, f64::floor)
+}
+
+fn rounded(value: f64, to: fn(f64) -> f64) -> String {
+    let text = short(value);
+    let shown = text.parse().unwrap_or(value);
+    // What differs in its last bits alone is the same number.
+    if !value.is_finite() || nine_digits(value) == shown {
+        return text;
+    }
+    let exponent = 3.0 - value.abs().log10().floor();
+    let decimals = if value.abs() < 1e12 { exponent.clamp(0.0, 12.0) } else { exponent };
+    let unit = 10f64.powf(-decimals);
+    short(to(value / unit) * unit)
 }
 
 fn read_or_default<T: DeserializeOwned>(value: &Value, pointer: &str) -> Option<T> {
@@ -256,7 +283,28 @@ fn check_name(value: &Value, faults: &mut Faults) {
 
 #[cfg(test)]
 mod tests {
-    use super::{as_typed, short};
+    use super::{as_typed, no_less, no_more, short};
+
+    /// Law: a bound that is shown is one: a lower one is not below the number, an upper one not above
+    /// it, and a number of four digits is itself.
+    #[test]
+    fn bounds_that_are_shown_are_kept() {
+        for (value, above, below) in [
+            (1.0 / 3.0, "0.3334", "0.3333"),
+            (29.6232, "29.63", "29.62"),
+            (29.628, "29.63", "29.62"),
+            (-29.6232, "-29.62", "-29.63"),
+            (0.1 + 0.2, "0.3", "0.3"),
+            (115.0, "115", "115"),
+            (9999.5, "10000", "9999"),
+            (123_456.2, "123457", "123456"),
+            (1.234_56e300, "1.235e300", "1.234e300"),
+            (0.0, "0", "0"),
+        ] {
+            assert_eq!(no_less(value), above, "law: four digits that are at least {value}");
+            assert_eq!(no_more(value), below, "law: four digits that are at most {value}");
+        }
+    }
 
     #[test]
     fn numbers_are_short() {

@@ -95,14 +95,19 @@ fn check_cycles(stage: &VibrateSpec, motion: &TableMotion, faults: &mut Faults) 
     };
     if motion.frequency > 0.0 {
         let (broken, whole) = cycles(motion.frequency);
-        let (cycle, period) = (short(1.0 / motion.frequency), short(whole / motion.frequency));
-        let allowed = format!("a whole number of cycles of {cycle} s, as {period}");
+        let (cycle, period) =
+            (short(1.0 / motion.frequency), as_typed(nine_digits(whole / motion.frequency)));
+        let allowed = match (whole / motion.frequency).is_finite() {
+            true => format!("a whole number of cycles of {cycle} s, as {period}"),
+            false => "none with this `frequency_hz`, of which no cycle ends".to_owned(),
+        };
         let why = "a period of vibration must end where it began, in the middle of the stroke";
         faults.add_if(broken, "duration_s", motion.duration, allowed, why);
     }
     if let Some(frequency) = stage.vertical.and_then(|v| v.frequency_hz) {
         let (broken, whole) = cycles(frequency);
-        let (period, near) = (short(motion.duration), short(whole / motion.duration));
+        let (period, near) =
+            (short(motion.duration), as_typed(nine_digits(whole / motion.duration)));
         let allowed = format!("a whole number of cycles in {period} s, as {near} Hz");
         let why = "a period of vibration must end where it began, also along z";
         faults.add_if(broken, "vertical.frequency_hz", frequency, allowed, why);
@@ -114,7 +119,7 @@ fn check_cycles(stage: &VibrateSpec, motion: &TableMotion, faults: &mut Faults) 
 fn check_ramp(motion: &TableMotion, faults: &mut Faults) {
     let (cycle, longest) = (1.0 / motion.frequency, motion.duration / 2.0);
     let allowed = if cycle <= longest {
-        let (cycle, longest) = (short(cycle), short(longest));
+        let (cycle, longest) = (no_less(cycle), no_more(longest));
         format!("0, or from one cycle, {cycle} s, to half of duration_s, {longest} s")
     } else {
         "0: the period is too short for a ramp of one cycle at either end".to_owned()

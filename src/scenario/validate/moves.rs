@@ -98,13 +98,13 @@ fn check_move(stage: &MoveSpec, faults: &mut Faults) {
     // Times and travels below zero are faults already.
     let too_short = |time: &f64| *time > 0.0 && ramp_s > *time;
     if let Some(time) = travel.map(|travel| travel / speed).filter(too_short) {
-        let allowed = format!("at most {} s, `{name}` over the speed", short(time));
+        let allowed = format!("at most {} s, `{name}` over the speed", no_more(time));
         let why = "the motion would not have grown when it dies away";
         return faults.add("ramp_s", ramp_s, allowed, why);
     }
     let Some(duration) = length_s.filter(|length| *length > 0.0) else { return };
     if 2.0 * ramp_s > duration {
-        let allowed = format!("at most {} s, half of the duration", short(duration / 2.0));
+        let allowed = format!("at most {} s, half of the duration", no_more(duration / 2.0));
         let why = "the motion would not have grown when it dies away";
         faults.add("ramp_s", ramp_s, allowed, why);
     } else if let Some(sine) = sine {

@@ -31,7 +31,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
             StageSpec::Press(PressSpec { loads, ramp_s, time_limit_s, until, .. }) => {
                 loads::check(parts, loads, &mut faults);
                 let wrong = until.is_none() && *time_limit_s > 0.0 && ramp_s > time_limit_s;
-                let allowed = format!("at most {} s, `time_limit_s`", short(*time_limit_s));
+                let allowed = format!("at most {} s, `time_limit_s`", no_more(*time_limit_s));
                 let why = "the stage would end before the load is whole";
                 faults.add_if(wrong, "ramp_s", ramp_s, allowed, why);
             }
@@ -101,7 +101,7 @@ fn check_place(parts: &Parts, at_mm: [f64; 3], faults: &mut Faults) {
     let (Some(grading), Some(gravity)) = (&parts.grading, parts.gravity) else { return };
     let largest = LARGEST_DISTANCE.no_less(&grading.scale_for_filling(gravity));
     let distance = at_mm.iter().map(|x| from_mm(*x).powi(2)).sum::<f64>().sqrt();
-    let allowed = format!("at most {} mm from the origin", short(to_mm(largest)));
+    let allowed = format!("at most {} mm from the origin", no_more(to_mm(largest)));
     let why = "it lies farther away than bodies are followed";
     faults.add_if(distance > largest, "at_mm", format!("{at_mm:?}"), allowed, why);
 }
@@ -208,7 +208,7 @@ fn check_deposit(parts: &Parts, deposit: &DepositSpec, faults: &mut Faults) {
     let mass = mass_g.map_or(all_g, |own| all_g.map_or(Some(own), |all| Some(own.min(all))));
     if let Some((mass, rate)) = mass.zip(rate_g_per_s.filter(|rate| is_rain && *rate > 0.0)) {
         let wrong = mass / rate > time_limit_s;
-        let allowed = format!("more than {} s", short(mass / rate));
+        let allowed = format!("more than {} s", no_less(mass / rate));
         let why = format!("{} g at {} g/s take longer", short(mass), short(rate));
         faults.add_if(wrong, "time_limit_s", time_limit_s, allowed, why);
     }
@@ -241,7 +241,7 @@ fn check_height(parts: &Parts, stage: usize, at_mm: &[f64; 3], faults: &mut Faul
         return;
     }
     let Some(lowest) = lowest_mm(parts.pieces().map(|(_, piece)| piece)) else { return };
-    let allowed = format!("a height of more than {} mm", short(lowest));
+    let allowed = format!("a height of more than {} mm", no_less(lowest));
     let why = "the grains begin below all pieces, and nothing catches them";
     faults.add_if(at_mm[2] < lowest, "at_mm", format!("{at_mm:?}"), allowed, why);
 }

@@ -22,7 +22,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     let lowest = allowed(RATE).0;
     if let Some(rate) = parts.engine.as_ref().map(|e| e.rate_hz).filter(|rate| *rate >= lowest) {
         let wrong = typed < (1.0 - TYPED) / rate;
-        let allowed = format!("at least {} s, one step of the engine", short(1.0 / rate));
+        let allowed = format!("at least {} s, one step of the engine", no_less(1.0 / rate));
         let why = format!("more samples than steps: {RATE} is {}", as_typed(rate));
         faults.add_if(wrong, FIELD, as_typed(typed), allowed, why);
     }
@@ -41,7 +41,13 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
         "too few samples in a rest of {} s ({field}): its numerical creep is read off them",
         short(shortest)
     );
-    faults.add_if(typed > most, FIELD, as_typed(typed), format!("at most {} s", short(most)), why);
+    faults.add_if(
+        typed > most,
+        FIELD,
+        as_typed(typed),
+        format!("at most {} s", no_more(most)),
+        why,
+    );
 }
 
 /// Vibrations of the table along x, faster than the paper's, that samples draw as another motion.

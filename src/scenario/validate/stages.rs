@@ -33,7 +33,7 @@ fn check_placements(parts: &Parts, faults: &mut Faults) {
         let clearance = (cylinder.inner_diameter_mm - plate.diameter_mm) / 2.0;
         let Some(offset) = stage.offset_mm else { continue };
         let wrong = offset > clearance && clearance > 0.0;
-        let room = short(clearance);
+        let room = no_more(clearance);
         let allowed = format!("at most the clearance between plate and cylinder, {room} mm");
         let why = "the plate would be laid into the wall";
         faults.add_if(wrong, "offset_mm", offset, allowed, why);
@@ -65,7 +65,7 @@ fn check_pile(parts: &Parts, spec: &StageSpec, faults: &mut Faults) {
     let Some(grading) = &parts.grading else { return };
     let feeding = grading.count / stage.feed_rate_grains_per_s;
     let wrong = feeding.is_finite() && *time_limit_s <= feeding;
-    let allowed = format!("more than {} s", short(feeding));
+    let allowed = format!("more than {} s", no_less(feeding));
     let why = "the stage ends before all grains have been fed";
     faults.add_if(wrong, "time_limit_s", time_limit_s, allowed, why);
 }
@@ -158,7 +158,7 @@ fn check_time(parts: &Parts, faults: &mut Faults) {
     }
     let stages: f64 = parts.specs().map(|(_, spec)| spec.longest()).sum();
     let total = stages + parts.rest_test_s.unwrap_or(0.0);
-    let found = format!("{} s", short(total));
+    let found = format!("{} s", no_less(total));
     let allowed = format!("at most {LONGEST} s");
     let why = "stages and rest test together take too long";
     faults.add_if(total > LONGEST, "stages", found, allowed, why);

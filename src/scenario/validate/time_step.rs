@@ -54,7 +54,7 @@ pub(super) fn find_coarse_steps(parts: &Parts, faults: &mut Faults) {
     for (i, stage) in parts.specs() {
         let frequency = cycles_per_s(stage);
         let what = |rate| {
-            let (frequency, steps) = (short(frequency), short(rate / frequency));
+            let (frequency, steps) = (short(frequency), no_more(rate / frequency));
             format!(
                 "a vibration of {frequency} Hz has {steps} steps a cycle, it needs {STEPS_A_CYCLE}"
             )
@@ -72,7 +72,7 @@ pub(super) fn find_coarse_steps(parts: &Parts, faults: &mut Faults) {
         && step > sizes * from_mm(size)
     {
         let what = |rate| {
-            let (way, size) = (short(to_mm(speed / rate)), as_typed(size));
+            let (way, size) = (no_less(to_mm(speed / rate)), as_typed(size));
             format!(
                 "{what} moves {way} mm in a step, more than {than}the smallest grain's size, \
                  {size} mm"
@@ -87,7 +87,7 @@ pub(super) fn find_coarse_steps(parts: &Parts, faults: &mut Faults) {
     }
     // What is past the middle of a wall at the end of a step is pushed outwards.
     for (path, thickness) in walls(parts) {
-        let (way, least) = (short(to_mm(step)), short(2.0 * to_mm(step)));
+        let (way, least) = (no_less(to_mm(step)), no_less(2.0 * to_mm(step)));
         let least_rate = (2.0 * speed / from_mm(thickness)).ceil();
         let allowed = format!("at least {least} mm, or {RATE} of at least {least_rate} Hz");
         let why = format!(
@@ -117,9 +117,12 @@ fn find_coarse_frames(parts: &Parts, faults: &mut Faults) {
         let way = motion.peak_speed() / rate;
         let least = (motion.peak_speed() / from_mm(size)).ceil();
         let why = format!(
-            "frames that cannot resolve the motion: the shaking table is set by up to {} mm in one \
+            "frames that cannot resolve the motion: the shaking table is set by {} in one \
              step, more than the smallest grain's size, {} mm",
-            short(to_mm(way)),
+            match to_mm(way).is_finite() {
+                true => format!("up to {} mm", no_less(to_mm(way))),
+                false => "more than a number holds".to_owned(),
+            },
             as_typed(size)
         );
         let field = format!("stages[{i}].video_frames.frames_per_s");

@@ -186,7 +186,7 @@ fn check_reach(spec: &StageSpec, until: &ConditionSpec, faults: &mut Faults) {
     };
     let reach = speed * (limit - ramp_s);
     let wrong = wanted > reach * (1.0 + 1e-9);
-    let most = short(reach.max(0.0));
+    let most = no_more(reach.max(0.0));
     let allowed = format!("at most {most} {unit}, or a longer `time_limit_s`");
     faults.add_if(wrong, field, wanted, allowed, "the motion does not carry the piece so far");
 }

@@ -180,7 +180,7 @@ fn times_are_bounded() {
 #[test]
 fn a_ramp_is_a_cycle_at_least_and_half_a_period_at_most() {
     for (ramp_s, duration_s, allowed) in [
-        (0.2, 5.0, "0, or from one cycle, 0.3333 s, to half of duration_s, 2.5 s"),
+        (0.2, 5.0, "0, or from one cycle, 0.3334 s, to half of duration_s, 2.5 s"),
         (2.6, 5.0, "to half of duration_s, 2.5 s"),
         (0.4, 0.333_333_333, "too short for a ramp"),
     ] {
