@@ -60,6 +60,31 @@ fn run(scenario: &Path, out: &Path) {
     done(&["run", text(scenario), "--out", text(out), "--quiet", "--no-figures"]);
 }
 
+/// Law: a piece that an earlier run, or a stage that cannot be read, may have pressed may move: its
+/// displacement may end a stage that does not name it.
+#[test]
+fn a_piece_that_was_pressed_before_may_move() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let remove = json!({ "stage": "remove", "pieces": ["box"],
+        "until": { "piece": "lid", "moved_mm": 1 } });
+    let still = changed(sound(), "stages[2]", remove.clone());
+    let still = changed(still, "stages[1]", json!({ "stage": "rest", "duration_s": 1 }));
+    assert_told(&faults_in(folder, &still), "stages[2].until.piece", "does not move");
+    let unread = changed(still, "stages[1]", json!({ "stage": "press", "loads": 1 }));
+    let found = faults_in(folder, &unread);
+    assert!(found.iter().all(|(at, _)| at.starts_with("stages[1]")), "law: alone, got {found:?}");
+    // A run of which the manifest is enough here.
+    let run = folder.join("run");
+    fs::create_dir_all(run.join("stages")).expect("a folder");
+    fs::write(run.join("grains.json"), "{}").expect("written");
+    let stage = json!({ "stage": "press", "key": "a", "specimen_sha256": "b" });
+    let manifest = json!({ "scenario": sound(), "stages": [stage] });
+    fs::write(run.join("manifest.json"), manifest.to_string()).expect("written");
+    let begun = json!({ "name": "begun", "begin": { "specimen": run }, "stages": [remove] });
+    assert_eq!(faults_in(folder, &begun), [], "law: the run has pressed it");
+}
+
 #[test]
 fn conditions_are_checked_with_what_they_need() {
     let folder = tempfile::tempdir().expect("a folder");
