@@ -358,9 +358,12 @@ pub(super) fn parts_in(root: &Path) -> Vec<PathBuf> {
 }
 
 /// Whether there is nothing at a stage's place. Engines of workflows make the
-/// folder of what they expect before it is there.
+/// folder of what they expect before it is there. What cannot be listed is something.
 pub(super) fn is_vacant(folder: &Path) -> bool {
-    fs::read_dir(folder).map_or(true, |mut entries| entries.next().is_none())
+    match fs::read_dir(folder) {
+        Ok(mut entries) => entries.next().is_none(),
+        Err(error) => error.kind() == io::ErrorKind::NotFound,
+    }
 }
 
 #[cfg(test)]

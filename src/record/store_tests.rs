@@ -369,6 +369,20 @@ fn a_damaged_stage_is_replaced_once() {
     assert_ne!(fs::metadata(&folder).expect("there").ino(), damaged, "law: it was replaced");
 }
 
+/// Law: what is at a stage's place and cannot be listed is damage, not nothing, and is replaced.
+#[test]
+fn what_cannot_be_listed_is_not_taken_for_nothing() {
+    let root = tempfile::tempdir().expect("a folder");
+    let (store, _, folder) = store_one(root.path());
+    fs::remove_dir_all(&folder).expect("removed");
+    assert_eq!(load(&store), (None, None), "law: nothing is there");
+    fs::write(&folder, "").expect("a file");
+    let why = load(&store).1.unwrap_or_default();
+    assert!(why.contains("damaged and done again"), "law: reported, got `{why}`");
+    store.save(&asked(&named("rest", 1)), made(), None).expect("law: it is replaced");
+    assert!(load(&store).0.is_some(), "law: by a whole one");
+}
+
 /// Law: where many finish the same stage at once, a reader that has seen it once sees it always.
 #[test]
 fn a_reader_never_misses_a_stage_that_many_store_at_once() {
