@@ -53,7 +53,9 @@ fn store_in(folder: &Path) -> Result<PathBuf, CliError> {
     if below.is_dir() {
         return Ok(below);
     }
-    if folder.is_dir() && !folder.join(".lock").exists() {
+    // A folder that may not be looked into may hold one.
+    let is_store = folder.join(".lock").try_exists().map_err(|e| FileError::unread(folder, &e))?;
+    if folder.is_dir() && !is_store {
         return Err(CliError::Usage(format!(
             "{}: there is no store; give the output folder of a command, with its stages/",
             plain_path(folder)

@@ -39,6 +39,10 @@ fn a_check_says_what_is_whole_and_what_is_damaged() {
     assert_eq!(code, Some(2), "law: exit code 2 where there is no store, got {said}");
     let (code, _, said) = check(&folder.path().join("nowhere"));
     assert_eq!(code, Some(4), "law: exit code 4 for what cannot be read, got {said}");
+    // A link to itself leads nowhere, whoever asks.
+    std::os::unix::fs::symlink(".lock", folder.path().join(".lock")).expect("a link");
+    let (code, _, said) = check(folder.path());
+    assert_eq!(code, Some(4), "law: exit code 4 for what cannot be looked into, got {said}");
 }
 
 #[test]
