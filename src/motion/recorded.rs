@@ -234,7 +234,12 @@ fn faults(rows: &[[f64; 4]]) -> Vec<RowFault> {
         return vec![fault(
             None,
             "a motion of too few or too many rows".into(),
-            if rows.len() == 1 { "1 row".to_owned() } else { format!("{} rows", rows.len()) },
+            match rows.len() {
+                1 => "1 row".to_owned(),
+                // Of a file with more, no more are read.
+                n if n > MOST_ROWS => format!("more than {MOST_ROWS} rows"),
+                n => format!("{n} rows"),
+            },
             "2 to 100000 rows",
         )];
     }

@@ -476,6 +476,8 @@ fn csv_is_read_by_its_header_and_refused_with_its_lines() {
         .collect();
     let rows = rows_from_csv(many.as_bytes()).expect("rows");
     assert_eq!(rows.len(), MOST_ROWS + 1, "law: read no further than needed to refuse it");
+    let faults = RecordedMotion::new(&rows, Interpolation::Linear).expect_err("law: refused");
+    assert_eq!(faults[0].found, "more than 100000 rows", "law: what was read is not all of it");
 }
 
 #[test]
