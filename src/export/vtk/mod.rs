@@ -97,12 +97,27 @@ fn remove(folder: &Path, name: &str) -> Result<(), FileError> {
 
 /// Writes the moments of a run, about `every` s apart, into a folder: grains and apparatus at each,
 /// contacts and force chains at the ends of stages where the engine gave contacts. `go_on` hears how
-/// many of how many moments are done; where it says no, what was written is removed, and nothing is
-/// given back.
+/// many of how many moments are done; where it says no, nothing is given back. What was written is
+/// removed then, and where a file cannot be written.
 ///
 /// # Errors
 /// When a file cannot be written.
 pub fn write_vtk(
+    moments: &Moments,
+    every: f64,
+    out: &Path,
+    go_on: impl FnMut(usize, usize) -> bool,
+) -> Result<Option<VtkFiles>, FileError> {
+    let written = write_series(moments, every, out, go_on);
+    if matches!(written, Ok(Some(_))) {
+        return written;
+    }
+    let names = ["grains", "apparatus", CONTACTS, CHAINS];
+    let removed = names.into_iter().try_for_each(|name| remove(out, name));
+    written.and_then(|none| removed.map(|()| none))
+}
+
+fn write_series(
     moments: &Moments,
     every: f64,
     out: &Path,
@@ -124,9 +139,6 @@ pub fn write_vtk(
     };
     for (n, moment) in taken.iter().enumerate() {
         if !go_on(n, taken.len()) {
-            for name in ["grains", "apparatus", CONTACTS, CHAINS] {
-                remove(out, name)?;
-            }
             return Ok(None);
         }
         let time = moment.frame.time;

@@ -276,6 +276,21 @@ fn an_export_that_is_stopped_leaves_nothing() {
     assert_eq!(left, ["mine.txt"], "law: left what is there, right what stays");
 }
 
+/// Law: an export that fails leaves nothing either, and says what failed.
+#[test]
+fn an_export_that_fails_leaves_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let moments = testing::moments(&[3], 0.08);
+    // Where the folder of a series would be made.
+    fs::write(folder.path().join(CHAINS), "mine").expect("a file");
+    let failed = write_vtk(&moments, 0.4, folder.path(), |_, _| true);
+    let said = failed.expect_err("law: it fails").to_string();
+    assert!(said.contains(CHAINS), "law: it names the folder, got {said}");
+    let entries = fs::read_dir(folder.path()).expect("a folder").flatten();
+    let left: Vec<_> = entries.map(|entry| entry.file_name()).collect();
+    assert_eq!(left, [CHAINS], "law: left what is there, right what stays");
+}
+
 #[test]
 fn a_file_without_cells_is_a_file() {
     let data = PolyData::new(xml::LINES);
