@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import warnings
 from collections.abc import Mapping
@@ -75,15 +74,14 @@ class Run:
     def _json(self, name: str) -> dict[str, Any]:
         path = self.folder / name
         try:
-            content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+            return _table.fields(path)
+        except FileError:
+            raise
         except OSError as error:
             others = [f"pluvia.load_{kind}" for kind, file in (("sweep", "sweep.json"), ("calibration", "calibrate.json"))
                       if (self.folder / file).is_file()]
             hint = f"; {others[0]} opens it" if others else ""
             raise FileError(f"{self.folder} is not the folder of a finished run{hint}: {error}") from None
-        except ValueError as error:
-            raise FileError(f"{path} is not JSON: {error}") from None
-        return content
 
     def __repr__(self) -> str:
         grains = self.record.get("grains", {}).get("count")
@@ -111,7 +109,9 @@ class Run:
     @cached_property
     def scenario(self) -> dict[str, Any]:
         """The scenario with every default filled in."""
-        scenario: dict[str, Any] = self._json("manifest.json")["scenario"]
+        scenario = self._json("manifest.json").get("scenario")
+        if not isinstance(scenario, dict):
+            raise FileError(f"{self.folder / 'manifest.json'} has no `scenario`")
         return scenario
 
     @property
@@ -133,10 +133,7 @@ class Run:
         """The course of the run, `series.csv`: one row per sample (every 0.08 s, or
         `sample_interval_s`), with `time_s`, `mean_surface_mm`, `settlement_mm`, `kinetic_energy_j`
         and more."""
-        try:
-            return _table.read(self.folder / "series.csv")
-        except OSError as error:
-            raise FileError(str(error)) from None
+        return _table.read_file(self.folder / "series.csv")
 
     def at(self, stage: str | int | None = None) -> Specimen:
         """The specimen at the end of a stage: its number from 0, its name if no other stage has it, or `"rest_test"`."""

@@ -65,10 +65,16 @@ def as_file(scenario: Scenario) -> Iterator[str]:
     folder: str | None = os.getcwd()
     if not os.access(os.getcwd(), os.W_OK):
         folder = None
-    handle, path = tempfile.mkstemp(prefix=".pluvia-dict-", suffix=".json", dir=folder)
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
+        handle, path = tempfile.mkstemp(prefix=".pluvia-dict-", suffix=".json", dir=folder)
+    except OSError as error:
+        raise FileError(f"the dict could not be written for the program: {error}") from None
+    try:
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8") as file:
+                file.write(text)
+        except OSError as error:
+            raise FileError(f"{path}: the dict could not be written for the program: {error}") from None
         try:
             yield path
         except (ScenarioError, FileError) as error:

@@ -48,10 +48,12 @@ class Specimen:
         """One row per grain: size and shape as in `grains.csv` of the run, fate, centroid (`x_mm`, `y_mm`, `z_mm`),
         orientation (`rotation_*`, a unit quaternion) and velocities at the end of the stage."""
         here = _frame(self._native.grains_csv())
-        try:
-            own = _table.read(self.folder / "grains.csv")
-        except OSError:
+        path = self.folder / "grains.csv"
+        if not path.exists():
             return here
+        own = _table.read_file(path)
+        if "grain" not in own or own["grain"].duplicated().any():
+            raise FileError(f"{path} has no column `grain` with the name of one grain per row")
         # What is of another moment is left out.
         there = own.columns.intersection(["speed_mm_per_s", "turned_deg", *here.columns]).drop("grain")
         of_grain = own.drop(columns=there)

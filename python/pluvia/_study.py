@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping, Sequence
 from functools import cached_property
@@ -108,10 +107,11 @@ class _Study:
     def __init__(self, folder: str | os.PathLike[str]) -> None:
         self.folder = Path(folder)
         try:
-            text = (self.folder / self._file).read_text(encoding="utf-8")
-            self.record: dict[str, Any] = json.loads(text)
+            self.record: dict[str, Any] = _table.fields(self.folder / self._file)
             """The study's JSON file, as it is nested there."""
-        except (OSError, ValueError) as error:
+        except FileError:
+            raise
+        except OSError as error:
             raise FileError(f"{self.folder}: {error}") from None
 
     def run(self, name: str) -> Run:
@@ -124,10 +124,7 @@ class _Study:
         return self.folder / "report.html"
 
     def _csv(self, name: str) -> pd.DataFrame:
-        try:
-            return _table.read(self.folder / name)
-        except OSError as error:
-            raise FileError(str(error)) from None
+        return _table.read_file(self.folder / name)
 
 
 class Sweep(_Study):

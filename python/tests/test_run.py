@@ -85,6 +85,23 @@ def test_files_that_cannot_be_read_or_written(in_folder: Path) -> None:
         pluvia.example("nothing")
 
 
+@pytest.mark.parametrize("text", ["", "{", "[1]", "3"])
+def test_a_damaged_folder_is_a_file_error_that_names_the_file(tmp_path: Path, text: str) -> None:
+    opened = {"summary.json": pluvia.load, "sweep.json": pluvia.load_sweep, "calibrate.json": pluvia.load_calibration}
+    for name, load in opened.items():
+        (tmp_path / name).write_text(text)
+        with pytest.raises(pluvia.FileError, match=name):
+            load(tmp_path)
+    (tmp_path / "summary.json").write_text("{}")
+    (tmp_path / "manifest.json").write_text(text)
+    with pytest.raises(pluvia.FileError, match="manifest.json"):
+        _ = pluvia.load(tmp_path).scenario
+    for table in (b"", b"time_s\n\xff\n"):
+        (tmp_path / "series.csv").write_bytes(table)
+        with pytest.raises(pluvia.FileError, match="series.csv"):
+            _ = pluvia.load(tmp_path).series
+
+
 def test_another_scenario_is_kept_unless_forced(in_folder: Path) -> None:
     pluvia.run(layer(15.0), "out", progress=False)
     with pytest.raises(pluvia.Error, match="grains.total_mass_g"):
