@@ -206,8 +206,21 @@ impl Manifest {
         Setup::new(&self.scenario).map_err(|reason| ExportError::apparatus(&self.folder, reason))
     }
 
+    /// A file or folder that runs of one command share.
+    fn shared(&self, name: &str) -> Result<PathBuf, FileError> {
+        let path = run_file(&self.folder, name);
+        match path.try_exists() {
+            Ok(false) => {
+                let why = "it is not there; runs of a study have it beside their folder `runs`, \
+                           and are read there alone";
+                Err(FileError::new("read", &path, why))
+            }
+            _ => Ok(path),
+        }
+    }
+
     pub(super) fn grains(&self) -> Result<GrainSet, FileError> {
-        let path = run_file(&self.folder, "grains.json");
+        let path = self.shared("grains.json")?;
         let json = self.read(&path)?;
         grains::from_json(&json).map_err(|e| FileError::unfit(&path, e))
     }
@@ -218,7 +231,7 @@ impl Manifest {
         entry: &StageEntry,
         grains: &GrainSet,
     ) -> Result<SpecimenState, FileError> {
-        let root = run_file(&self.folder, "stages");
+        let root = self.shared("stages")?;
         let (_, state, path) = StageStore::stage_in(&root, &entry.key, &entry.specimen_sha256)?;
         state.check(grains.grains.len()).map_err(|reason| FileError::unfit(&path, reason))?;
         Ok(state)

@@ -340,9 +340,11 @@ fn what_cannot_be_exported_is_said_in_one_line() {
 
     let damaged = folder.path().join("damaged");
     fs::create_dir(&damaged).expect("a folder");
-    for file in ["manifest.json", "grains.json"] {
-        fs::copy(run.join(file), damaged.join(file)).expect("a copy");
-    }
+    fs::copy(run.join("manifest.json"), damaged.join("manifest.json")).expect("a copy");
+    // As a run of a study that is copied without the study.
+    let words = ["damaged/grains.json", "runs of a study have it beside their folder `runs`"];
+    refused(&damaged, &["--format", "csv"], 4, &words);
+    fs::copy(run.join("grains.json"), damaged.join("grains.json")).expect("a copy");
     for (format, missing) in [("csv", "specimen.json"), ("vtk", "stages"), ("glb", "stages")] {
         refused(&damaged, &["--format", format], 4, &[missing]);
     }
