@@ -36,6 +36,13 @@ pub(super) fn made() -> Made {
 /// # Errors
 /// [`FileError`] naming the folder.
 pub(super) fn prepare(folder: &Path) -> Result<(), FileError> {
+    if let Some(store) = store_around(folder) {
+        let why = format!(
+            "{} is the store of another command, which holds stages alone; name another folder",
+            plain_path(&store)
+        );
+        return Err(error::refused("write into the folder", folder, why));
+    }
     if let Some(link) = folder.ancestors().find(|path| path.is_symlink() && !path.exists()) {
         let why = format!("the link {} leads nowhere", plain_path(link));
         return Err(FileError::new("create the folder", folder, why));
@@ -55,6 +62,13 @@ pub(super) fn prepare(folder: &Path) -> Result<(), FileError> {
         BEGUN.with_borrow_mut(|begun| begun.push((folder.to_owned(), open)));
     }
     Ok(())
+}
+
+/// The store of stages that a folder is or is in, there or not yet.
+fn store_around(folder: &Path) -> Option<PathBuf> {
+    let folder = folder.canonicalize().or_else(|_| std::path::absolute(folder)).ok()?;
+    let is_store = |path: &&Path| path.ends_with("stages") && path.join(".lock").is_file();
+    folder.ancestors().find(is_store).map(Path::to_owned)
 }
 
 /// The folders that [`prepare`] would make, from the folder itself upwards.
@@ -206,6 +220,22 @@ mod tests {
         assert!(!is_same(&folder, &open), "law: nothing is there");
         fs::create_dir(&folder).expect("another");
         assert!(!is_same(&folder, &open), "law: another is there");
+    }
+
+    /// Law: nothing but stages goes into a store, whose check would take it for a damaged stage.
+    #[test]
+    fn a_store_takes_no_results() {
+        let base = tempfile::tempdir().expect("a temporary folder");
+        let store = base.path().join("stages");
+        fs::create_dir(&store).expect("a folder");
+        fs::write(store.join(".lock"), "").expect("a file");
+        for folder in [store.clone(), store.join("a/b")] {
+            let error = prepare(&folder).expect_err("law: it is refused");
+            assert!(error.refused && error.to_string().contains("store"), "law: why, got {error}");
+            assert!(!store.join("a").exists(), "law: nothing is made");
+        }
+        fs::remove_file(store.join(".lock")).expect("removed");
+        prepare(&store.join("a/b")).expect("law: other folders may have this name");
     }
 
     #[test]
