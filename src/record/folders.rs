@@ -17,6 +17,10 @@ pub fn create_folder(path: &Path) -> Result<(), FileError> {
     while let Some(folder) = missing.pop() {
         match fs::create_dir(folder) {
             Err(e) if e.kind() == io::ErrorKind::AlreadyExists && folder.is_dir() => {}
+            Err(_) if folder.is_symlink() => {
+                let why = format!("the link {} leads nowhere", folder.display());
+                return Err(FileError::new("create the folder", path, why));
+            }
             made => made.map_err(refused)?,
         }
         sync_folder(above(folder)).map_err(refused)?;
