@@ -31,7 +31,6 @@ pub const SOURCES: &[(&str, &str)] = &[
     ("native-convergence", "engines/native-convergence.csv"),
     ("native-settlement", "engines/native-settlement.csv"),
     ("shaken-tolerance", "engines/shaken-tolerance.csv"),
-    ("shaken-rate", "engines/shaken-rate.csv"),
     ("handed-over", "engines/handed-over.csv"),
     ("size-sand", "scale/sand.csv"),
     ("size-gravel", "scale/gravel.csv"),

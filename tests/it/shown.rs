@@ -188,10 +188,22 @@ fn a_sweep_over_names_shows_them_as_they_are() {
     let folder = tempfile::tempdir().expect("a folder");
     let home = home(folder.path());
     let (scenario, out) = (scenario(&home), home.join("out"));
-    let over = format!("description={},\u{5d0}\u{5d1}\u{5d2} 12", hostile());
-    done(&["sweep", text(&scenario), "--over", &over, "--out", text(&out), "--quiet"]);
+    // Specimens of different grains are values, which the page names.
+    let specimens = ["30", "25"].map(|mass| home.join(format!("\u{5d0}\u{5d1}\u{5d2} {mass}")));
+    for (specimen, mass) in specimens.iter().zip(["30", "25"]) {
+        let set = format!("grains.total_mass_g={mass}");
+        let made = ["--set", &set, "--out", text(specimen), "--quiet", "--no-figures"];
+        done(&[&["run", text(&scenario)][..], &made].concat());
+    }
+    let rest = json!({
+        "name": TAG, "begin": { "specimen": text(&specimens[0]) },
+        "stages": [{ "stage": "rest", "duration_s": 0.05 }], "rest_test_s": 0.05
+    });
+    let rest = write(&home, "rest.json", &rest);
+    let over = format!("begin.specimen={},{}", text(&specimens[0]), text(&specimens[1]));
+    done(&["sweep", text(&rest), "--over", &over, "--out", text(&out), "--quiet"]);
     let page = address(&out.join("report.html"));
-    assert_shown(&mut browser, &page, "a sweep", &[TAG, TURN_SHOWN, "\u{5d0}\u{5d1}\u{5d2} 12"]);
+    assert_shown(&mut browser, &page, "a sweep", &[TAG, TURN_SHOWN, "\u{5d0}\u{5d1}\u{5d2} 25"]);
     let markdown = fs::read_to_string(out.join("sweep.md")).expect("sweep.md");
     assert!(!markdown.contains("<img"), "law: Markdown has no tag of a name");
     assert!(!markdown.contains(['\u{1b}', '\u{202e}']), "law: nor what acts on a terminal");

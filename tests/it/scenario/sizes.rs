@@ -187,7 +187,7 @@ fn funnel_and_plate_must_fit() {
             s["stages"].as_array_mut().expect("a list").push(json!({ "stage": "place_top_plate" }));
         },
         "apparatus.top_plate.diameter_mm",
-        &["does not fit", "less than 114.8 mm"],
+        &["does not fit", "less than 114.7 mm"],
     );
 }
 

@@ -158,7 +158,7 @@ fn a_time_step_that_cannot_resolve_the_motion_is_refused() {
             s["apparatus"] = json!({ "cylinder": { "wall_thickness_mm": 5 } });
         },
         "apparatus.cylinder.wall_thickness_mm",
-        &["through which grains can pass", "at least 9.228 mm"],
+        &["through which grains can pass", "at least 9.229 mm"],
     );
     expect_at("engine.contact_threshold_mm", json!(8), &["longer than a grain", "8 mm"]);
 }
