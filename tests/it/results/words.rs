@@ -386,3 +386,18 @@ fn pours_with_high_friction_miss_the_check_of_the_solver_as_the_page_says() {
     let said = "none misses `solver_residual` with 1 or 1.5, three do with 2, and all with 3";
     assert!(text.contains(said), "law: docs/accuracy.md says `{said}`");
 }
+
+/// Law: counted iterations are said to move no settlement of the paper's specimen beyond scatter
+/// exactly where they do not.
+#[test]
+fn counted_iterations_are_said_to_move_what_they_move() {
+    let all = Results::of(root()).source("shaken").unwrap_or_else(|e| panic!("shaken: {e}"));
+    let counted =
+        all.as_array().and_then(|all| all.iter().find(|row| row["name"] == "tolerance 1"));
+    let counted = counted.expect("a row of counted iterations");
+    let unmoved =
+        ["surface_percent", "plate_percent"].iter().all(|of| within_scatter(&counted[*of]));
+    let page = fs::read_to_string(root().join("docs/accuracy.md")).expect("the page");
+    let said = page.contains("Counted iterations move neither settlement beyond scatter");
+    assert_eq!(said, unmoved, "law: said (left) where both settlements are within scatter (right)");
+}
