@@ -392,7 +392,7 @@ pub const KEPT: &[Kept] = &[
             ("joint/targets.json", "OUT/tables/targets.json"),
         ],
         made: Made::Make("joint BATCHES=1 TABLES=\"$OUT/tables\""),
-        takes: "more than two hours",
+        takes: "an hour or two",
     },
     Kept {
         name: "bench",

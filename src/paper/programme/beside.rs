@@ -11,24 +11,37 @@ use crate::study::STAGE_FORMAT;
 /// Folder of the columns in the output folder.
 const FOLDER: &str = "beside";
 
-/// The engine in words: who carries the grains and finds the contacts, and
-/// every setting that is not the default.
-pub(super) fn label(engine: &EngineSettings) -> String {
-    let default = EngineSettings {
+/// What a programme, or an interpretation of it, with an engine is called: in words, and in names of
+/// runs and files.
+pub(super) fn names(
+    interpretation: Option<&str>,
+    own: &EngineSettings,
+    engine: &EngineSettings,
+) -> (String, String) {
+    match interpretation {
+        None => (label(own, engine), suffix(own, engine)),
+        Some(name) => {
+            let label = interpretation_label(name, own, engine);
+            let suffix = dashed(&label);
+            (label, suffix)
+        }
+    }
+}
+
+/// The engine in words: who carries the grains and finds the contacts, and every setting that is
+/// not that of a programme's own engine.
+pub(super) fn label(own: &EngineSettings, engine: &EngineSettings) -> String {
+    let from = EngineSettings {
         backend: engine.backend,
         contact_solver: engine.contact_solver,
-        ..EngineSettings::default()
+        ..own.clone()
     };
-    with_changes(engine.solver_name().to_owned(), &default, engine)
+    with_changes(engine.solver_name().to_owned(), &from, engine)
 }
 
 /// An interpretation of the paper, whose own engine is given, in words: its name, and every
 /// setting of the engine that is changed beside it.
-pub(super) fn interpretation_label(
-    name: &str,
-    own: &EngineSettings,
-    engine: &EngineSettings,
-) -> String {
+fn interpretation_label(name: &str, own: &EngineSettings, engine: &EngineSettings) -> String {
     with_changes(format!("interpretation {name}"), own, engine)
 }
 
@@ -57,25 +70,31 @@ fn differences(a: &Value, b: &Value, path: &str, found: &mut Vec<String>) {
     }
 }
 
-/// What a programme is called in names of runs and files: nothing for the
-/// default engine, else its label with dashes.
-pub(super) fn suffix(engine: &EngineSettings) -> String {
-    let label = label(engine);
+/// What a programme is called in names of runs and files: nothing for its own engine, else its label
+/// with dashes.
+fn suffix(own: &EngineSettings, engine: &EngineSettings) -> String {
+    let label = label(own, engine);
     // By label, not by settings: threads change no result, and no name.
-    if label == self::label(&EngineSettings::default()) {
-        return String::new();
-    }
-    dashed(&label)
+    if label == self::label(own, own) { String::new() } else { dashed(&label) }
 }
 
-/// A label as a part of names of runs and files.
-pub(super) fn dashed(label: &str) -> String {
+/// Most letters of a label in names: names of files have at most 255.
+const LONGEST: usize = 120;
+
+/// A label as a part of names of runs and files; a long one is cut short, with a hash of it.
+fn dashed(label: &str) -> String {
     let letters = label.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' });
     let mut name = String::from("-");
     for letter in letters {
         if !(letter == '-' && name.ends_with('-')) {
             name.push(letter);
         }
+    }
+    if name.len() > LONGEST {
+        let hash = hash_json(&label);
+        let hash = &hash[..hash.len().min(12)];
+        name.truncate(LONGEST - 1 - hash.len());
+        name = format!("{name}-{hash}");
     }
     name
 }
@@ -158,10 +177,19 @@ mod tests {
             (&rapier, "rapier", "-rapier"),
             (&faster, "native, rate_hz 960.0", "-native-rate-hz-960-0"),
         ] {
-            assert_eq!(label(engine), words, "law: the label of {engine:?}");
-            assert_eq!(suffix(engine), name, "law: the name of {engine:?}");
+            assert_eq!(label(&default, engine), words, "law: the label of {engine:?}");
+            assert_eq!(suffix(&default, engine), name, "law: the name of {engine:?}");
             assert_eq!(engine.is_stock(), words == "stock", "law: of Bullet alone: {engine:?}");
         }
+    }
+
+    /// Law: a label with many changes is still a name of a file, and another one another name.
+    #[test]
+    fn long_labels_are_cut_short_and_stay_apart() {
+        let [one, other] =
+            ["1", "2"].map(|last| dashed(&format!("{}{last}", "a.b 0.125 ".repeat(40))));
+        assert_eq!((one.len(), other.len()), (LONGEST, LONGEST), "law: at most {LONGEST} letters");
+        assert_ne!(one, other, "law: labels that end otherwise have other names");
     }
 
     /// Law: an interpretation is known by its name and by what is changed of its own engine.
@@ -189,7 +217,8 @@ mod tests {
         let engine = |rate_hz| EngineSettings { rate_hz, ..stock.clone() };
         let keep = |rate, column: &Column| {
             let progress = &crate::protocol::Silent;
-            keep_and_read(folder.path(), &suffix(&engine(rate)), column, progress).expect("kept")
+            keep_and_read(folder.path(), &suffix(&engine(480.0), &engine(rate)), column, progress)
+                .expect("kept")
         };
         assert!(keep(100.0, &column("a", "p")).is_empty(), "law: nothing beside the first");
         assert!(keep(200.0, &column("b", "q")).is_empty(), "law: not another programme");

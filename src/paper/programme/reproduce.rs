@@ -101,10 +101,6 @@ impl Scenarios {
         changes: &[Override],
     ) -> Result<Self, StudyError> {
         let poured = if quick { "quick/pluviation.json" } else { "paper/pluviation.json" };
-        let own_engine = |of: &Interpretation| -> Result<EngineSettings, StudyError> {
-            Ok(preset(poured, &of.changes_of(poured)?)?.engine)
-        };
-        let own_engine = interpretation.map(own_engine).transpose()?;
         let with = |name, changes: &[Override]| {
             let mut all = interpretation.map_or(Ok(Vec::new()), |r| r.changes_of(name))?;
             all.extend_from_slice(changes);
@@ -129,15 +125,11 @@ impl Scenarios {
             None => Some(preset("paper/repose.json")?),
             Some(_) => None,
         };
-        let engine = &pluviation.engine;
-        let (label, suffix) = match interpretation.zip(own_engine) {
-            None => (beside::label(engine), beside::suffix(engine)),
-            Some((interpretation, own)) => {
-                let label = beside::interpretation_label(interpretation.name, &own, engine);
-                let suffix = beside::dashed(&label);
-                (label, suffix)
-            }
-        };
+        // What follows a changed specimen or gravity by itself is no change of the engine.
+        let is_of_engine = |of: &&Override| of.path().split('.').next() == Some("engine");
+        let of_others: Vec<_> = changes.iter().filter(|of| !is_of_engine(of)).cloned().collect();
+        let (own, engine) = (with(poured, &of_others)?.engine, &pluviation.engine);
+        let (label, suffix) = beside::names(interpretation.map(|of| of.name), &own, engine);
         let changes = changes.to_vec();
         Ok(Self {
             pluviation,
@@ -361,7 +353,7 @@ fn changes(options: &ReproduceOptions) -> Vec<String> {
 fn provenance(options: &ReproduceOptions, scenarios: &Scenarios) -> BTreeMap<String, String> {
     let engine = crate::world::info(scenarios.engine().backend);
     let target = format!("{} {}", std::env::consts::ARCH, std::env::consts::OS);
-    let mut settings = beside::label(scenarios.engine());
+    let mut settings = beside::label(&EngineSettings::default(), scenarios.engine());
     let mut mode = if options.quick { " --quick" } else { "" }.to_owned();
     if let Some(interpretation) = &options.interpretation {
         let Interpretation { name, title, .. } = interpretation;
@@ -456,6 +448,11 @@ mod tests {
                 typed.iter().map(|text| text.parse().expect("a change")).collect();
             Scenarios::load(true, Some(&interpretation), &changes).expect("scenarios")
         };
+        let lighter = load("full_stroke", &["gravity_m_per_s2=9.8"]);
+        assert_eq!(
+            lighter.suffix, "-interpretation-full-stroke",
+            "law: what follows gravity is not"
+        );
         let stock = ["engine.contact_solver=stock"];
         let (plain, changed) = (load("full_stroke", &[]), load("full_stroke", &stock));
         assert_eq!(plain.label, "interpretation full_stroke");

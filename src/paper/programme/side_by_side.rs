@@ -104,7 +104,7 @@ fn carry_out_interpretation(
         title: interpretation.title.clone(),
         meaning: interpretation.meaning.clone(),
         source: interpretation.source.clone(),
-        settings: beside::label(&scenarios.pluviation.engine),
+        settings: beside::label(&EngineSettings::default(), &scenarios.pluviation.engine),
         programme: scenarios.programme_of_interpretations_hash(options.configurations)?,
         quick: options.quick,
         configurations: options.configurations,

@@ -187,7 +187,10 @@ fn changes(of: &ArgMatches) -> Result<Vec<Vec<Override>>, String> {
 }
 
 fn refused_by(file: &str, changes: &[Override]) -> Option<String> {
-    load_scenario(&root().join(file), changes).err().map(|faults| format!("{file}: {faults}"))
+    let said = load_scenario(&root().join(file), changes).err()?.to_string();
+    // A specimen to begin with is made by commands before.
+    let is_to_be_made = said.contains("begin.specimen") && said.contains("is not there");
+    (!is_to_be_made).then(|| format!("{file}: {said}"))
 }
 
 /// What the first scenario says, where none takes the changes.
